@@ -1,0 +1,1 @@
+//! Fixed-point C from a calibrated model, proven over every input.

@@ -1,0 +1,35 @@
+"""What can go wrong, each with the exit code of the command line."""
+
+__all__ = ["BoundError", "DataError", "DomainWarning", "EchocalError", "ModelError", "UsageError"]
+
+
+class EchocalError(Exception):
+    """Any error that a user can mend; its text says how."""
+
+    exit_code = 1
+
+
+class UsageError(EchocalError, ValueError):
+    """A request that cannot be understood: an unknown name, an impossible combination."""
+
+    exit_code = 2
+
+
+class ModelError(UsageError):
+    """A model that cannot be built or read."""
+
+
+class DataError(EchocalError, ValueError):
+    """Data that cannot be used; the text names the column and the row."""
+
+    exit_code = 3
+
+
+class BoundError(EchocalError, ValueError):
+    """A bound that cannot be met; the text gives the best that can be reached."""
+
+    exit_code = 4
+
+
+class DomainWarning(UserWarning):
+    """A law or effect is used outside the domain that its source states."""

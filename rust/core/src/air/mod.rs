@@ -1,0 +1,165 @@
+//! Moist air: composition and the laws for its speed of sound.
+
+pub mod composition;
+pub mod cramer;
+pub mod ideal_gas;
+pub mod linear;
+
+pub use cramer::Cramer;
+pub use ideal_gas::IdealGas;
+pub use linear::Linear;
+
+use crate::conditions::{Conditions, Quantity};
+use crate::error::Error;
+use crate::scalar::Scalar;
+
+/// The state of the air that a law reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Air<S> {
+    /// Temperature \[degC\].
+    pub temperature: S,
+    /// Relative humidity over liquid water \[1\].
+    pub relative_humidity: S,
+    /// Pressure \[Pa\].
+    pub pressure: S,
+    /// CO2 mole fraction \[1\].
+    pub co2_mole_fraction: S,
+}
+
+impl<S: Scalar> Air<S> {
+    /// The air as recorded.
+    #[inline(always)]
+    pub fn recorded(conditions: &Conditions<S>) -> Self {
+        Self {
+            temperature: conditions.get(Quantity::Temperature),
+            relative_humidity: conditions.get(Quantity::RelativeHumidity),
+            pressure: conditions.get(Quantity::Pressure),
+            co2_mole_fraction: conditions.get(Quantity::Co2MoleFraction),
+        }
+    }
+
+    /// The same air without water.
+    #[inline(always)]
+    #[must_use]
+    pub fn dry(self) -> Self {
+        Self {
+            relative_humidity: S::constant(0.0),
+            ..self
+        }
+    }
+}
+
+/// What is known about a law, for documentation, checks and messages.
+#[derive(Clone, Copy, Debug)]
+pub struct LawFacts {
+    /// Name in Python, on the command line and in model files.
+    pub id: &'static str,
+    /// One sentence.
+    pub sentence: &'static str,
+    /// The formula, in symbols.
+    pub formula: &'static str,
+    /// Source with DOI.
+    pub source: &'static str,
+    /// The influence quantities it reacts to.
+    pub reads: &'static [Quantity],
+    /// Where it holds, and how well, in words.
+    pub domain: &'static str,
+}
+
+/// A law for the zero-frequency speed of sound \[m/s\].
+pub trait SpeedLaw: Copy + Send + Sync {
+    /// What is known about the law.
+    const FACTS: LawFacts;
+
+    /// Speed of sound \[m/s\].
+    fn speed<S: Scalar>(&self, air: &Air<S>) -> S;
+}
+
+macro_rules! laws {
+    ($($law:ident),+ $(,)?) => {
+        /// One of the laws for the speed of sound.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Law {
+            $(#[doc = concat!("See [`", stringify!($law), "`].")] $law($law)),+
+        }
+
+        impl Law {
+            /// What is known about each law.
+            pub const ALL: &'static [LawFacts] = &[$($law::FACTS),+];
+
+            /// What is known about this law.
+            #[must_use]
+            pub fn facts(&self) -> LawFacts {
+                match self { $(Self::$law(_) => $law::FACTS),+ }
+            }
+
+            /// Speed of sound \[m/s\].
+            #[inline(always)]
+            pub fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
+                match self { $(Self::$law(law) => law.speed(air)),+ }
+            }
+
+            fn named(id: &str) -> Option<Self> {
+                $(if id == $law::FACTS.id { return Some(Self::$law($law::default())); })+
+                None
+            }
+        }
+    };
+}
+
+laws!(Linear, IdealGas, Cramer);
+
+impl Law {
+    /// The names that [`Law::parse`] knows.
+    #[must_use]
+    pub fn names() -> Vec<&'static str> {
+        Self::ALL.iter().map(|facts| facts.id).collect()
+    }
+
+    /// A law by its name, or a linear law by its expression (`331.3+0.606*T`, `343`).
+    ///
+    /// # Errors
+    /// [`Error::UnknownLaw`] where it is neither.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        Self::named(text)
+            .or_else(|| Linear::parse(text).map(Self::Linear))
+            .ok_or_else(|| Error::UnknownLaw {
+                given: text.to_owned(),
+            })
+    }
+
+    /// The text that [`Law::parse`] turns back into this law.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Self::Linear(law) if *law != Linear::default() => law.text(),
+            other => other.facts().id.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_and_parse_are_inverse() {
+        for text in [
+            "linear",
+            "cramer",
+            "ideal_gas",
+            "331.3+0.606*T",
+            "343",
+            "320-0.5*T",
+        ] {
+            assert_eq!(Law::parse(text).unwrap().text(), text);
+        }
+        assert_eq!(Law::parse("331.4 + 0.6*T").unwrap().text(), "linear");
+        assert!(
+            Law::parse("cramr")
+                .unwrap_err()
+                .to_string()
+                .contains("cramer")
+        );
+    }
+}

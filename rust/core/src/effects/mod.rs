@@ -1,0 +1,63 @@
+//! Effects: deviations of a real sensor from its simulation, one file each.
+//!
+//! An effect is exactly the identity at its neutral parameters. Everything else (simulator,
+//! Jacobian, compensation, fitter, diagnosis, documentation, conformance tests) iterates this
+//! registry; to add an effect, write its file and add one line to `registry!` below.
+
+mod facts;
+
+pub use facts::{Facts, Firmware, ParameterFacts};
+
+use crate::chain::Chain;
+use crate::scalar::Scalar;
+
+/// A deviation that acts on the mean of the indication.
+pub trait Effect {
+    /// What is known about the effect.
+    const FACTS: Facts;
+
+    /// Changes the variable of the effect's stage.
+    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]);
+}
+
+macro_rules! registry {
+    ($($module:ident :: $effect:ident),+ $(,)?) => {
+        $(mod $module;)+
+
+        /// Every effect, in the order of the registry.
+        pub static ALL: &[&Facts] = &[$(&$module::$effect::FACTS),+];
+
+        /// Applies the effect with this index in [`ALL`].
+        #[inline(always)]
+        pub fn apply<S: Scalar>(index: usize, chain: &mut Chain<S>, parameters: &[S]) {
+            let mut position = 0;
+            $(
+                if index == position {
+                    return $module::$effect::apply(chain, parameters);
+                }
+                position += 1;
+            )+
+            debug_assert!(index < position, "no effect has index {index}");
+        }
+    };
+}
+
+registry!(zero_error::ZeroError, fixed_delay::FixedDelay,);
+
+/// The ids of all effects.
+#[must_use]
+pub fn ids() -> Vec<&'static str> {
+    ALL.iter().map(|facts| facts.id).collect()
+}
+
+/// The effect of this id.
+#[must_use]
+pub fn find(id: &str) -> Option<&'static Facts> {
+    index_of(id).map(|index| ALL[index])
+}
+
+/// The position in [`ALL`] of the effect of this id.
+#[must_use]
+pub fn index_of(id: &str) -> Option<usize> {
+    ALL.iter().position(|facts| facts.id == id)
+}

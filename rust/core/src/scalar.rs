@@ -1,0 +1,112 @@
+//! The number type that every formula is written in.
+//!
+//! A formula generic over [`Scalar`] simulates with `f64`/`f32`, runs batches in SIMD lanes and
+//! gives exact derivatives with [`Dual`](crate::dual::Dual). The trait has no comparison
+//! operators, so a formula cannot branch on a value: it stays differentiable and vectorizes.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number, possibly carrying derivatives, possibly several at once.
+pub trait Scalar:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// A constant of the formula, rounded once to the width of `Self`; its derivatives are zero.
+    fn constant(value: f64) -> Self;
+
+    /// `self * factor + term` with one rounding: the same bits on every instruction set.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// Square root.
+    fn sqrt(self) -> Self;
+
+    /// Exponential function, branch-free.
+    fn exp(self) -> Self;
+
+    /// Absolute value.
+    fn abs(self) -> Self;
+
+    /// `chosen` where `condition >= 0`, else `other` (also where `condition` is NaN).
+    fn select(condition: Self, chosen: Self, other: Self) -> Self;
+
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(other - self, self, other)
+    }
+
+    /// The larger of two numbers.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(self - other, self, other)
+    }
+}
+
+/// `coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ...` by Horner's rule.
+#[inline(always)]
+pub fn polynomial<S: Scalar, const N: usize>(x: S, coefficients: [f64; N]) -> S {
+    let mut sum = S::constant(coefficients[N - 1]);
+    for &coefficient in coefficients[..N - 1].iter().rev() {
+        sum = sum.mul_add(x, S::constant(coefficient));
+    }
+    sum
+}
+
+macro_rules! scalar_for_float {
+    ($float:ty) => {
+        impl Scalar for $float {
+            #[inline(always)]
+            #[allow(clippy::cast_possible_truncation)] // the narrower width is the point
+            fn constant(value: f64) -> Self {
+                value as $float
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                <$float>::mul_add(self, factor, term)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                <$float>::exp(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$float>::abs(self)
+            }
+            #[inline(always)]
+            fn select(condition: Self, chosen: Self, other: Self) -> Self {
+                if condition >= 0.0 { chosen } else { other }
+            }
+        }
+    };
+}
+
+scalar_for_float!(f64);
+scalar_for_float!(f32);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomial_is_horner() {
+        assert_eq!(polynomial(2.0, [1.0, 10.0, 100.0]), 421.0);
+        assert_eq!(polynomial(7.0_f32, [3.0]), 3.0);
+    }
+
+    #[test]
+    fn select_takes_the_other_side_for_nan() {
+        assert_eq!(f64::select(f64::NAN, 1.0, 2.0), 2.0);
+        assert_eq!(f64::select(0.0, 1.0, 2.0), 1.0);
+        assert_eq!(Scalar::min(1.0, 2.0), 1.0);
+        assert_eq!(Scalar::max(1.0, 2.0), 2.0);
+    }
+}

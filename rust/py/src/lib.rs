@@ -1,0 +1,16 @@
+//! Python binding of echocal: conversion only.
+
+use pyo3::prelude::*;
+
+mod errors;
+mod model;
+mod registry;
+
+/// The compiled core of echocal.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::model::CoreModel;
+    #[pymodule_export]
+    use super::registry::{effects, laws, quantities};
+}
