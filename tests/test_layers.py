@@ -1,0 +1,77 @@
+"""Arrows point one way: a module imports only what stands below it."""
+
+import ast
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "python" / "echocal"
+
+LAYERS = (
+    {"_core", "errors"},
+    {"conditions", "air", "registry"},
+    {"model"},
+    {"observations"},
+    {"sweep", "calibrate"},
+    {"diagnose"},
+    {"plots", "report", "verify", "firmware", "batch", "correct"},
+    {"study"},
+    {"cli"},
+)
+FLOOR = {room: floor for floor, rooms in enumerate(LAYERS) for room in rooms}
+
+
+def room(path: Path) -> str:
+    first = path.relative_to(PACKAGE).parts[0]
+    return first.removesuffix(".py").removesuffix(".pyi")
+
+
+def imported_rooms(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text())):
+        match node:
+            case ast.ImportFrom(module="echocal", names=names):
+                yield from (alias.name for alias in names)
+            case ast.ImportFrom(module=str(module)) if module.startswith("echocal."):
+                yield module.split(".")[1]
+            case ast.Import(names=names):
+                parts = [alias.name.split(".") for alias in names]
+                yield from (part[1] for part in parts if part[0] == "echocal" and len(part) > 1)
+
+
+MODULES = [path for path in sorted(PACKAGE.rglob("*.py")) if room(path) not in {"__init__", "__main__"}]
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_down(path: Path) -> None:
+    here = room(path)
+    assert here in FLOOR, f"{here} has no floor: give it one in LAYERS"
+    for there in imported_rooms(path):
+        assert there == here or FLOOR[there] < FLOOR[here], f"{here} must not import {there}"
+
+
+def dependencies(manifest: str) -> set[str]:
+    return set(tomllib.loads((ROOT / manifest).read_text()).get("dependencies", {}))
+
+
+def test_crates_point_down() -> None:
+    assert dependencies("rust/core/Cargo.toml") == set(), "the core is pure: no dependency at all"
+    assert not dependencies("firmware_gen/Cargo.toml") & {"pyo3", "numpy", "echocal-py"}
+
+
+SOURCES = [
+    path
+    for folder in ("rust", "python", "firmware_gen", "tests", "benches")
+    for ending in ("*.rs", "*.py", "*.j2")
+    for path in sorted((ROOT / folder).rglob(ending))
+]
+
+
+def test_files_stay_short() -> None:
+    lines = {path: len(path.read_text().splitlines()) for path in SOURCES}
+    long = {str(path.relative_to(ROOT)): count for path, count in lines.items() if count > 400}
+    assert not long, f"over 400 lines: {long}"
+    assert median(lines.values()) < 150
