@@ -10,8 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import echocal
 import pytest
+
+import echocal
 from echocal.cli import COMMANDS
 
 ROOT = Path(__file__).parents[1]
