@@ -1,6 +1,9 @@
-//! Moist air as a mixture of ideal gases.
+//! Moist air as a mixture of ideal gases of rigid molecules.
 
-use super::composition::{ZERO_CELSIUS, water_vapor_mole_fraction};
+use super::composition::{
+    GAS_CONSTANT, ZERO_CELSIUS, co2_excess, molar_mass, water_vapor_mole_fraction,
+};
+use super::domain::MOIST_AIR;
 use super::{Air, LawFacts, SpeedLaw};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -9,39 +12,48 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct IdealGas;
 
-/// Molar gas constant \[J/(mol K)\], SI brochure 9th edition (exact).
-const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
-/// Molar mass of dry air with 0.04 % CO2 \[kg/mol\], CIPM-2007 (Picard et al. 2008) eq. (3).
-const DRY_AIR: f64 = 28.965_46e-3;
-/// Molar mass of water \[kg/mol\], CIPM-2007.
-const WATER: f64 = 18.015_28e-3;
-/// Molar heat capacity at constant pressure over R: diatomic gas 7/2, water vapor 4 (rigid rotor).
-const HEAT_CAPACITY: (f64, f64) = (3.5, 4.0);
+/// Molar heat capacity at constant pressure over R of a rigid diatomic gas: 7/2.
+const DIATOMIC: f64 = 3.5;
+/// The same of a rigid bent molecule, water vapor: 4.
+const WATER: f64 = 4.0;
 
 impl SpeedLaw for IdealGas {
     const FACTS: LawFacts = LawFacts {
         id: "ideal_gas",
-        sentence: "Mixture of ideal gases with rigid molecules.",
-        formula: "c = sqrt(gamma R T / M)",
-        source: "molar masses: Picard et al. 2008, doi:10.1088/0026-1394/45/2/004",
+        sentence: "Mixture of ideal gases with rigid molecules, as textbooks have it.",
+        formula: "c = sqrt(gamma R T / M), gamma = (7 + xw) / (5 + xw)",
+        source: "Bohn 1988, J. Audio Eng. Soc. 36, 223 (gamma); Picard et al. 2008, \
+                 doi:10.1088/0026-1394/45/2/004 (molar masses)",
         reads: &[
             Quantity::Temperature,
             Quantity::RelativeHumidity,
             Quantity::Pressure,
+            Quantity::Co2MoleFraction,
         ],
-        domain: "-20..60 degC",
+        domain: "-20..60 degC, 60..110 kPa; no real-gas term, no vibration",
+        limits: MOIST_AIR,
     };
 
     #[inline(always)]
     fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
         let water = water_vapor_mole_fraction(air);
-        let capacity = water.mul_add(
-            S::constant(HEAT_CAPACITY.1 - HEAT_CAPACITY.0),
-            S::constant(HEAT_CAPACITY.0),
-        );
-        let gamma = capacity / (capacity - S::constant(1.0));
-        let molar_mass = water.mul_add(S::constant(WATER - DRY_AIR), S::constant(DRY_AIR));
+        let capacity = water.mul_add(S::constant(WATER - DIATOMIC), S::constant(DIATOMIC));
+        let mass = molar_mass(water, co2_excess(air));
         let kelvin = air.temperature + S::constant(ZERO_CELSIUS);
-        (gamma * S::constant(GAS_CONSTANT) * kelvin / molar_mass).sqrt()
+        let scaled = capacity * S::constant(GAS_CONSTANT) * kelvin;
+        (scaled / ((capacity - S::constant(1.0)) * mass)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conditions::Conditions;
+
+    #[test]
+    fn dry_air_at_zero_celsius_by_hand() {
+        // sqrt(1.4 * 8.31446261815324 * 273.15 / 0.02896546), by another tool
+        let air = Air::recorded(&Conditions::at(0.0));
+        assert!((IdealGas.speed(&air) - 331.315_304_546_301_1).abs() < 1e-10);
     }
 }

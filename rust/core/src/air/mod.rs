@@ -1,13 +1,23 @@
 //! Moist air: composition and the laws for its speed of sound.
 
+pub mod absorption;
 pub mod composition;
 pub mod cramer;
+pub mod dispersion;
+pub mod domain;
 pub mod ideal_gas;
 pub mod linear;
+mod relaxation;
+pub mod virial;
+mod virial_coefficients;
 
+pub use absorption::absorption;
 pub use cramer::Cramer;
+pub use dispersion::dispersed;
+pub use domain::{Departure, Limits};
 pub use ideal_gas::IdealGas;
 pub use linear::Linear;
+pub use virial::Virial;
 
 use crate::conditions::{Conditions, Quantity};
 use crate::error::Error;
@@ -64,6 +74,8 @@ pub struct LawFacts {
     pub reads: &'static [Quantity],
     /// Where it holds, and how well, in words.
     pub domain: &'static str,
+    /// Where it holds, in numbers.
+    pub limits: Limits,
 }
 
 /// A law for the zero-frequency speed of sound \[m/s\].
@@ -99,6 +111,12 @@ macro_rules! laws {
                 match self { $(Self::$law(law) => law.speed(air)),+ }
             }
 
+            /// Speed of sound at a frequency \[m/s\]; the law itself at frequency zero.
+            #[inline(always)]
+            pub fn speed_at_frequency<S: Scalar>(&self, air: &Air<S>, frequency: S) -> S {
+                dispersed(self.speed(air), air, frequency)
+            }
+
             fn named(id: &str) -> Option<Self> {
                 $(if id == $law::FACTS.id { return Some(Self::$law($law::default())); })+
                 None
@@ -107,7 +125,7 @@ macro_rules! laws {
     };
 }
 
-laws!(Linear, IdealGas, Cramer);
+laws!(Linear, IdealGas, Cramer, Virial);
 
 impl Law {
     /// The names that [`Law::parse`] knows.
