@@ -47,6 +47,15 @@ pub enum Error {
         /// The influence quantity in question.
         quantity: &'static str,
     },
+    /// One effect needs a quantity recorded that another needs not recorded.
+    Contradiction {
+        /// Id of the effect that was to be added.
+        effect: &'static str,
+        /// Id of the effect that stands in the model already.
+        present: &'static str,
+        /// The influence quantity in question.
+        quantity: &'static str,
+    },
 }
 
 impl fmt::Display for Error {
@@ -95,6 +104,15 @@ impl fmt::Display for Error {
                 f,
                 "law '{law}' already reads {quantity}: effect '{effect}' would count it twice; \
                  drop the effect or choose a law that ignores {quantity} (linear)"
+            ),
+            Self::Contradiction {
+                effect,
+                present,
+                quantity,
+            } => write!(
+                f,
+                "effects '{present}' and '{effect}' exclude each other: one needs {quantity} \
+                 recorded, the other not recorded; keep one of them"
             ),
         }
     }

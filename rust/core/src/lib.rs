@@ -7,6 +7,8 @@
 //! Units: distance m, time s, temperature degC, relative humidity 0..1, pressure Pa, CO2 mole
 //! fraction 1, speed m/s, angle rad.
 
+#![cfg_attr(test, allow(clippy::suboptimal_flops))] // tests state expected values plainly
+
 pub mod air;
 pub mod chain;
 pub mod conditions;

@@ -34,6 +34,15 @@ impl CoreModel {
         self.model.law().text()
     }
 
+    /// Effect id with its parameter values in the order of its facts, in the order of the chain.
+    #[getter]
+    fn terms(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let terms = self.model.terms().iter();
+        terms
+            .map(|t| (t.facts().id, t.parameters.clone()))
+            .collect()
+    }
+
     /// Indication \[m\] at a true distance \[m\].
     fn indicate<'py>(
         &self,

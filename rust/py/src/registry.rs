@@ -1,6 +1,6 @@
 //! Laws, effects and quantities, as data.
 
-use echocal_core::effects::{ALL, Facts, Firmware};
+use echocal_core::effects::{ALL, Facts, Firmware, Role};
 use echocal_core::{Law, Quantity};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -23,8 +23,11 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("formula", facts.formula)?;
     dict.set_item("source", facts.source)?;
     dict.set_item("reads", names(facts.reads))?;
+    dict.set_item("requires", names(facts.requires))?;
+    dict.set_item("excludes", names(facts.excludes))?;
     dict.set_item("supplies", facts.supplies.map(|q| q.facts().name))?;
     dict.set_item("domain", facts.domain)?;
+    dict.set_item("check", facts.check)?;
     let (form, detail) = match facts.firmware {
         Firmware::Folded => ("folded", None),
         Firmware::Needs(quantity) => ("needs", Some(quantity.facts().name)),
@@ -39,6 +42,11 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
             let dict = PyDict::new(py);
             dict.set_item("name", p.name)?;
             dict.set_item("unit", p.unit)?;
+            let role = match p.role {
+                Role::Size => "size",
+                Role::Shape => "shape",
+            };
+            dict.set_item("role", role)?;
             dict.set_item("neutral", p.neutral)?;
             dict.set_item("bounds", p.bounds)?;
             dict.set_item("prior_scale", p.prior_scale)?;

@@ -3,6 +3,15 @@
 use crate::chain::Stage;
 use crate::conditions::Quantity;
 
+/// What a parameter does to its effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// How much: the effect is the identity where every size is neutral.
+    Size,
+    /// In what form: without meaning (and without derivative) while every size is neutral.
+    Shape,
+}
+
 /// One parameter of an effect.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterFacts {
@@ -10,22 +19,24 @@ pub struct ParameterFacts {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// The value at which the effect is the identity.
+    /// Whether it is a size or a shape.
+    pub role: Role,
+    /// A size's value at which the effect is the identity; a shape's usual value.
     pub neutral: f64,
-    /// Physical bounds, inclusive.
+    /// Physical bounds, inclusive; the prior is cut off there.
     pub bounds: (f64, f64),
     /// Typical magnitude of the deviation from neutral: one standard deviation of its prior.
     pub prior_scale: f64,
-    /// The value, where theory or trade fixes it (a known correction has coefficient 1).
+    /// The values that theory or trade fix (a known correction has size 1); empty where none.
     pub known: &'static [f64],
 }
 
 /// Whether and how a microcontroller can compensate an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Firmware {
-    /// Folded into the tables: it needs no input beyond echo time and the air's quantities.
+    /// Folded into the tables: it needs no input beyond echo time and temperature.
     Folded,
-    /// Needs this input, which the device must have.
+    /// Needs this further input, which the device must have.
     Needs(Quantity),
     /// Cannot be lowered, with the reason.
     Refused(&'static str),
@@ -40,18 +51,24 @@ pub struct Facts {
     pub stage: Stage,
     /// One sentence for people.
     pub sentence: &'static str,
-    /// The formula, in symbols.
+    /// The formula, in symbols; primed symbols are the values after the effect.
     pub formula: &'static str,
     /// Source.
     pub source: &'static str,
-    /// The influence quantities it reacts to besides the distance.
+    /// The influence quantities that its change of the stage's variable reacts to.
     pub reads: &'static [Quantity],
+    /// Quantities that must have been recorded for the effect to have a meaning.
+    pub requires: &'static [Quantity],
+    /// Quantities that must not have been recorded for the effect to have a meaning.
+    pub excludes: &'static [Quantity],
+    /// A quantity whose influence it adds: a law that reads that quantity refuses the effect.
+    pub supplies: Option<Quantity>,
     /// Its parameters, in the order that `apply` takes them.
     pub parameters: &'static [ParameterFacts],
-    /// A quantity it brings in: a law that reads that quantity already refuses the effect.
-    pub supplies: Option<Quantity>,
     /// Where it holds, in words.
     pub domain: &'static str,
+    /// The measurement that confirms or refutes it.
+    pub check: &'static str,
     /// Whether a microcontroller can compensate it.
     pub firmware: Firmware,
 }
@@ -61,5 +78,22 @@ impl Facts {
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|p| p.name == name)
+    }
+
+    /// The neutral values of all parameters.
+    #[must_use]
+    pub fn neutral(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.neutral).collect()
+    }
+
+    /// The quantity that one of two effects needs recorded and the other not: they exclude each
+    /// other.
+    #[must_use]
+    pub fn contradiction(&self, other: &Self) -> Option<Quantity> {
+        let clash = |a: &Self, b: &Self| {
+            let mut required = a.requires.iter();
+            required.find(|q| b.excludes.contains(q)).copied()
+        };
+        clash(self, other).or_else(|| clash(other, self))
     }
 }

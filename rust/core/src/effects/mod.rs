@@ -5,8 +5,10 @@
 //! registry; to add an effect, write its file and add one line to `registry!` below.
 
 mod facts;
+#[cfg(test)]
+mod testing;
 
-pub use facts::{Facts, Firmware, ParameterFacts};
+pub use facts::{Facts, Firmware, ParameterFacts, Role};
 
 use crate::chain::Chain;
 use crate::scalar::Scalar;
@@ -42,7 +44,18 @@ macro_rules! registry {
     };
 }
 
-registry!(zero_error::ZeroError, fixed_delay::FixedDelay,);
+registry!(
+    temperature_offset::TemperatureOffset,
+    temperature_gain::TemperatureGain,
+    speed_intercept::SpeedIntercept,
+    speed_slope::SpeedSlope,
+    humidity::Humidity,
+    unrecorded_humidity::UnrecordedHumidity,
+    zero_error::ZeroError,
+    fixed_delay::FixedDelay,
+    clock_error::ClockError,
+    fixed_speed::FixedSpeed,
+);
 
 /// The ids of all effects.
 #[must_use]

@@ -1,6 +1,6 @@
 //! The zero of the ruler is not the acoustic center.
 
-use super::{Effect, Facts, Firmware, ParameterFacts};
+use super::{Effect, Facts, Firmware, ParameterFacts, Role};
 use crate::chain::{Chain, Stage};
 use crate::scalar::Scalar;
 
@@ -15,16 +15,20 @@ impl Effect for ZeroError {
         formula: "d' = d + offset",
         source: "holodeck2.blogspot.com, URS - Calibration (about 6 mm seen)",
         reads: &[],
+        requires: &[],
+        excludes: &[],
+        supplies: None,
         parameters: &[ParameterFacts {
             name: "offset",
             unit: "m",
+            role: Role::Size,
             neutral: 0.0,
             bounds: (-0.1, 0.1),
             prior_scale: 5e-3,
             known: &[],
         }],
-        supplies: None,
-        domain: "any",
+        domain: "any distance and air",
+        check: "measure a second distance, and the zero again with a caliper",
         firmware: Firmware::Folded,
     };
 
@@ -36,17 +40,24 @@ impl Effect for ZeroError {
 
 #[cfg(test)]
 mod tests {
-    use crate::model::Model;
-    use crate::{Conditions, Law};
+    use crate::Conditions;
+    use crate::effects::testing::error;
 
     #[test]
-    fn five_millimeters_stay_five_millimeters() {
-        let model = Model::new(Law::parse("cramer").unwrap())
-            .with("zero_error", &[("offset", 5e-3)])
-            .unwrap();
-        for temperature in [0.0, 20.0, 50.0] {
-            let indication = model.indicate(2.0, &Conditions::at(temperature));
-            assert!((indication - 2.005).abs() < 1e-12);
+    fn five_millimeters_are_five_millimeters() {
+        let offset = &[("offset", 5e-3)];
+        let error = error("cramer", "zero_error", offset, 2.0, &Conditions::at(20.0));
+        assert!((error - 5e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn is_the_same_at_every_temperature_and_distance() {
+        let at = |d, t| {
+            let at = Conditions::at(t);
+            error("cramer", "zero_error", &[("offset", -7e-3)], d, &at)
+        };
+        for (distance, temperature) in [(0.1, 0.0), (2.0, 50.0), (4.0, -20.0)] {
+            assert!((at(distance, temperature) + 7e-3).abs() < 1e-14);
         }
     }
 }
