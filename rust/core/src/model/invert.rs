@@ -5,6 +5,7 @@ use crate::air::Air;
 use crate::chain::{Chain, Stage};
 use crate::conditions::Conditions;
 use crate::dual::Dual;
+use crate::scalar::Scalar;
 
 impl Model {
     /// The true distance \[m\] of an indication \[m\]: the inverse of [`Model::indicate`].

@@ -3,6 +3,7 @@
 use super::{Model, constants};
 use crate::conditions::Conditions;
 use crate::dual::Dual;
+use crate::scalar::Scalar;
 
 impl Model {
     /// Derivatives of the indication: first to the distance, then to each parameter.
