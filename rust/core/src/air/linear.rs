@@ -1,6 +1,6 @@
 //! The linear law of textbooks and hobby libraries.
 
-use super::domain::{ANY, Limits};
+use super::domain::{Limits, MOIST_AIR, UNLIMITED};
 use super::{Air, LawFacts, SpeedLaw};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -31,13 +31,10 @@ impl SpeedLaw for Linear {
         formula: "c = 331.4 + 0.6 t",
         source: "the study's equation (there ascribed to Cramer 1993, who has no such equation)",
         reads: &[Quantity::Temperature],
-        domain: "dry air, 0..40 degC",
+        domain: "dry air, -20..60 degC",
         limits: Limits {
-            temperature: (0.0, 40.0),
-            relative_humidity: ANY,
-            pressure: ANY,
-            co2_mole_fraction: ANY,
-            water_vapor_mole_fraction: ANY,
+            temperature: MOIST_AIR.temperature,
+            ..UNLIMITED
         },
     };
 

@@ -14,7 +14,7 @@ mod virial_coefficients;
 pub use absorption::absorption;
 pub use cramer::Cramer;
 pub use dispersion::dispersed;
-pub use domain::{Departure, Limits};
+pub use domain::{Departure, Finding, Limits};
 pub use ideal_gas::IdealGas;
 pub use linear::Linear;
 pub use virial::Virial;
