@@ -13,6 +13,7 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "errors"},
+    {"domain"},
     {"conditions", "air", "registry"},
     {"model"},
     {"observations"},

@@ -1,9 +1,11 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
+from echocal.domain import DEPARTURES, departures
 from echocal.errors import BoundError, DataError, DomainWarning, EchocalError, ModelError, UsageError
 from echocal.model import Model
 
 __all__ = [
+    "DEPARTURES",
     "BoundError",
     "DataError",
     "DomainWarning",
@@ -11,4 +13,5 @@ __all__ = [
     "Model",
     "ModelError",
     "UsageError",
+    "departures",
 ]

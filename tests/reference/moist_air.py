@@ -14,6 +14,7 @@ ice, echocal and meteorology (WMO No. 8) over supercooled water.
 from __future__ import annotations
 
 import numpy as np
+from CoolProp import PT_INPUTS, AbstractState, iphase_gas
 from CoolProp.CoolProp import PropsSI
 from CoolProp.HumidAirProp import HAPropsSI
 from iapws import IAPWS95
@@ -71,3 +72,19 @@ def iapws(temperature: float, water: float, pressure: float) -> float:
 def dry_air(temperature: float, pressure: float) -> float:
     """Speed of sound of dry air [m/s], Lemmon et al. 2000, by CoolProp."""
     return float(PropsSI("A", "T", temperature + ZERO_CELSIUS, "P", pressure, "Air"))
+
+
+def hapropssi_at_humidity(temperature: float, relative_humidity: float, pressure: float) -> float:
+    """As `hapropssi`, at CoolProp's own water for a relative humidity (over ice below 0.01 degC)."""
+    kelvin = temperature + ZERO_CELSIUS
+    return float(HAPropsSI("speed_of_sound", "T", kelvin, "P", pressure, "R", relative_humidity))
+
+
+def gerg(temperature: float, pressure: float, carbon_dioxide: float) -> float:
+    """Speed of sound of dry air with CO2 in the place of oxygen [m/s], GERG-2008 by CoolProp."""
+    oxygen, argon = 0.20979 - carbon_dioxide, 0.00934
+    state = AbstractState("HEOS", "Nitrogen&Oxygen&Argon&CarbonDioxide")
+    state.set_mole_fractions([1.0 - oxygen - argon - carbon_dioxide, oxygen, argon, carbon_dioxide])
+    state.specify_phase(iphase_gas)
+    state.update(PT_INPUTS, pressure, temperature + ZERO_CELSIUS)
+    return float(state.speed_sound())

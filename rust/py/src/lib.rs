@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+mod domain;
 mod errors;
 mod model;
 mod registry;
@@ -9,6 +10,8 @@ mod registry;
 /// The compiled core of echocal.
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]

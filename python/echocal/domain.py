@@ -1,0 +1,128 @@
+"""Where laws hold: a mask as long as the input, or one loud warning; never a clamped value."""
+
+import warnings
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal import _core
+from echocal.errors import DomainWarning, UsageError
+
+__all__ = ["DEPARTURES", "departures", "warn_outside"]
+
+DEPARTURES: tuple[str, ...] = tuple(_core.departure_names())
+"""What each code of `departures` says lies outside; empty for inside."""
+
+
+def _arrays(*values: ArrayLike) -> list[NDArray[np.float64]]:
+    return [np.asarray(value, dtype=np.float64) for value in values]
+
+
+def departures(
+    temperature: ArrayLike,
+    relative_humidity: ArrayLike = 0.0,
+    pressure: ArrayLike = 101325.0,
+    co2_mole_fraction: ArrayLike = 4e-4,
+    *,
+    law: str | None = "cramer",
+    frequency: ArrayLike = 0.0,
+) -> NDArray[np.uint8]:
+    """Tell where a law is used outside the domain in which it was shown to hold.
+
+    Parameters
+    ----------
+    temperature : array_like
+        Air temperature [degC].
+    relative_humidity : array_like
+        Relative humidity over liquid water [1], 0 to 1.
+    pressure : array_like
+        Air pressure [Pa].
+    co2_mole_fraction : array_like
+        Mole fraction of carbon dioxide [1].
+    law : str or None
+        Name of a law; None asks for the domain of absorption alone.
+    frequency : array_like
+        Frequency [Hz]; above zero, the domain of the dispersion counts too.
+
+    Returns
+    -------
+    ndarray of uint8
+        For every row, of the broadcast shape, 0 where the law holds, else the position in
+        `DEPARTURES` of the first quantity that lies outside.
+
+    Raises
+    ------
+    ModelError
+        If there is no such law.
+    UsageError
+        If the shapes do not broadcast.
+
+    References
+    ----------
+    Cramer 1993, doi:10.1121/1.405827; ISO 9613-1:1993, section 7.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> codes = echocal.departures([20.0, 45.0, 70.0], 0.9, law="cramer")
+    >>> [echocal.DEPARTURES[code] for code in codes]
+    ['', 'water_vapor_mole_fraction', 'temperature']
+    """
+    values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
+    try:
+        broadcast = np.broadcast_arrays(*values)
+    except ValueError:
+        shapes = ", ".join(str(value.shape) for value in values)
+        message = f"shapes do not broadcast: {shapes} (temperature, humidity, pressure, CO2, frequency)"
+        raise UsageError(message) from None
+    flat = [np.ascontiguousarray(value).reshape(-1) for value in broadcast]
+    return _core.departures(law, flat).reshape(broadcast[0].shape)
+
+
+def warn_outside(
+    temperature: ArrayLike,
+    relative_humidity: ArrayLike = 0.0,
+    pressure: ArrayLike = 101325.0,
+    co2_mole_fraction: ArrayLike = 4e-4,
+    *,
+    law: str | None = "cramer",
+    frequency: ArrayLike = 0.0,
+    stacklevel: int = 1,
+) -> None:
+    """Warn once if any row lies outside the law's domain; rows that are NaN are not counted.
+
+    Parameters are those of `departures`; `stacklevel` 1 names the caller, 2 its caller. Every
+    limit is monotone in each input, so two corners clear columns of any length without a pass over
+    all combinations.
+
+    Examples
+    --------
+    >>> from echocal.domain import warn_outside
+    >>> warn_outside([10.0, 20.0], 0.5)
+    """
+    values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
+    if min(value.size for value in values) == 0:
+        return
+    lowest = [float(np.fmin.reduce(value, axis=None)) for value in values]
+    highest = [float(np.fmax.reduce(value, axis=None)) for value in values]
+    # water and frequency over pressure are largest where the pressure is lowest
+    lowest[2], highest[2] = highest[2], lowest[2]
+    if _core.departure(law, lowest) is None and _core.departure(law, highest) is None:
+        return
+    codes = departures(*values[:4], law=law, frequency=values[4])
+    outside = np.flatnonzero(codes > DEPARTURES.index("not_a_number"))
+    if outside.size == 0:
+        return
+    first = int(outside[0])
+    row = [float(value.flat[first]) for value in np.broadcast_arrays(*values)]
+    finding = _core.departure(law, row)
+    assert finding is not None
+    name, value, low, high, unit = finding
+    unit = "" if unit == "1" else f" {unit}"
+    message = (
+        f"{'absorption' if law is None else f'law {law!r}'} holds for {name} {low:g} .. {high:g}{unit}: "
+        f"{outside.size} of {codes.size} rows lie outside, first at row {first}: {value:g}"
+    )
+    if law == "cramer" and name == "water_vapor_mole_fraction":
+        message += "; law 'virial' holds there"
+    warnings.warn(message + " (echocal.departures gives every row)", DomainWarning, stacklevel=stacklevel + 1)

@@ -1,0 +1,66 @@
+"""Leaving a law's domain is loud, once, or a mask as long as the input."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import echocal
+from echocal.domain import warn_outside
+
+
+def names(codes: np.ndarray) -> list[str]:
+    return [echocal.DEPARTURES[code] for code in codes.ravel()]
+
+
+def test_mask_has_the_broadcast_shape() -> None:
+    codes = echocal.departures([[20.0], [60.0]], [0.1, 0.5, 1.0], law="cramer")
+    assert codes.shape == (2, 3)
+    assert names(codes) == ["", "", "", "", "water_vapor_mole_fraction", "water_vapor_mole_fraction"]
+
+
+def test_reasons() -> None:
+    assert names(echocal.departures([-21.0, np.nan, 20.0], law="virial")) == [
+        "temperature",
+        "not_a_number",
+        "",
+    ]
+    assert names(echocal.departures(20.0, [0.5, 1.43], law="virial")) == ["", "relative_humidity"]
+    assert names(echocal.departures(20.0, 0.5, [1013.25, 101325.0], law="virial")) == ["pressure", ""]
+    assert names(echocal.departures(20.0, 0.5, co2_mole_fraction=400.0)) == ["co2_mole_fraction"]
+    assert names(echocal.departures(55.0, 0.5, law="virial", frequency=[0.0, 40e3])) == ["", "temperature"]
+    assert names(echocal.departures(20.0, 0.5, law=None, frequency=[40e3, 2e6])) == [
+        "",
+        "frequency_over_pressure",
+    ]
+    assert names(echocal.departures(20.0, np.nan, np.nan, law="linear")) == [""]
+
+
+def test_one_warning_with_both_sides() -> None:
+    temperature = np.full(1000, 20.0)
+    temperature[[812, 900]] = 48.0
+    with pytest.warns(echocal.DomainWarning) as caught:
+        warn_outside(temperature, 0.9, law="cramer")
+    assert len(caught) == 1
+    text = str(caught[0].message)
+    assert "water_vapor_mole_fraction 0 .. 0.06: 2 of 1000 rows lie outside" in text
+    assert "first at row 812: 0.099" in text
+    assert "'virial'" in text
+    assert caught[0].filename == __file__
+
+
+def test_silent_inside_and_for_rows_without_a_number() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_outside([20.0, np.nan], 0.5)
+        warn_outside([], 0.5)
+        warn_outside(np.linspace(-20, 60, 81)[:, None], np.linspace(0, 1, 11), law="virial")
+        # the corner of the columns is wet, no row is
+        warn_outside([45.0, 10.0], [0.1, 1.0], law="cramer")
+
+
+def test_unknown_law_and_shapes() -> None:
+    with pytest.raises(echocal.ModelError, match="cramer"):
+        echocal.departures(20.0, law="cramr")
+    with pytest.raises(echocal.UsageError, match=r"\(2,\).*\(3,\)"):
+        echocal.departures([1.0, 2.0], [0.1, 0.2, 0.3])

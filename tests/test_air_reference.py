@@ -1,0 +1,88 @@
+"""The laws against live independent implementations: CoolProp, iapws, pyfar."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyfar
+import pytest
+from CoolProp.CoolProp import PropsSI
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import echocal
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+import moist_air
+
+TEMPERATURE = st.floats(-20.0, 60.0)
+HUMIDITY = st.floats(0.0, 1.0)
+PRESSURE = st.floats(60e3, 110e3)
+
+
+def speed(law: str, temperature: float, humidity: float, pressure: float, co2: float = 4e-4) -> float:
+    model = echocal.Model(law)
+    time = model.time_of_flight(
+        1.0,
+        temperature=temperature,
+        relative_humidity=humidity,
+        pressure=pressure,
+        co2_mole_fraction=co2,
+    )
+    return float(2.0 / time)
+
+
+def limit_ppm(water: float) -> float:
+    return 100.0 if water <= 0.06 else 350.0
+
+
+@settings(max_examples=200, deadline=None)
+@given(TEMPERATURE, HUMIDITY, PRESSURE)
+def test_virial_against_both_formulations(temperature: float, humidity: float, pressure: float) -> None:
+    water = moist_air.water_vapor_mole_fraction(temperature, humidity, pressure)
+    ours = speed("virial", temperature, humidity, pressure)
+    for reference in (moist_air.hapropssi, moist_air.iapws):
+        ppm = 1e6 * (ours / reference(temperature, water, pressure) - 1.0)
+        assert abs(ppm) <= limit_ppm(water), reference.__name__
+
+
+@settings(max_examples=200, deadline=None)
+@given(TEMPERATURE, HUMIDITY, PRESSURE)
+def test_virial_at_equal_relative_humidity(temperature: float, humidity: float, pressure: float) -> None:
+    """Also where CoolProp makes its own water of the humidity: over ice below 0 degC."""
+    water = moist_air.water_vapor_mole_fraction(temperature, humidity, pressure)
+    theirs = moist_air.hapropssi_at_humidity(temperature, humidity, pressure)
+    ppm = 1e6 * (speed("virial", temperature, humidity, pressure) / theirs - 1.0)
+    assert abs(ppm) <= limit_ppm(water)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-20.0, 60.0), st.floats(0.0, 0.01))
+def test_co2_against_gerg_2008(temperature: float, co2: float) -> None:
+    """CO2 in the place of oxygen, as a ratio to air with 400 ppm."""
+    theirs = moist_air.gerg(temperature, 101325.0, co2) / moist_air.gerg(temperature, 101325.0, 4e-4)
+    for law, ppm in (("virial", 25.0), ("cramer", 40.0)):
+        ours = speed(law, temperature, 0.0, 101325.0, co2) / speed(law, temperature, 0.0, 101325.0)
+        assert abs(ours / theirs - 1.0) <= ppm * 1e-6, law
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.floats(0.0, 30.0), HUMIDITY, st.floats(75e3, 102e3), st.floats(0.0, 0.01))
+def test_cramer_against_pyfar(temperature: float, humidity: float, pressure: float, co2: float) -> None:
+    """pyfar has Giacomo's saturation pressure, echocal Davis': up to 1.1 mm/s apart, dry not at all."""
+    theirs = [
+        float(pyfar.constants.speed_of_sound_cramer(temperature, h, co2 * 1e6, pressure))
+        for h in (0.0, humidity)
+    ]
+    assert speed("cramer", temperature, 0.0, pressure, co2) == pytest.approx(theirs[0], abs=1e-9)
+    assert speed("cramer", temperature, humidity, pressure, co2) == pytest.approx(theirs[1], abs=1.1e-3)
+
+
+def test_saturation_pressure_against_iapws() -> None:
+    """Davis 1992 over liquid water, against the Wagner-Pruss equation of IAPWS SR1-86(1992)."""
+    for temperature in np.linspace(0.05, 60.0, 13):
+        ours = moist_air.water_vapor_mole_fraction(temperature, 1.0, 101325.0)
+        enhancement = 1.00062 + 3.14e-8 * 101325.0 + 5.6e-7 * temperature**2
+        saturation = ours * 101325.0 / enhancement
+        theirs = PropsSI("P", "T", temperature + 273.15, "Q", 1, "Water")
+        assert saturation == pytest.approx(theirs, rel=1e-3)
