@@ -1,0 +1,114 @@
+//! The dual derivative of the indication equals a difference of eighth order.
+
+use crate::draws::{
+    conditions, distance, laws, quantities, random_model, range, units, values, with,
+};
+use echocal_core::dual::Dual;
+use echocal_core::effects::ALL;
+use echocal_core::scalar::Scalar;
+use echocal_core::{Conditions, Model, Quantity};
+use proptest::prelude::*;
+
+/// What the indication is differentiated to.
+#[derive(Clone, Copy, Debug)]
+enum To {
+    Distance,
+    Parameter(usize),
+    Quantity(Quantity),
+}
+
+/// Indication where one input is moved by `step`.
+fn moved<S: Scalar>(model: &Model, d: f64, at: &Conditions<f64>, to: To, step: S) -> S {
+    let mut distance = S::constant(d);
+    let values = model.parameters();
+    let mut parameters: Vec<S> = values.into_iter().map(S::constant).collect();
+    let mut recorded = Conditions::new(Quantity::ALL.map(|q| S::constant(at.get(q.quantity))));
+    match to {
+        To::Distance => distance = distance + step,
+        To::Parameter(index) => parameters[index] = parameters[index] + step,
+        To::Quantity(q) => recorded = recorded.with(q, recorded.get(q) + step),
+    }
+    model.simulate(distance, &recorded, &parameters).indication
+}
+
+/// Central difference of eighth order.
+fn difference(f: impl Fn(f64) -> f64, h: f64) -> f64 {
+    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    let pairs = (1..).map(f64::from).zip(weights);
+    pairs.map(|(k, w)| w * (f(k * h) - f(-k * h))).sum::<f64>() / h
+}
+
+/// Every input of a model with the step in which it is tried.
+fn inputs(model: &Model, d: f64) -> Vec<(To, f64)> {
+    let parameters = model
+        .terms()
+        .iter()
+        .flat_map(|term| term.facts().parameters);
+    let parameters = parameters.enumerate();
+    let mut inputs = vec![(To::Distance, 0.1 * d)];
+    inputs.extend(parameters.map(|(i, p)| (To::Parameter(i), 0.1 * p.prior_scale)));
+    inputs.extend(quantities().map(|q| {
+        let (low, high) = range(q);
+        (To::Quantity(q), 0.01 * (high - low))
+    }));
+    inputs
+}
+
+fn agree(model: &Model, d: f64, at: &Conditions<f64>) -> Result<(), TestCaseError> {
+    let size = model.indicate(d, at).abs();
+    for (to, step) in inputs(model, d) {
+        let exact = moved(model, d, at, to, Dual::<1>::variable(0.0, 0)).derivatives[0];
+        let found = difference(|x| moved(model, d, at, to, x), step);
+        let rounding = 16.0 * f64::EPSILON * size / step; // of the difference
+        let off = (found - exact).abs();
+        prop_assert!(
+            off <= 1e-8 * exact.abs() + rounding,
+            "{:?} to {to:?}: exact {exact}, difference {found}",
+            model.terms()
+        );
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn of_single_effects(d in distance(), at in conditions(), drawn in units()) {
+        for law in laws() {
+            for facts in ALL {
+                if let Some(model) = with(&Model::new(law), facts, &values(facts, &drawn)) {
+                    agree(&model, d, &at)?;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_combinations(
+        d in distance(),
+        at in conditions(),
+        chosen in units(),
+        drawn in units(),
+    ) {
+        for law in laws() {
+            agree(&random_model(law, &chosen, &drawn), d, &at)?;
+        }
+    }
+
+    #[test]
+    fn jacobian_is_the_distance_then_each_parameter(
+        d in distance(),
+        at in conditions(),
+        chosen in units(),
+        drawn in units(),
+    ) {
+        for law in laws() {
+            let model = random_model(law, &chosen, &drawn);
+            let count = model.parameters().len();
+            let each = core::iter::once(To::Distance).chain((0..count).map(To::Parameter));
+            let expected = each.map(|to| {
+                moved(&model, d, &at, to, Dual::<1>::variable(0.0, 0)).derivatives[0]
+            });
+            prop_assert_eq!(model.jacobian(d, &at), expected.collect::<Vec<_>>());
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Compensation undoes the simulation.
+
+use crate::draws::{conditions, distance, laws, random_model, units, values, with};
+use echocal_core::effects::ALL;
+use echocal_core::{Conditions, Model};
+use proptest::prelude::*;
+
+const METERS: f64 = 1e-12;
+
+fn comes_back(model: &Model, d: f64, at: &Conditions<f64>) -> Result<(), TestCaseError> {
+    let corrected = model.correct(model.indicate(d, at), at);
+    prop_assert!(
+        (corrected - d).abs() <= METERS,
+        "{:?}: {corrected}",
+        model.terms()
+    );
+    let found = model.distance(model.time_of_flight(d, at), at);
+    prop_assert!((found - d).abs() <= METERS, "{:?}: {found}", model.terms());
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn of_single_effects(d in distance(), at in conditions(), drawn in units()) {
+        for law in laws() {
+            for facts in ALL {
+                if let Some(model) = with(&Model::new(law), facts, &values(facts, &drawn)) {
+                    comes_back(&model, d, &at)?;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_combinations(
+        d in distance(),
+        at in conditions(),
+        chosen in units(),
+        drawn in units(),
+    ) {
+        for law in laws() {
+            comes_back(&random_model(law, &chosen, &drawn), d, &at)?;
+        }
+    }
+}
