@@ -29,6 +29,9 @@ macro_rules! registry {
         /// Every effect, in the order of the registry.
         pub static ALL: &[&Facts] = &[$(&$module::$effect::FACTS),+];
 
+        #[cfg(test)]
+        const MODULES: &[&str] = &[$(stringify!($module)),+];
+
         /// Applies the effect with this index in [`ALL`].
         #[inline(always)]
         pub fn apply<S: Scalar>(index: usize, chain: &mut Chain<S>, parameters: &[S]) {
@@ -73,4 +76,12 @@ pub fn find(id: &str) -> Option<&'static Facts> {
 #[must_use]
 pub fn index_of(id: &str) -> Option<usize> {
     ALL.iter().position(|facts| facts.id == id)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_file_is_named_as_the_effect() {
+        assert_eq!(super::ids(), super::MODULES);
+    }
 }
