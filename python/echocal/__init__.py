@@ -1,17 +1,29 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
 from echocal.domain import DEPARTURES, departures
-from echocal.errors import BoundError, DataError, DomainWarning, EchocalError, ModelError, UsageError
+from echocal.errors import (
+    BoundError,
+    DataError,
+    DataWarning,
+    DomainWarning,
+    EchocalError,
+    ModelError,
+    UsageError,
+)
 from echocal.model import Model
+from echocal.observations import Observations, read_observations
 
 __all__ = [
     "DEPARTURES",
     "BoundError",
     "DataError",
+    "DataWarning",
     "DomainWarning",
     "EchocalError",
     "Model",
     "ModelError",
+    "Observations",
     "UsageError",
     "departures",
+    "read_observations",
 ]

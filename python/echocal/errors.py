@@ -1,6 +1,14 @@
 """What can go wrong, each with the exit code of the command line."""
 
-__all__ = ["BoundError", "DataError", "DomainWarning", "EchocalError", "ModelError", "UsageError"]
+__all__ = [
+    "BoundError",
+    "DataError",
+    "DataWarning",
+    "DomainWarning",
+    "EchocalError",
+    "ModelError",
+    "UsageError",
+]
 
 
 class EchocalError(Exception):
@@ -29,6 +37,10 @@ class BoundError(EchocalError, ValueError):
     """A bound that cannot be met; the text gives the best that can be reached."""
 
     exit_code = 4
+
+
+class DataWarning(UserWarning):
+    """Rows of a table cannot be used; the text gives counts, reasons and first rows."""
 
 
 class DomainWarning(UserWarning):

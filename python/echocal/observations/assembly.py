@@ -1,0 +1,170 @@
+"""Assemble observations from the columns of a table."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from echocal.conditions import QUANTITIES
+from echocal.errors import DataError
+from echocal.observations import checks, clock, labels
+from echocal.observations.echoes import FirmwareSpeed, disagreeing
+from echocal.observations.names import looks_like
+from echocal.observations.numbers import Missing, row, rows, to_numbers
+from echocal.observations.plan import Assignment, Plan
+from echocal.observations.table import Observations
+from echocal.observations.units import FORMS
+
+__all__ = ["Assembly"]
+
+Column = NDArray[np.float64]
+
+
+@dataclass
+class Assembly:
+    """Columns on their way to observations."""
+
+    table: pd.DataFrame
+    plan: Plan
+    missing: Missing
+    trusted: Collection[str]
+    time_zone: str
+    unusable: NDArray[np.object_] = field(init=False)
+    notes: list[str] = field(init=False, default_factory=list)
+    time: clock.Instants | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        self.unusable = np.full(len(self.table), "", dtype=object)
+
+    def observations(self, reading_speed: str | None) -> Observations:
+        """Put everything together; `reading_speed` as in `echocal.read_observations`."""
+        held = self.plan.assignments
+        if not {"echo_time", "reading"} & set(held):
+            raise DataError(self._no_echo())
+        order = dict.fromkeys(form.quantity for form in FORMS if not form.label)
+        values = {quantity: self._values(quantity) for quantity in order if quantity in held}
+        conditions = {name: values[name] for name in QUANTITIES if name in values}
+        echo_time = self._echo_time(values, conditions, reading_speed)
+        self._note_lookalikes()
+        self._summarize()
+        return Observations(
+            echo_time=echo_time,
+            conditions=conditions,
+            reference_distance=values.get("reference_distance"),
+            unusable=self.unusable.astype(np.str_),
+            reading=values.get("reading"),
+            time=self.time,
+            labels={name: self._labels(name) for name in ("stand", "group", "order") if name in held},
+            extra=self._extra(),
+            source_names={name: source.column for name, source in held.items()},
+            notes=tuple(self.notes),
+        )
+
+    def _values(self, quantity: str) -> Column:
+        """Values of a quantity [SI]; rows without one, or with an impossible one, are marked."""
+        source = self.plan.assignments[quantity]
+        if source.name == "time":
+            self.time = clock.instants(self.table[source.column], source.column, self.time_zone)
+            values = clock.elapsed(self.time)
+            self._check_filled(values, source)
+            return values
+        values = to_numbers(self.table[source.column], source.column, self.missing)
+        self._check_filled(values, source)
+        checks.refuse_other_unit(values, source, self.trusted)
+        self.notes += checks.suspected_codes(values, source)
+        wrong, notes = checks.impossible(values, source)
+        self._mark(wrong, f"{source.column} out of range", source)
+        self.notes += notes
+        values = source.unit.to_si(values)
+        if quantity == "elapsed_time":
+            values = values - values[np.isfinite(values)][0]
+        return values
+
+    def _check_filled(self, values: Column, source: Assignment) -> None:
+        checks.refuse_without_values(values, source.column)
+        empty = np.isnan(values)
+        self._mark(empty, f"{source.column} missing", source)
+        if empty.any():
+            first = row(np.flatnonzero(empty)[0])
+            self.notes.append(f"{source.column} has no value in {rows(empty.sum())}, first at {first}")
+
+    def _mark(self, where: NDArray[np.bool_], reason: str, source: Assignment) -> None:
+        """Give rows a reason code; the first reason stays."""
+        if source.form.quantity == "reading" and "echo_time" in self.plan.assignments:
+            return  # the echo time is there without it
+        self.unusable[where & (self.unusable == "")] = reason
+
+    def _echo_time(
+        self, values: dict[str, Column], conditions: dict[str, Column], reading_speed: str | None
+    ) -> Column:
+        echo_time, reading = values.get("echo_time"), values.get("reading")
+        if reading is None and echo_time is not None:
+            return echo_time
+        assert reading is not None  # one of both is there
+        if echo_time is None:
+            speed = FirmwareSpeed(reading_speed, conditions)
+            if not speed.stated:
+                self.notes.append(
+                    f"readings are taken to be made with the speed {speed.law}; "
+                    "if the firmware used another: --reading-speed 343"
+                )
+            return speed.echo_time(reading)
+        if reading_speed is not None or "temperature" in conditions:
+            sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])
+            speed = FirmwareSpeed(reading_speed, conditions)
+            apart = disagreeing(reading, echo_time, speed, sources)
+            reason = f"{sources[0].column} and {sources[1].column} disagree"
+            self.unusable[apart & (self.unusable == "")] = reason
+        return echo_time
+
+    def _labels(self, name: str) -> NDArray[np.int64]:
+        column = self.plan.assignments[name].column
+        values = self.table[column]
+        return labels.positions(values, column) if name == "order" else labels.codes(values)
+
+    def _extra(self) -> dict[str, Column]:
+        """Other columns that hold numbers."""
+        found = {}
+        for column in self.plan.others:
+            try:
+                values = to_numbers(self.table[column], column, self.missing)
+            except DataError:
+                continue  # text: a remark, a name
+            if np.isfinite(values).any():
+                found[column] = values
+        return found
+
+    def _note_lookalikes(self) -> None:
+        """A quantity's bare name in another case is no claim about its unit: ask."""
+        for form in FORMS:
+            alike = [name for name in self.plan.others if name.lower() == form.role]
+            if alike and not form.label and form.quantity not in self.plan.assignments:
+                self.notes.append(
+                    f"column '{alike[0]}' is not used as {form.role}, for it has no unit; "
+                    f'to use it: --column "{alike[0]}=..." with one of {", ".join(form.names)}'
+                )
+
+    def _summarize(self) -> None:
+        reasons, counts = np.unique(self.unusable[self.unusable != ""].astype(str), return_counts=True)
+        if not len(reasons):
+            return
+        total = int(counts.sum())
+        listed = ", ".join(f"{count} {reason}" for reason, count in zip(reasons, counts, strict=True))
+        if total == len(self.table):
+            message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
+            raise DataError(message)
+        self.notes.append(f"{total} of {rows(len(self.table))} cannot be used: {listed}")
+
+    def _no_echo(self) -> str:
+        echo = [form for form in FORMS if form.quantity in ("echo_time", "reading")]
+        names = ", ".join(name for form in echo[:1] + echo[3:4] for name in form.names)
+        columns = [str(name) for name in self.table.columns]
+        near = [name for name in columns if any(looks_like(name, form) for form in echo)]
+        example: Any = near[0] if near else columns[0]
+        return (
+            f"no column holds an echo time or a distance reading; accepted: {names}. "
+            f'The table has: {", ".join(columns)}. Say which it is: --column "{example}=reading_m"'
+        )

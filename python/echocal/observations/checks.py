@@ -1,0 +1,136 @@
+"""What values can physically be: single impossible rows, and columns in another unit."""
+
+from collections.abc import Collection
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.conditions import QUANTITIES
+from echocal.errors import DataError
+from echocal.observations.numbers import row, rows
+from echocal.observations.plan import Assignment
+from echocal.observations.units import NAMES, Form, Unit
+
+__all__ = ["impossible", "refuse_other_unit", "refuse_without_values", "si_unit", "suspected_codes"]
+
+_CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def refuse_without_values(values: Column, column: str) -> None:
+    """Refuse a column that would make every row unusable.
+
+    Raises
+    ------
+    DataError
+        If no row has a value.
+    """
+    if np.isnan(values).all():
+        message = (
+            f"column '{column}' has no value in any of {len(values)} rows; "
+            f'if it is not needed: --column "{column}=ignore"'
+        )
+        raise DataError(message)
+
+
+def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collection[str]) -> None:
+    """Refuse a column that is in another unit, by the look of its median.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Values in the unit that the column's name says.
+    trusted : collection of str
+        Columns that the user vouches for.
+
+    Raises
+    ------
+    DataError
+        If the median cannot be, or is ordinary only in another unit.
+    """
+    column, form, unit = assignment.column, assignment.form, assignment.unit
+    known = values[np.isfinite(values)]
+    if form.label or column in trusted or not known.any():
+        return
+    median = float(np.median(known))
+    if _within(unit, median, form.typical or form.physical):
+        return
+    others = _ordinary_as(median, form)
+    if not others and _within(unit, median, form.physical):
+        return  # unusual, and no other unit makes it usual
+    symbol = si_unit(form.quantity)
+    said = f"{unit.to_si(median):.4g} {symbol}"
+    if not others:
+        message = (
+            f"column '{column}' has a median of {median:g}, that is {said}, which cannot be; "
+            f"an error code? --missing {median:g}"
+        )
+        raise DataError(message)
+    read_as = ", ".join(f"as {name} {value:.4g} {symbol}" for name, value in others.items())
+    message = (
+        f"column '{column}' has a median of {median:g}: as {assignment.name} {said}, {read_as}. "
+        f'Say which it is: --column "{column}={next(iter(others))}" (or rename it), '
+        f'or if it is right as it stands: --trust "{column}"'
+    )
+    raise DataError(message)
+
+
+def impossible(values: Column, assignment: Assignment) -> tuple[Mask, list[str]]:
+    """Rows whose value cannot be, and a sentence on each kind of them.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Values in the unit that the column's name says.
+    """
+    low, high = (assignment.unit.from_si(bound) for bound in assignment.form.physical)
+    with np.errstate(invalid="ignore"):
+        below = values <= low if assignment.form.positive else values < low
+        above = values > high
+    kinds = [(below, "at or below" if assignment.form.positive else "below", low), (above, "above", high)]
+    column = assignment.column
+    notes = [_count(values, mask, column, f"{word} {bound:g}") for mask, word, bound in kinds if mask.any()]
+    return np.asarray(below | above, dtype=np.bool_), notes
+
+
+def suspected_codes(values: Column, assignment: Assignment) -> list[str]:
+    """A sentence on each value that loggers write where they have none."""
+    codes = (85.0, *_CODES) if assignment.name == "temperature_C" else _CODES  # 85: DS18B20 at power-on
+    found = {code: int((values == code).sum()) for code in codes}
+    column = assignment.column
+    return [
+        f'{column} holds {code:g} in {rows(count)}; if it is an error code: --missing "{column}={code:g}"'
+        for code, count in found.items()
+        if count and not assignment.form.label
+    ]
+
+
+def si_unit(quantity: str) -> str:
+    """Unit in which a quantity is kept."""
+    own = {"echo_time": "s", "reading": "m", "reference_distance": "m"}
+    return own.get(quantity) or QUANTITIES[quantity].unit.replace("1", "(of 1)")
+
+
+def _count(values: Column, mask: Mask, column: str, where: str) -> str:
+    first = int(np.flatnonzero(mask)[0])
+    number = int(mask.sum())
+    noun = "value" if number == 1 else "values"
+    return f"{column} has {number} {noun} {where}, first at {row(first)}: {float(values[first])}"
+
+
+def _ordinary_as(median: float, form: Form) -> dict[str, float]:
+    """Names of other units that make a median ordinary, with its SI value."""
+    found: dict[str, float] = {}
+    for name in (*form.names, *form.also):
+        other, unit = NAMES[name]
+        value = other.units[unit].to_si(median)
+        low, high = other.typical or other.physical
+        if low <= value <= high and value not in found.values():
+            found[name] = value
+    return found
+
+
+def _within(unit: Unit, value: float, bounds: tuple[float, float]) -> bool:
+    return bounds[0] <= unit.to_si(value) <= bounds[1]

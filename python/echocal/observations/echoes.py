@@ -1,0 +1,104 @@
+"""Echo times from what the device indicated, and whether both agree."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.errors import DataError
+from echocal.model import Model
+from echocal.observations.plan import Assignment
+
+__all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]
+
+Column = NDArray[np.float64]
+
+DEFAULT_SPEED = "linear"
+"""Law that firmware is taken to convert with where nobody says."""
+
+
+class FirmwareSpeed:
+    """The speed of sound that the firmware turned echo times into readings with.
+
+    Parameters
+    ----------
+    text : str or None
+        Name of a law, an expression (``331.3+0.606*T``) or a fixed speed [m/s] (``343``).
+    conditions : mapping of str to ndarray, shape (n,)
+        Recorded influence quantities.
+
+    Raises
+    ------
+    ModelError
+        If the text is no law.
+    DataError
+        If the law needs a temperature that the table does not have.
+    """
+
+    def __init__(self, text: str | None, conditions: Mapping[str, Column]) -> None:
+        self.stated = text is not None
+        self._model = Model(text or DEFAULT_SPEED)
+        self.law = self._model.law
+        self._conditions: dict[str, Column] = {}
+        if not self.fixed:
+            self._conditions = {name: conditions[name] for name in self._reads() if name in conditions}
+            if "temperature" not in self._conditions:
+                message = (
+                    f"readings become echo times with the speed that the firmware used: '{self.law}' needs a "
+                    'temperature and the table has none; map one (--column "NAME=temperature_C"), or say '
+                    "the speed: --reading-speed 343"
+                )
+                raise DataError(message)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the speed is one number, whatever the air."""
+        try:
+            float(self.law)
+        except ValueError:
+            return False
+        return True
+
+    def echo_time(self, reading: Column) -> Column:
+        """Echo time [s] of a reading [m]."""
+        return self._model.time_of_flight(reading, **self._given())
+
+    def reading(self, echo_time: Column) -> Column:
+        """Reading [m] of an echo time [s]."""
+        return self._model.distance(echo_time, **self._given())
+
+    def _given(self) -> Mapping[str, Column | float]:
+        # a fixed speed must not become NaN where no temperature was recorded
+        return {"temperature": 0.0} if self.fixed else self._conditions
+
+    def _reads(self) -> list[str]:
+        by_id = {facts["id"]: facts["reads"] for facts in _core.laws()}
+        return list(by_id.get(self.law, ["temperature"]))
+
+
+def disagreeing(
+    reading: Column, echo_time: Column, speed: FirmwareSpeed, sources: tuple[Assignment, Assignment]
+) -> NDArray[np.bool_]:
+    """Rows whose reading is not what the firmware makes of the echo time.
+
+    Raises
+    ------
+    DataError
+        If that is most rows.
+    """
+    expected = speed.reading(echo_time)
+    # any fixed speed is within 10 % of any law; a stated one must fit; 10 mm is integer centimeters
+    tolerance = 0.01 + (0.01 if speed.stated else 0.10) * np.abs(expected)
+    known = np.isfinite(reading) & np.isfinite(expected)
+    apart = known & (np.abs(reading - expected) > tolerance)
+    if 2 * apart.sum() > known.sum():
+        ratio = float(np.median(reading[known] / expected[known]))
+        echo, indicated = (source.column for source in sources)
+        message = (
+            f"'{echo}' and '{indicated}' disagree in {apart.sum()} of {known.sum()} rows: the reading is "
+            f"{ratio:.3f} times speed ({speed.law}) x echo time / 2 (median); check units, one way or two, "
+            f'and --reading-speed, or leave one out: --column "{indicated}=ignore"'
+        )
+        raise DataError(message)
+    return np.asarray(apart, dtype=np.bool_)

@@ -1,0 +1,124 @@
+"""From a column's name, or what the user says about it, to a quantity and its unit."""
+
+import re
+from difflib import get_close_matches
+
+from echocal.errors import DataError, UsageError
+from echocal.observations.units import FORMS, NAMES, Form
+
+__all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like"]
+
+EXTRA = "extra"
+IGNORE = "ignore"
+
+_UNIT_WORDS = {
+    "": ("1", "fraction", "iso 8601"),
+    "C": ("degc", "°c", "celsius"),
+    "F": ("degf", "°f", "fahrenheit"),
+    "K": ("kelvin",),
+    "cm": ("centimeter", "centimeters", "centimetres"),
+    "deg": ("degree", "degrees", "°"),
+    "h": ("hour", "hours"),
+    "hPa": ("hectopascal",),
+    "inch": ("in", "inches"),
+    "kPa": ("kilopascal",),
+    "km_h": ("km/h",),
+    "m": ("meter", "meters", "metres"),
+    "m_s": ("m/s",),
+    "min": ("minute", "minutes"),
+    "mm": ("millimeter", "millimeters", "millimetres"),
+    "ms": ("millisecond", "milliseconds"),
+    "Pa": ("pascal",),
+    "percent": ("%",),
+    "s": ("second", "seconds"),
+    "us": ("µs", "μs", "microsecond", "microseconds"),
+    "V": ("volt", "volts"),
+    "W_m2": ("w/m2", "w/m^2", "w/m²"),
+}
+_ROLES = sorted((form.role for form in FORMS), key=len, reverse=True)
+_FORM_BY_ROLE = {form.role: form for form in FORMS}
+_FORM_BY_WORDS = {words: form for form in FORMS for words in (*form.words, form.role.replace("_", " "))}
+_PHRASE = re.compile(r"(?P<words>.+?)(?:\s+in\s+(?P<unit>.+)|\s*[\[(](?P<bracket>.*)[\])])?")
+
+
+def by_name(column: str) -> tuple[Form, str] | None:
+    """Form and unit of a column that is named in echocal's way, None for any other name.
+
+    Raises
+    ------
+    DataError
+        If the name begins like one of echocal's and its unit is missing or unknown.
+    """
+    found = _exact(column)
+    if found and (found[1] or column == found[0].role):
+        return found  # a bare name in another case ("Time") is somebody's own
+    role = next((role for role in _ROLES if column == role or column.startswith(f"{role}_")), None)
+    if role is None:
+        return None
+    form, unit = _FORM_BY_ROLE[role], column[len(role) + 1 :]
+    if form.label or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
+        return None
+    what = f"unknown unit '{unit}'" if unit else "no unit"
+    message = (
+        f"column '{column}' has {what}; accepted: {', '.join(form.names)}. Rename it, or say what it is: "
+        f'--column "{column}={form.names[0]}", or "{column}={EXTRA}" for a column of another kind'
+    )
+    raise DataError(message)
+
+
+def by_request(column: str, request: str) -> tuple[Form, str] | None:
+    """Form and unit that the user asks for, None for `EXTRA`.
+
+    Raises
+    ------
+    UsageError
+        If the request is neither a name (``reading_m``) nor a phrase (``distance reading in m``).
+    """
+    request = request.strip()
+    if request == EXTRA:
+        return None
+    if found := _exact(request) or _phrase(request):
+        return found
+    form = _form_of(request)
+    if form is not None:
+        message = f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}"
+        raise UsageError(message)
+    near = get_close_matches(request, NAMES, n=1)
+    hint = f" (did you mean {near[0]}?)" if near else ""
+    message = (
+        f"'{column}' = '{request}' names no quantity{hint}; accepted: {', '.join(NAMES)}, {EXTRA}, {IGNORE}"
+    )
+    raise UsageError(message)
+
+
+def looks_like(column: str, form: Form) -> bool:
+    """Whether a foreign name may well mean this quantity; for hints, never to decide."""
+    stems = {form.role[:4], *(word[:4] for words in form.words for word in words.split())} - {"two-"}
+    return any(stem in column.lower() for stem in stems)
+
+
+def _exact(name: str) -> tuple[Form, str] | None:
+    """Match names in any case of the quantity, but only in the unit's own case."""
+    for role in _ROLES:
+        if name.lower() == role or name.lower().startswith(f"{role}_"):
+            return NAMES.get(role + name[len(role) :])
+    return None
+
+
+def _phrase(request: str) -> tuple[Form, str] | None:
+    form, unit = _form_of(request), _unit_of(request)
+    return (form, unit) if form is not None and unit in form.units else None
+
+
+def _form_of(request: str) -> Form | None:
+    match = _PHRASE.fullmatch(request)
+    words = match["words"].strip().lower() if match else request
+    role = next((role for role in _ROLES if words == role or words.startswith(f"{role}_")), "")
+    return _FORM_BY_WORDS.get(words) or _FORM_BY_ROLE.get(role)
+
+
+def _unit_of(request: str) -> str:
+    match = _PHRASE.fullmatch(request)
+    written = ((match["unit"] or match["bracket"] or "") if match else "").strip()
+    known = (unit for unit, words in _UNIT_WORDS.items() if written.lower() in words)
+    return next(known, written)

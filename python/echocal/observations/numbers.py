@@ -1,0 +1,114 @@
+"""From a column as read to numbers: missing values, error codes, text that is no number."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from echocal.errors import DataError, UsageError
+
+__all__ = ["Missing", "row", "rows", "to_numbers"]
+
+_EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
+
+Column = NDArray[np.float64]
+
+
+class Missing:
+    """The error codes that stand for "no value", in the units of the file.
+
+    Parameters
+    ----------
+    codes : collection, or mapping of str to collection
+        Codes for every column, or by column; each a number or a text.
+    """
+
+    def __init__(self, codes: Collection[Any] | Mapping[str, Any] = ()) -> None:
+        by_column = codes if isinstance(codes, Mapping) else {"": codes}
+        self._codes = {
+            column: [str(code).strip() for code in (listed if _listed(listed) else [listed])]
+            for column, listed in by_column.items()
+        }
+
+    def refuse_unknown(self, columns: Collection[str]) -> None:
+        """Refuse codes for a column that is not there."""
+        absent = sorted(set(self._codes) - {"", *columns})
+        if absent:
+            message = (
+                f"error codes for column '{absent[0]}', which is not there; it has: {', '.join(columns)}"
+            )
+            raise UsageError(message)
+
+    def texts(self, column: str) -> frozenset[str]:
+        """Codes of a column, as text."""
+        return frozenset(self._codes.get(column, [])) | frozenset(self._codes.get("", []))
+
+    def numbers(self, column: str) -> list[float]:
+        """Codes of a column that are numbers."""
+        return [float(code) for code in self.texts(column) if _is_number(code)]
+
+
+def row(position: int | np.intp) -> str:
+    """Name a row for a person: the first row below the header is row 1."""
+    return f"row {int(position) + 1}"
+
+
+def rows(count: int | np.intp) -> str:
+    """Count rows for a person."""
+    return f"{count} row" if count == 1 else f"{count} rows"
+
+
+def to_numbers(values: pd.Series[Any], column: str, missing: Missing) -> Column:
+    """Numbers of a column; NaN where the field is empty or holds an error code.
+
+    Raises
+    ------
+    DataError
+        If a field holds text that is no number.
+    """
+    if pd.api.types.is_datetime64_any_dtype(values) or pd.api.types.is_timedelta64_dtype(values):
+        message = f"column '{column}' holds {values.dtype}, not numbers"
+        raise DataError(message)
+    if pd.api.types.is_numeric_dtype(values):
+        numbers = values.to_numpy(dtype=np.float64, na_value=np.nan, copy=True)
+    else:
+        numbers = _parse(values, column, missing)
+    codes = missing.numbers(column)
+    if codes:
+        numbers[np.isin(numbers, codes)] = np.nan
+    return numbers
+
+
+def _parse(values: pd.Series[Any], column: str, missing: Missing) -> Column:
+    fields = values.astype(object).where(values.notna(), "").map(lambda field: str(field).strip())
+    absent = fields.isin(_EMPTY | missing.texts(column)).to_numpy()
+    numbers = pd.to_numeric(fields.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
+    wrong = np.flatnonzero(np.isnan(numbers) & ~absent)
+    if len(wrong):
+        first = fields.iloc[wrong[0]]
+        comma = _is_number(first.replace(",", ".", 1))
+        hint = (
+            "a decimal comma? pass --decimal ," if comma else f'if it means "no value": --missing "{first}"'
+        )
+        message = (
+            f"column '{column}' has text in {len(wrong)} of {len(fields)} rows, "
+            f"first at {row(wrong[0])}: '{first}'; {hint}"
+        )
+        raise DataError(message)
+    return numbers
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _listed(codes: Any) -> bool:
+    return isinstance(codes, Collection) and not isinstance(codes, str)

@@ -1,0 +1,117 @@
+"""Which column of a table holds which quantity."""
+
+import tomllib
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import DataError, UsageError
+from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
+from echocal.observations.units import Form, Unit
+
+__all__ = ["Assignment", "Plan", "make", "read_columns"]
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """A column and the quantity that it holds."""
+
+    column: str
+    form: Form
+    unit_name: str
+
+    @property
+    def name(self) -> str:
+        """The column's name in echocal's way."""
+        return f"{self.form.role}_{self.unit_name}" if self.unit_name else self.form.role
+
+    @property
+    def unit(self) -> Unit:
+        """The unit of the column."""
+        return self.form.units[self.unit_name]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What every column of a table is."""
+
+    assignments: Mapping[str, Assignment]
+    """By quantity."""
+    others: tuple[str, ...]
+    """Columns that hold none of the quantities and are not ignored."""
+
+
+def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, str]:
+    """Requests by column, from a mapping or from a TOML file of the same pairs.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be read or holds anything but pairs of texts.
+    """
+    if columns is None:
+        return {}
+    if isinstance(columns, Mapping):
+        return {str(column).strip(): str(request) for column, request in columns.items()}
+    path = Path(columns)
+    try:
+        pairs: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        message = f"column file {path} cannot be read: {error.strerror}"
+        raise UsageError(message) from None
+    except ValueError as error:  # not TOML, not UTF-8
+        message = f'column file {path} is not TOML: {error}; a line is "SR_U" = "reading_m"'
+        raise UsageError(message) from None
+    wrong = [column for column, request in pairs.items() if not isinstance(request, str)]
+    if wrong:
+        message = f'column file {path}: "{wrong[0]}" is no text; a line is "SR_U" = "reading_m"'
+        raise UsageError(message)
+    return {column.strip(): request for column, request in pairs.items()}
+
+
+def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collection[str] = ()) -> Plan:
+    """Assign columns to quantities: what the user says goes first, then echocal's names.
+
+    Raises
+    ------
+    UsageError
+        If a request names a column that is not there, or no quantity.
+    DataError
+        If a name has no known unit, or two columns hold the same quantity.
+    """
+    for column in (*requests, *trusted):
+        if column not in columns:
+            _refuse_absent(column, columns)
+    assignments: dict[str, Assignment] = {}
+    others = []
+    for column in columns:
+        request = requests.get(column)
+        if request is not None and request.strip() == IGNORE:
+            continue
+        found = by_name(column) if request is None else by_request(column, request)
+        if found is None:
+            others.append(column)
+            continue
+        form, unit = found
+        if earlier := assignments.get(form.quantity):
+            _refuse_second(earlier.column, column, form.quantity)
+        assignments[form.quantity] = Assignment(column, form, unit)
+    return Plan(assignments, tuple(others))
+
+
+def _refuse_absent(column: str, columns: Collection[str]) -> None:
+    near = get_close_matches(column, columns, n=1, cutoff=0.5)
+    lower = [name for name in columns if name.lower() == column.lower()]
+    hint = f"; did you mean '{(lower or near)[0]}'?" if lower or near else ""
+    message = f"no column '{column}'{hint} The table has: {', '.join(columns)}"
+    raise UsageError(message if hint else message.replace("' The", "'; the"))
+
+
+def _refuse_second(first: str, second: str, quantity: str) -> None:
+    message = (
+        f"columns '{first}' and '{second}' both hold {quantity.replace('_', ' ')}; "
+        f'say which not to use: --column "{second}={IGNORE}" (or "{second}={EXTRA}")'
+    )
+    raise DataError(message)

@@ -1,0 +1,100 @@
+"""Read a table of measurements."""
+
+import warnings
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import DataWarning
+from echocal.observations import plan
+from echocal.observations.assembly import Assembly
+from echocal.observations.numbers import Missing
+from echocal.observations.source import load
+from echocal.observations.table import Observations
+from echocal.observations.text import Layout
+
+__all__ = ["read_observations"]
+
+
+def read_observations(
+    source: Any,
+    columns: Mapping[str, str] | str | Path | None = None,
+    *,
+    reading_speed: str | None = None,
+    missing: Collection[Any] | Mapping[str, Any] = (),
+    trust: Collection[str] = (),
+    time_zone: str = "UTC",
+    skip_lines: int = 0,
+    decimal: str = ".",
+    encoding: str = "utf-8-sig",
+) -> Observations:
+    """Read a table of echoes: check it, convert it to SI units, account for every row.
+
+    Units stand in the names of columns (``echo_us``, ``temperature_C``, ``humidity_percent``, ...);
+    a name that begins like one of these and has no known unit is an error, never a guess. Rows
+    are never dropped and never reordered: a row that cannot be used carries a reason code. In
+    messages, row 1 is the first row below the header.
+
+    Parameters
+    ----------
+    source : path, DataFrame, or mapping of str to array_like
+        A text file (comma, semicolon, tab or bar between fields; lines before the header that
+        begin with # are skipped) or a Parquet file, either gzipped or not where that applies; a
+        table of pandas, polars, pyarrow or xarray; or columns by name.
+    columns : mapping of str to str, or path of a TOML file, optional
+        What other columns hold: a name (``{"SR_U": "reading_m"}``), a phrase (``"distance reading
+        in m"``), ``"extra"`` for a column of another kind, or ``"ignore"``.
+    reading_speed : str, optional
+        Speed of sound that the firmware made readings with: a fixed speed [m/s] (``"343"``), an
+        expression (``"331.3+0.606*T"``) or the name of a law. Default: ``"linear"``.
+    missing : collection, or mapping of str to collection
+        Error codes that mean "no value", in the file's units: for all columns (``[-9999]``) or by
+        column (``{"Distance [mm]": [-500, 9999]}``).
+    trust : collection of str
+        Columns that are right although they look like another unit.
+    time_zone : str
+        IANA name of the zone of times without an offset.
+    skip_lines : int
+        Lines before the header, such as a logger's own first line.
+    decimal : str
+        Decimal separator of a text file.
+    encoding : str
+        Encoding of a text file.
+
+    Returns
+    -------
+    Observations
+        As many rows as the source, in its order.
+
+    Raises
+    ------
+    DataError
+        If the source cannot be read, a unit is missing or unknown, a number is text, or a whole
+        column is implausible.
+    UsageError
+        If a request names a column that is not there or no known quantity.
+
+    Warns
+    -----
+    DataWarning
+        If rows are unusable, with counts and reasons.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> table = {"sensor": [2.071, 1.998, 1.899], "temperature_C": [0.0, 20.0, 50.0]}
+    >>> data = echocal.read_observations(table, {"sensor": "distance reading in m"}, reading_speed="343")
+    >>> data.echo_time
+    array([0.0120758 , 0.01165015, 0.01107289])
+    >>> len(data), list(data.conditions), data.notes
+    (3, ['temperature'], ())
+    """
+    table = load(source, Layout(skip_lines, decimal, encoding))
+    codes = Missing(missing)
+    codes.refuse_unknown(table.columns)
+    planned = plan.make(list(table.columns), plan.read_columns(columns), trust)
+    assembly = Assembly(table, planned, codes, trust, time_zone)
+    observations = assembly.observations(reading_speed)
+    if not observations.usable.all():
+        warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
+    return observations

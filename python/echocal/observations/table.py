@@ -1,0 +1,135 @@
+"""Measured data in SI units, every row accounted for."""
+
+from collections import Counter
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DataError
+
+__all__ = ["Observations"]
+
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Observations:
+    """A table of echoes in SI units: as many rows as its source, in the same order.
+
+    Attributes
+    ----------
+    echo_time : ndarray, shape (n,)
+        Recorded echo time, out and back [s]. Where the source has readings instead, this is
+        ``2 reading / c`` with the speed that the firmware used.
+    conditions : mapping of str to ndarray, shape (n,)
+        Recorded influence quantities by name (see `echocal.conditions.QUANTITIES`), only those
+        that the source has.
+    reference_distance : ndarray, shape (n,), or None
+        Reference distance [m]; None where the source has none.
+    unusable : ndarray of str, shape (n,)
+        Reason code for each row that cannot be used, e.g. ``"temperature_C out of range"``;
+        empty for a usable row. Values of such rows stand as recorded, NaN where missing.
+    reading : ndarray, shape (n,), or None
+        What the device indicated [m]; None where the source has only echo times.
+    time : ndarray of datetime64[ns], shape (n,), or None
+        Instants in UTC; None where the source has none.
+    labels : mapping of str to ndarray, shape (n,)
+        Integer codes of ``stand`` and ``group``, numbered as they appear, and values of
+        ``order``, where the source has them; -1 where empty.
+    extra : mapping of str to ndarray, shape (n,)
+        Further numeric columns as they stand: candidates for "unknown, against column X".
+    source_names : mapping of str to str
+        Name of the source's column by quantity, for messages and plots.
+    notes : tuple of str
+        What a person should know about the table, one sentence each.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import echocal
+    >>> table = {"echo_us": [11660, 0, 11500], "humidity_percent": [40, 41, 143]}
+    >>> with warnings.catch_warnings(action="ignore"):
+    ...     data = echocal.read_observations(table)
+    >>> data.usable
+    array([ True, False, False])
+    >>> data.unusable_counts
+    {'echo_us out of range': 1, 'humidity_percent out of range': 1}
+    """
+
+    echo_time: Column
+    conditions: Mapping[str, Column]
+    reference_distance: Column | None
+    unusable: NDArray[np.str_]
+    reading: Column | None = None
+    time: NDArray[np.datetime64] | None = None
+    labels: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    extra: Mapping[str, Column] = field(default_factory=dict)
+    source_names: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.echo_time)
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Which rows can be used, shape (n,)."""
+        return np.asarray(self.unusable == "", dtype=np.bool_)
+
+    @property
+    def unusable_counts(self) -> dict[str, int]:
+        """Number of rows by reason code, the most frequent first."""
+        return dict(Counter(self.unusable[~self.usable].tolist()).most_common())
+
+    def require(
+        self,
+        purpose: str,
+        *,
+        rows: int = 1,
+        conditions: Collection[str] = (),
+        reference_distance: bool = False,
+    ) -> None:
+        """Refuse a table that a purpose cannot do with.
+
+        Parameters
+        ----------
+        purpose : str
+            What the table is for, as the subject of the message: ``"diagnosis"``.
+        rows : int
+            Usable rows that it needs at least.
+        conditions : collection of str
+            Influence quantities that it needs.
+        reference_distance : bool
+            Whether it needs a reference distance.
+
+        Raises
+        ------
+        DataError
+            If something is missing.
+        """
+        absent = [name for name in conditions if name not in self.conditions]
+        if absent:
+            raise DataError(_absent(purpose, absent[0]))
+        if reference_distance and self.reference_distance is None:
+            raise DataError(_absent(purpose, "reference_distance"))
+        count = int(self.usable.sum())
+        if count < rows:
+            counts = ", ".join(f"{number} {reason}" for reason, number in self.unusable_counts.items())
+            noun = "row" if len(self) == 1 else "rows"
+            message = (
+                f"{purpose} needs at least {rows} usable rows; the table has {count} of {len(self)} {noun}"
+                f"{f' (unusable: {counts})' if counts else ''}"
+            )
+            raise DataError(message)
+
+
+def _absent(purpose: str, quantity: str) -> str:
+    # the names live beside the units; imported late because most tables are complete
+    from echocal.observations.units import FORMS
+
+    names = [name for form in FORMS if form.quantity == quantity for name in form.names]
+    return (
+        f"{purpose} needs a column for {quantity.replace('_', ' ')}; accepted: {', '.join(names)}; "
+        f'map another with --column "NAME={names[0]}"'
+    )
