@@ -1,5 +1,6 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
+from echocal.calibrate import Calibration, Regression, calibrate
 from echocal.domain import DEPARTURES, departures
 from echocal.errors import (
     BoundError,
@@ -16,6 +17,7 @@ from echocal.observations import Observations, read_observations
 __all__ = [
     "DEPARTURES",
     "BoundError",
+    "Calibration",
     "DataError",
     "DataWarning",
     "DomainWarning",
@@ -23,7 +25,9 @@ __all__ = [
     "Model",
     "ModelError",
     "Observations",
+    "Regression",
     "UsageError",
+    "calibrate",
     "departures",
     "read_observations",
 ]

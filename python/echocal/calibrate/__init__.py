@@ -1,0 +1,174 @@
+"""Calibration: parameters from measured data, with covariance and standard uncertainties."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal.calibrate.chain import Chain
+from echocal.calibrate.form import Column, Columns, Form, Parameter
+from echocal.calibrate.losses import LOSSES
+from echocal.calibrate.problem import Problem
+from echocal.calibrate.regression import Regression
+from echocal.calibrate.result import Calibration, Estimate, Prediction
+from echocal.calibrate.solve import solve
+from echocal.errors import DataError, UsageError
+from echocal.model import Model
+from echocal.observations import Observations
+
+__all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
+
+
+def calibrate(
+    observations: Observations,
+    model: Model | Form,
+    fit: Sequence[str] | None = None,
+    *,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    standard_uncertainty: ArrayLike | None = None,
+    loss: str = "linear",
+    loss_scale: float | None = None,
+) -> Calibration:
+    """Estimate parameters from measured data by bounded, robust least squares.
+
+    Parameters
+    ----------
+    observations : Observations
+        The data; a physical model needs reference distances.
+    model : Model or Form
+        A physical model, or a data-driven form such as `Regression`.
+    fit : sequence of str
+        Parameters of the physical model to estimate: ``"fixed_delay.delay"``,
+        ``"fixed_delay"`` for all of its parameters, ``"law.intercept"``, ``"law.slope"``.
+        A form that is not a model always fits all of its own.
+    bounds : mapping of str to tuple of float, optional
+        Narrower bounds by parameter, instead of those of the registry.
+    standard_uncertainty : array_like, shape () or (n,), optional
+        Known standard uncertainty of the observations, in the unit of the response [m]. Without
+        it the scatter is estimated from the residuals.
+    loss : {"linear", "soft_l1", "huber", "cauchy"}
+        How much large residuals count.
+    loss_scale : float, optional
+        Residual at which the loss turns robust [m, or standard uncertainties where these are
+        given]; by default the scatter that the median absolute residual suggests.
+
+    Returns
+    -------
+    Calibration
+        Estimates with covariance; its ``model`` is the calibrated `Model` (or `Regression`).
+
+    Raises
+    ------
+    UsageError
+        If a name or an option is unknown.
+    ModelError
+        If the rows cannot identify a parameter; the message names what acts alike.
+    DataError
+        If rows are too few or hold no number.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008 (GUM), section 5 and annex H.3.
+    .. [2] P. J. Huber, Robust Statistics, Wiley 1981, section 7.6.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from echocal import Model, calibrate
+    >>> from echocal.observations import Observations
+    >>> distance = np.array([0.5, 1.0, 2.0, 3.0])
+    >>> echo = Model("linear").time_of_flight(distance, temperature=20.0) + 30e-6
+    >>> data = Observations(echo, {"temperature": np.full(4, 20.0)}, distance, np.full(4, ""))
+    >>> found = calibrate(data, Model("linear"), fit=["fixed_delay.delay"])
+    >>> round(found["fixed_delay.delay"].value * 1e6, 6)
+    30.0
+    """
+    form = _form(model, fit)
+    if loss not in LOSSES:
+        message = f"unknown loss '{loss}'; known: {', '.join(LOSSES)}"
+        raise UsageError(message)
+    parameters = _bounded(form.parameters, bounds or {})
+    used = observations.usable
+    sigma = _sigma(standard_uncertainty, len(observations))
+    _demand_rows(int(used.sum()), len(parameters), known=sigma is not None)
+    observed = form.observed(observations)
+    columns = {name: column[used] for name, column in form.columns(observations).items()}
+    _demand_numbers({"the response": observed[used], **columns}, used)
+    rows_sigma = None if sigma is None else sigma[used]
+    solution = solve(Problem(form, observed[used], columns, parameters, rows_sigma), loss, loss_scale)
+    residuals = np.full(len(observations), np.nan)
+    residuals[used] = -solution.residuals
+    return Calibration(
+        form=form,
+        parameters=parameters,
+        values=solution.values,
+        covariance=solution.covariance,
+        residuals=residuals,
+        residual_standard_deviation=solution.residual_standard_deviation,
+        r_squared=_r_squared(observed[used], residuals[used], centered=form.has_intercept),
+        rows=_rows(observations),
+        loss=loss,
+        model=form.fitted(solution.values),
+    )
+
+
+def _form(model: Model | Form, fit: Sequence[str] | None) -> Form:
+    if not isinstance(model, Model):
+        if fit is not None:
+            message = "fit= names parameters of a physical model; this form fits all of its own"
+            raise UsageError(message)
+        return model
+    if fit is None or isinstance(fit, str):
+        message = f"say what to fit as a list, e.g. fit=['zero_error.offset']; got {fit!r}"
+        raise UsageError(message)
+    return Chain(model, fit)
+
+
+def _bounded(parameters: Sequence[Parameter], bounds: Mapping[str, tuple[float, float]]) -> list[Parameter]:
+    names = [parameter.name for parameter in parameters]
+    for name, (low, high) in bounds.items():
+        if name not in names or not low < high:
+            message = (
+                f"bounds of '{name}' ({low:g}, {high:g}): want low < high, for one of {', '.join(names)}"
+            )
+            raise UsageError(message)
+    return [replace(p, bounds=bounds.get(p.name, p.bounds)) for p in parameters]
+
+
+def _sigma(given: ArrayLike | None, rows: int) -> Column | None:
+    if given is None:
+        return None
+    sigma: NDArray[np.float64] = np.asarray(given, dtype=np.float64)
+    if sigma.shape not in ((), (rows,)) or not np.all(sigma > 0.0):
+        message = f"standard_uncertainty wants one positive number or {rows} of them; got shape {sigma.shape}"
+        raise UsageError(message)
+    return np.broadcast_to(sigma, (rows,))
+
+
+def _demand_rows(rows: int, parameters: int, *, known: bool) -> None:
+    enough = parameters if known else parameters + 1
+    if rows < enough:
+        message = f"{parameters} parameters need at least {enough} usable rows; the data has {rows}"
+        raise DataError(message)
+
+
+def _demand_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:
+    for name, column in columns.items():
+        wrong = np.flatnonzero(~np.isfinite(column))
+        if len(wrong):
+            row = np.flatnonzero(used)[wrong[0]] + 1
+            message = f"{name} has {len(wrong)} rows without a number, first at row {row}; mark them unusable"
+            raise DataError(message)
+
+
+def _r_squared(observed: Column, residuals: Column, *, centered: bool) -> float:
+    total = observed - observed.mean() if centered else observed
+    return float(1.0 - residuals @ residuals / (total @ total))
+
+
+def _rows(observations: Observations) -> dict[str, Any]:
+    reasons = Counter(str(reason) for reason in observations.unusable if reason)
+    return {"total": len(observations), "used": int(observations.usable.sum()), "unusable": dict(reasons)}

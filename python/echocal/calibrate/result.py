@@ -1,0 +1,211 @@
+"""What a calibration found, with its uncertainties."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+from echocal.calibrate.form import Column, Form, Parameter
+from echocal.errors import UsageError
+
+__all__ = ["Calibration", "Estimate", "Prediction"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """An estimated parameter and its standard uncertainty (GUM 2.3.1)."""
+
+    name: str
+    value: float
+    standard_uncertainty: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.value:.6g} ± {self.standard_uncertainty:.2g} {self.unit}"
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A predicted indication.
+
+    Attributes
+    ----------
+    value : ndarray
+        Prediction, in the unit of the response.
+    standard_uncertainty : ndarray
+        Its standard uncertainty from the parameters' covariance (delta method).
+    observation_standard_uncertainty : ndarray
+        The same for one further observation: the scatter of the residuals is added.
+    """
+
+    value: Column
+    standard_uncertainty: Column
+    observation_standard_uncertainty: Column
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Estimates, covariance and residuals of a calibration (VIM 2.39).
+
+    Attributes
+    ----------
+    form : Form
+        What was fitted.
+    parameters : sequence of Parameter
+        What was estimated, with bounds.
+    values : ndarray, shape (p,)
+        Estimates.
+    covariance : ndarray, shape (p, p)
+        Covariance of the estimates.
+    residuals : ndarray, shape (n,)
+        Observed minus predicted, in the unit of the response; NaN for a row that was not used.
+    residual_standard_deviation : float
+        From the residuals and the degrees of freedom; in units of the given standard
+        uncertainty where one was given; from the median where the loss is robust.
+    r_squared : float
+        Coefficient of determination.
+    rows : dict of str to int
+        ``total``, ``used`` and a count per reason of not being used.
+    loss : str
+        The loss.
+    model : Model or object
+        The calibrated `Model`; for another form what its ``fitted`` returns.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from echocal import Regression, calibrate
+    >>> from echocal.observations import Observations
+    >>> echo = np.array([0.0121, 0.0120, 0.0118, 0.0117])
+    >>> data = Observations(echo, {"temperature": np.array([0.0, 5.0, 10.0, 15.0])}, None, np.full(4, ""))
+    >>> found = calibrate(data, Regression.polynomial("temperature", 1, law="343"))
+    >>> print(found["temperature"])
+    temperature = -0.004802 ± 0.00049 m/degC
+    >>> round(found.r_squared, 3), found.degrees_of_freedom
+    (0.98, 2)
+    """
+
+    form: Form
+    parameters: Sequence[Parameter]
+    values: Column
+    covariance: NDArray[np.float64]
+    residuals: Column
+    residual_standard_deviation: float
+    r_squared: float
+    rows: dict[str, Any]
+    loss: str = "linear"
+    model: Any = field(default=None)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the estimated parameters, in the order of `values`."""
+        return [parameter.name for parameter in self.parameters]
+
+    @property
+    def standard_uncertainties(self) -> Column:
+        """Standard uncertainty of each estimate, shape (p,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> NDArray[np.float64]:
+        """Correlation of the estimates, shape (p, p)."""
+        deviation = self.standard_uncertainties
+        return np.asarray(self.covariance / np.outer(deviation, deviation))
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Rows used minus parameters."""
+        return int(self.rows["used"]) - len(self.values)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, in the unit of the response."""
+        return float(np.sqrt(np.nanmean(self.residuals**2)))
+
+    @property
+    def at_bounds(self) -> list[str]:
+        """Parameters that ended on a bound: their uncertainties mean little."""
+        return [
+            parameter.name
+            for parameter, value in zip(self.parameters, self.values, strict=True)
+            if np.isclose(value, parameter.bounds, rtol=1e-6, atol=1e-6 * parameter.scale).any()
+        ]
+
+    def __getitem__(self, name: str) -> Estimate:
+        if name not in self.names:
+            message = f"'{name}' was not fitted; fitted: {', '.join(self.names)}"
+            raise UsageError(message)
+        return list(self)[self.names.index(name)]
+
+    def __iter__(self) -> Iterator[Estimate]:
+        for parameter, value, deviation in zip(
+            self.parameters, self.values, self.standard_uncertainties, strict=True
+        ):
+            yield Estimate(parameter.name, float(value), float(deviation), parameter.unit)
+
+    def interval(self, coverage: float = 0.95) -> dict[str, tuple[float, float]]:
+        """Coverage interval per parameter (GUM G.3: Student's t).
+
+        Parameters
+        ----------
+        coverage : float
+            Coverage probability.
+        """
+        factor = float(stats.t.ppf(0.5 + coverage / 2.0, self.degrees_of_freedom))
+        return {
+            e.name: (e.value - factor * e.standard_uncertainty, e.value + factor * e.standard_uncertainty)
+            for e in self
+        }
+
+    def predict(self, **columns: ArrayLike) -> Prediction:
+        """Predict the response, with its standard uncertainty.
+
+        Parameters
+        ----------
+        **columns : array_like
+            What the form reads: ``distance`` [m] and influence quantities for a physical model
+            (the prediction is the indication [m] of a device with the law that was given),
+            the columns of its terms for a regression.
+
+        Returns
+        -------
+        Prediction
+            In the shape of the columns.
+
+        References
+        ----------
+        .. [1] JCGM 100:2008 (GUM), 5.2.2, equation (13).
+        """
+        arrays = [np.asarray(column, dtype=np.float64) for column in columns.values()]
+        broadcast = dict(zip(columns, np.broadcast_arrays(*arrays), strict=True))
+        value, jacobian = self.form.evaluate(self.values, broadcast)
+        variance = np.einsum("...i,ij,...j->...", jacobian, self.covariance, jacobian)
+        deviation = self.residual_standard_deviation
+        return Prediction(value, np.sqrt(variance), np.sqrt(variance + deviation**2))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the rows, for JSON (schema ``echocal.calibration/1``)."""
+        return {
+            "schema": "echocal.calibration/1",
+            "parameters": [
+                {
+                    "name": e.name,
+                    "value": e.value,
+                    "standard_uncertainty": e.standard_uncertainty,
+                    "unit": e.unit,
+                }
+                for e in self
+            ],
+            "covariance": self.covariance.tolist(),
+            "correlation": self.correlation.tolist(),
+            "residual_standard_deviation": self.residual_standard_deviation,
+            "rms": self.rms,
+            "r_squared": self.r_squared,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "at_bounds": self.at_bounds,
+            "loss": self.loss,
+            "rows": self.rows,
+        }
