@@ -1,8 +1,6 @@
 """The laws against live independent implementations: CoolProp, iapws, pyfar."""
 
-import sys
-from pathlib import Path
-
+import moist_air
 import numpy as np
 import pyfar
 import pytest
@@ -11,9 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import echocal
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-import moist_air
 
 TEMPERATURE = st.floats(-20.0, 60.0)
 HUMIDITY = st.floats(0.0, 1.0)
@@ -54,6 +49,17 @@ def test_virial_at_equal_relative_humidity(temperature: float, humidity: float, 
     theirs = moist_air.hapropssi_at_humidity(temperature, humidity, pressure)
     ppm = 1e6 * (speed("virial", temperature, humidity, pressure) / theirs - 1.0)
     assert abs(ppm) <= limit_ppm(water)
+
+
+def test_humidity_over_ice_instead_of_water_costs_71_ppm_at_most() -> None:
+    """CoolProp reads humidity over ice; the page says what that does to the speed."""
+    costs = []
+    for temperature in np.arange(-20.0, 0.0, 0.5):
+        water = moist_air.water_vapor_mole_fraction(temperature, 1.0, 60e3)
+        ice = moist_air.hapropssi_at_humidity(temperature, 1.0, 60e3)
+        costs.append(1e6 * (1.0 - ice / moist_air.hapropssi(temperature, water, 60e3)))
+    assert 70.0 < max(costs) < 72.0
+    assert -14.0 < -20.0 + 0.5 * int(np.argmax(costs)) < -9.0
 
 
 @settings(max_examples=100, deadline=None)

@@ -235,8 +235,9 @@ def write(parts: dict[str, Array], table: Array) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true", help="write the coefficients and the table")
+    parser.add_argument("--points", type=int, default=256, help="how many points to validate on")
     options = parser.parse_args()
-    parts, table = fit(), references(validation_points())
+    parts, table = fit(), references(validation_points(options.points))
     report(parts, table)
     if options.write:
         write(parts, table)
