@@ -4,6 +4,8 @@ import warnings
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import echocal
 from echocal.domain import warn_outside
@@ -57,6 +59,31 @@ def test_silent_inside_and_for_rows_without_a_number() -> None:
         warn_outside(np.linspace(-20, 60, 81)[:, None], np.linspace(0, 1, 11), law="virial")
         # the corner of the columns is wet, no row is
         warn_outside([45.0, 10.0], [0.1, 1.0], law="cramer")
+
+
+COLUMN = {
+    "temperature": st.floats(-40.0, 80.0) | st.just(np.nan),
+    "relative_humidity": st.floats(-0.1, 1.2),
+    "pressure": st.floats(50e3, 120e3),
+    "frequency": st.sampled_from([0.0, 10.0, 40e3, 2e6]),
+}
+
+
+@given(
+    st.sampled_from(["linear", "ideal_gas", "cramer", "virial"]),
+    st.lists(st.fixed_dictionaries(COLUMN), min_size=1, max_size=4),
+)
+def test_warns_exactly_where_the_mask_says(law: str, rows: list[dict[str, float]]) -> None:
+    """The corners of the columns never clear a row that the mask would not."""
+    columns = {name: np.array([row[name] for row in rows]) for name in COLUMN}
+    codes = echocal.departures(**columns, law=law)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        warn_outside(**columns, law=law)
+    counted = int(np.sum(codes > echocal.DEPARTURES.index("not_a_number")))
+    assert len(caught) == min(counted, 1)
+    if counted:
+        assert f"{counted} of {len(rows)} rows" in str(caught[0].message)
 
 
 def test_unknown_law_and_shapes() -> None:

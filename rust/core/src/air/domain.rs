@@ -158,11 +158,20 @@ impl Limits {
 }
 
 impl Law {
+    /// Where this law holds; a fixed speed reads nothing and has no limits.
+    #[must_use]
+    pub fn limits(&self) -> Limits {
+        match self {
+            Self::Linear(law) if law.slope == 0.0 => UNLIMITED,
+            law => law.facts().limits,
+        }
+    }
+
     /// The first reason why air lies outside the law's domain or, at a frequency above zero, outside
     /// that of the dispersion.
     #[must_use]
     pub fn examine(&self, air: &Air<f64>, frequency: f64) -> Option<Finding> {
-        let found = self.facts().limits.examine(air, frequency);
+        let found = self.limits().examine(air, frequency);
         let disperses = frequency != 0.0;
         found.or_else(|| {
             disperses
@@ -221,5 +230,6 @@ mod tests {
             Departure::NotANumber
         );
         assert_eq!(departure("linear", 20.0, f64::NAN, 0.0), Departure::None);
+        assert_eq!(departure("343", f64::NAN, f64::NAN, 0.0), Departure::None);
     }
 }

@@ -86,6 +86,19 @@ fn composition() {
     }
 }
 
+/// Would the table notice the mistakes that public implementations have made?
+#[test]
+fn the_table_tells_kelvin_from_celsius_in_the_enhancement_factor() {
+    for row in published("iec_61094_2_table_f1") {
+        let air = air(&row);
+        let kelvin = enhancement_factor(air.temperature + 273.15, air.pressure);
+        let factor = kelvin / enhancement_factor(air.temperature, air.pressure);
+        let wrong = Cramer::at_composition(&air, factor * water_vapor_mole_fraction(&air));
+        let error = wrong - number(&row, "speed_m_per_s");
+        assert!((0.02..0.2).contains(&error), "{row:?}: {error}");
+    }
+}
+
 #[test]
 fn iso_9613_1_table_1() {
     for row in published("iso_9613_1_table_1") {
