@@ -60,17 +60,18 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
     others = _ordinary_as(median, form)
     if not others and _within(unit, median, form.physical):
         return  # unusual, and no other unit makes it usual
-    symbol = si_unit(form.quantity)
-    said = f"{unit.to_si(median):.4g} {symbol}"
     if not others:
+        low, high = (unit.from_si(bound) for bound in form.physical)
         message = (
-            f"column '{column}' has a median of {median:g}, that is {said}, which cannot be; "
-            f"an error code? --missing {median:g}"
+            f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; "
+            f'an error code? --missing "{column}={median:g}"'
         )
         raise DataError(message)
-    read_as = ", ".join(f"as {name} {value:.4g} {symbol}" for name, value in others.items())
+    said = {assignment.name: unit.to_si(median), **others}
+    symbol = si_unit(form.quantity)
+    read_as = ", ".join(f"as {name} {value:.4g} {symbol}".rstrip() for name, value in said.items())
     message = (
-        f"column '{column}' has a median of {median:g}: as {assignment.name} {said}, {read_as}. "
+        f"column '{column}' has a median of {median:g}: {read_as}. "
         f'Say which it is: --column "{column}={next(iter(others))}" (or rename it), '
         f'or if it is right as it stands: --trust "{column}"'
     )
@@ -108,9 +109,10 @@ def suspected_codes(values: Column, assignment: Assignment) -> list[str]:
 
 
 def si_unit(quantity: str) -> str:
-    """Unit in which a quantity is kept."""
+    """Unit in which a quantity is kept; empty for a pure number."""
     own = {"echo_time": "s", "reading": "m", "reference_distance": "m"}
-    return own.get(quantity) or QUANTITIES[quantity].unit.replace("1", "(of 1)")
+    unit = own.get(quantity) or QUANTITIES[quantity].unit
+    return "" if unit == "1" else unit
 
 
 def _count(values: Column, mask: Mask, column: str, where: str) -> str:

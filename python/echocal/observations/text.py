@@ -60,8 +60,10 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
         table = pd.DataFrame(columns=range(len(names)))
     except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
         reason = str(error).strip().splitlines()[-1].removeprefix("Error tokenizing data. C error: ")
-        message = f"{path} has rows longer than its header of {len(names)} columns: {reason}"
+        message = f"{path} cannot be read as rows of {len(names)} fields like its header: {reason}"
         raise DataError(message) from None
+    except UnicodeError:
+        raise DataError(_no_text(path, layout)) from None
     table.columns = pd.Index(names)
     # a separator at the end of each line makes a column without name and values
     ends = [n for n in names if n.startswith("Unnamed") and table[n].isin(["", float("nan")]).all()]
@@ -75,11 +77,7 @@ def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
         with _open(path, layout.encoding) as file:
             lines = list(islice(file, skip, skip + 100))
     except UnicodeError:
-        message = (
-            f"{path} is not text in {layout.encoding.removesuffix('-sig')}: "
-            "a binary file, or name the encoding (latin-1, utf-16, ...)"
-        )
-        raise DataError(message) from None
+        raise DataError(_no_text(path, layout)) from None
     except LookupError:
         message = f"unknown encoding '{layout.encoding}'; common ones: utf-8, latin-1, utf-16"
         raise UsageError(message) from None
@@ -96,6 +94,11 @@ def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
         message = f"{path} is not text: its first line has NUL bytes"
         raise DataError(message)
     return skip, [line.rstrip("\r\n") for line in lines[:2]]
+
+
+def _no_text(path: Path, layout: Layout) -> str:
+    encoding = layout.encoding.removesuffix("-sig")
+    return f"{path} is not text in {encoding}: a binary file, or name the encoding (latin-1, utf-16, ...)"
 
 
 def _names(fields: list[str]) -> list[str]:
