@@ -13,6 +13,7 @@ from echocal.errors import (
 )
 from echocal.model import Model
 from echocal.observations import Observations, read_observations
+from echocal.sweep import sweep
 
 __all__ = [
     "DEPARTURES",
@@ -30,4 +31,5 @@ __all__ = [
     "calibrate",
     "departures",
     "read_observations",
+    "sweep",
 ]

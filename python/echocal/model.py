@@ -58,6 +58,10 @@ class Model:
         """Indication of the device [m] at a true distance [m]."""
         return self._map(self._core.indicate, distance, conditions)
 
+    def speed_of_sound(self, distance: ArrayLike, **conditions: ArrayLike | None) -> NDArray[np.float64]:
+        """Speed of sound on the path [m/s] at a true distance [m]."""
+        return self._map(self._core.speed_of_sound, distance, conditions)
+
     def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> NDArray[np.float64]:
         """Echo time that the device records [s] at a true distance [m]."""
         return self._map(self._core.time_of_flight, distance, conditions)

@@ -110,7 +110,7 @@ FORMS: tuple[Form, ...] = (
     _humidity("humidity", {"percent": Unit(1, 100)}, "relative_humidity", _HUMID),
     _humidity("relative_humidity", _FRACTION, "humidity_percent", None),
     Form("pressure", "pressure", _PRESSURE, ("air pressure",), (25e3, 120e3)),
-    Form("co2", "co2_mole_fraction", {"ppm": Unit(1, 1e6)}, (), (0.0, 1.0)),
+    Form("co2", "co2_mole_fraction", {"ppm": Unit(1, 1e6), "mole_fraction": Unit()}, (), (0.0, 1.0)),
     Form("time", "elapsed_time", _CLOCK, ("elapsed time",)),
     Form("supply", "supply_voltage", {"V": Unit(), "mV": Unit(1, 1000)}, ("supply voltage",), (0.0, 60.0)),
     Form("angle", "angle", {"deg": Unit(pi, 180), "rad": Unit()}, (), (-pi / 2, pi / 2)),

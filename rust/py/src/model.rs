@@ -53,6 +53,16 @@ impl CoreModel {
         self.map(py, &distance, &conditions, Model::indicate)
     }
 
+    /// Speed of sound on the path \[m/s\] at a true distance \[m\].
+    fn speed_of_sound<'py>(
+        &self,
+        py: Python<'py>,
+        distance: Column<'py>,
+        conditions: Vec<Column<'py>>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        self.map(py, &distance, &conditions, Model::speed_of_sound)
+    }
+
     /// Recorded echo time \[s\] at a true distance \[m\].
     fn time_of_flight<'py>(
         &self,

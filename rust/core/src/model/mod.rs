@@ -150,6 +150,13 @@ impl Model {
             .indication
     }
 
+    /// The speed of sound on the path \[m/s\] at a true distance \[m\].
+    #[must_use]
+    pub fn speed_of_sound(&self, distance: f64, recorded: &Conditions<f64>) -> f64 {
+        self.simulate_to(Stage::Speed, distance, recorded, &self.parameters())
+            .speed
+    }
+
     /// The echo time that the device records \[s\], out and back.
     #[must_use]
     pub fn time_of_flight(&self, distance: f64, recorded: &Conditions<f64>) -> f64 {

@@ -1,0 +1,136 @@
+"""Sweeps: a model over a grid of conditions, as a labeled grid with units."""
+
+import json
+from importlib.metadata import version
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from echocal.conditions import QUANTITIES
+from echocal.errors import UsageError
+from echocal.model import Model
+from echocal.sweep.files import write
+from echocal.sweep.grid import Range, axis, parse
+
+__all__ = ["parse", "sweep", "write"]
+
+_LARGEST = 100_000_000
+_CF_UNITS = {"degC": "degC", "m/s": "m s-1", "W/m^2": "W m-2"}
+_STANDARD_NAMES = {
+    "temperature": "air_temperature",
+    "relative_humidity": "relative_humidity",
+    "pressure": "air_pressure",
+    "co2_mole_fraction": "mole_fraction_of_carbon_dioxide_in_air",
+    "wind_speed": "wind_speed",
+}
+_RESULTS = {
+    "speed_of_sound": ("m s-1", "speed of sound on the path"),
+    "time_of_flight": ("s", "recorded echo time, out and back"),
+    "indication": ("m", "indication of the device"),
+    "error": ("m", "indication minus distance"),
+}
+
+
+def sweep(
+    model: Model | str, *, temperature: Range, distance: Range = 2.0, **conditions: Range
+) -> xr.Dataset:
+    """Simulate a device over every combination of conditions.
+
+    Parameters
+    ----------
+    model : Model or str
+        What nature and device do; the name or expression of a law is the base simulation.
+    temperature : range
+        Air temperature [degC]. A range is one value, a tuple (start, stop, step) with the stop
+        included, or an array or list of values, shape (n,).
+    distance : range
+        True distance [m].
+    **conditions : range
+        Other influence quantities by name [SI], e.g. ``relative_humidity=(0, 1, 0.25)``; what is
+        not given takes the model's own value or the default.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables ``speed_of_sound`` [m/s], ``time_of_flight`` [s], ``indication`` [m] and
+        ``error`` [m]; one dimension for every range that is not a single value, in the order
+        given; units and long names as attributes after the CF conventions.
+
+    Raises
+    ------
+    UsageError
+        If a quantity is unknown, a range is none, or there are too many combinations.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> device = echocal.Model("linear", {"fixed_speed": {"weight": 1.0, "speed": 343.0}})
+    >>> grid = echocal.sweep(device, temperature=(0, 50, 25), distance=[1.0, 2.0])
+    >>> dict(grid.sizes), grid.error.attrs["units"]
+    ({'temperature': 3, 'distance': 2}, 'm')
+    >>> print(grid.indication.sel(distance=2.0).round(3).values)
+    [2.07  1.98  1.898]
+    """
+    model = Model(model) if isinstance(model, str) else model
+    unknown = sorted(set(conditions) - set(QUANTITIES))
+    if unknown:
+        message = f"unknown influence quantity '{unknown[0]}'; known: {', '.join(QUANTITIES)}"
+        raise UsageError(message)
+    given = {"temperature": temperature, "distance": distance, **conditions}
+    axes = {name: axis(name, range_) for name, range_ in given.items()}
+    dimensions = [name for name, values in axes.items() if values.ndim]
+    shape = tuple(len(axes[name]) for name in dimensions)
+    if np.prod(shape, dtype=float) > _LARGEST:
+        message = (
+            f"{' x '.join(map(str, shape))} combinations are more than {_LARGEST:.0e}; take larger steps"
+        )
+        raise UsageError(message)
+    placed = {name: _placed(values, name, dimensions) for name, values in axes.items()}
+    results = _simulate(model, shape, placed)
+    return xr.Dataset(
+        {name: (dimensions, values, _result_attributes(name)) for name, values in results.items()},
+        {name: (name if values.ndim else (), values, _attributes(name)) for name, values in axes.items()},
+        {
+            "Conventions": "CF-1.11",
+            "title": "Simulated ultrasonic distance measurements",
+            "source": f"echocal {version('echocal')}, effects {json.dumps(model.effects)}",
+            "model": " + ".join([f"law {model.law}", *model.effects]),
+        },
+    )
+
+
+def _simulate(
+    model: Model, shape: tuple[int, ...], placed: dict[str, NDArray[np.float64]]
+) -> dict[str, NDArray[np.float64]]:
+    distance = np.broadcast_to(placed.pop("distance"), shape)
+    indication = model.indicate(distance, **placed)
+    return {
+        "speed_of_sound": model.speed_of_sound(distance, **placed),
+        "time_of_flight": model.time_of_flight(distance, **placed),
+        "indication": indication,
+        "error": indication - distance,
+    }
+
+
+def _placed(values: NDArray[np.float64], name: str, dimensions: list[str]) -> NDArray[np.float64]:
+    """Values along their own dimension, ready to broadcast."""
+    return (
+        values.reshape([-1 if name == dimension else 1 for dimension in dimensions])
+        if values.ndim
+        else values
+    )
+
+
+def _attributes(name: str) -> dict[str, str]:
+    if name == "distance":
+        return {"units": "m", "long_name": "true distance"}
+    unit = QUANTITIES[name].unit
+    long_name = name.replace("_", " ").replace("co2", "CO2")
+    attributes = {"units": _CF_UNITS.get(unit, unit), "long_name": long_name}
+    return attributes | ({"standard_name": _STANDARD_NAMES[name]} if name in _STANDARD_NAMES else {})
+
+
+def _result_attributes(name: str) -> dict[str, str]:
+    units, long_name = _RESULTS[name]
+    return {"units": units, "long_name": long_name}

@@ -1,0 +1,70 @@
+"""Sweeps as files: CSV and Parquet with units in the names, NetCDF with units as attributes."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import pandas as pd
+import xarray as xr
+
+from echocal.errors import DataError, UsageError
+
+__all__ = ["table", "write"]
+
+_COLUMNS = {
+    "temperature": "temperature_C",
+    "distance": "distance_m",
+    "pressure": "pressure_Pa",
+    "elapsed_time": "time_s",
+    "supply_voltage": "supply_V",
+    "angle": "angle_rad",
+    "wind_speed": "wind_m_s",
+    "radiation": "radiation_W_m2",
+    "speed_of_sound": "speed_of_sound_m_s",
+    "time_of_flight": "echo_s",
+    "indication": "reading_m",
+    "error": "error_m",
+}
+
+
+def table(grid: xr.Dataset) -> pd.DataFrame:
+    """One row per combination; `echocal.read_observations` reads the names back."""
+    flat = grid.to_dataframe().reset_index() if grid.sizes else pd.DataFrame([_scalars(grid)])
+    first = [str(name) for name in grid.coords]
+    return flat[first + [str(name) for name in grid.data_vars]].rename(columns=_COLUMNS)
+
+
+def write(grid: xr.Dataset, path: Path) -> None:
+    """Write a sweep as .csv, .parquet or .nc; a file is either complete or not there.
+
+    Raises
+    ------
+    UsageError
+        If the ending is another, or Parquet lacks its library.
+    DataError
+        If the file cannot be written.
+    """
+    unfinished = path.with_name(f"{path.name}.tmp")
+    try:
+        match path.suffix:
+            case ".csv":
+                table(grid).to_csv(unfinished, index=False)
+            case ".parquet":
+                table(grid).to_parquet(unfinished, index=False)
+            case ".nc":
+                grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
+            case other:
+                message = f"cannot write '{other}' ({path}); endings: .csv, .parquet, .nc"
+                raise UsageError(message)
+        unfinished.replace(path)
+    except ImportError:
+        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
+        raise UsageError(message) from None
+    except OSError as error:
+        message = f"{path} cannot be written: {error.strerror or error}"
+        raise DataError(message) from None
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _scalars(grid: xr.Dataset) -> dict[str, float]:
+    return {str(name): float(variable) for name, variable in grid.variables.items()}

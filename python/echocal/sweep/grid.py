@@ -1,0 +1,85 @@
+"""The values that a sweep runs over."""
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal.errors import UsageError
+
+__all__ = ["Range", "axis", "parse"]
+
+Range: TypeAlias = "float | tuple[float, float, float] | Sequence[float] | NDArray[np.float64]"
+"""One value; (start, stop, step), stop included; or values one by one."""
+
+_LARGEST = 10_000_000
+
+
+def axis(name: str, given: Range) -> NDArray[np.float64]:
+    """Values of one quantity: a scalar array for one value, else one-dimensional.
+
+    Raises
+    ------
+    UsageError
+        If the range is empty or holds anything but finite numbers.
+    """
+    values = _stepped(name, given) if isinstance(given, tuple) else _numbers(name, given)
+    if values.ndim > 1 or values.size == 0:
+        message = f"{name}: expected one value, (start, stop, step) or a list, got shape {values.shape}"
+        raise UsageError(message)
+    if len(np.unique(values)) != values.size:
+        message = f"{name}: a value occurs more than once"
+        raise UsageError(message)
+    return values
+
+
+def parse(name: str, text: str) -> Range:
+    """Range of a text: ``2``, ``0:50:2`` (stop included) or ``0.5,1,2``.
+
+    Raises
+    ------
+    UsageError
+        If the text is none of these.
+    """
+    separator = ":" if ":" in text else ","
+    try:
+        numbers = [float(part) for part in text.split(separator)]
+    except ValueError:
+        numbers = []
+    match separator, numbers:
+        case _, [value]:
+            return value
+        case ":", [start, stop, step]:
+            return start, stop, step
+        case ",", [_, *_]:
+            return numbers
+    message = f"{name}: '{text}' is no range; write 20, or 0:50:2 (start:stop:step), or 0.5,1,2"
+    raise UsageError(message)
+
+
+def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    try:
+        values = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        message = f"{name}: expected numbers, got {given!r}"
+        raise UsageError(message) from None
+    if not np.isfinite(values).all():
+        message = f"{name}: expected finite numbers, got {given!r}"
+        raise UsageError(message)
+    return values
+
+
+def _stepped(name: str, given: tuple[float, ...]) -> NDArray[np.float64]:
+    limits = _numbers(name, given)
+    if limits.shape != (3,):
+        message = f"{name}: a tuple is (start, stop, step), got {given!r}; write values one by one as a list"
+        raise UsageError(message)
+    start, stop, step = limits.tolist()
+    steps = (stop - start) / step if step else np.nan
+    if not 0 <= steps < _LARGEST:
+        reason = "has too many values" if steps >= _LARGEST else "never gets there"
+        message = f"{name}: from {start:g} to {stop:g} in steps of {step:g} {reason}"
+        raise UsageError(message)
+    # decimals as a person writes them: 0.3, not 0.1 + 0.1 + 0.1
+    return np.asarray(np.round(start + step * np.arange(int(steps + 1e-9) + 1), 12))
