@@ -1,1 +1,24 @@
 //! Fixed-point C from a calibrated model, proven over every input.
+//!
+//! `design` searches the cheapest form that meets the error bound, the bit-exact twin in `ir` evaluates it, `prove`
+//! checks it on every input, `emit` writes it as C. Text and twin are made from one [`ir::Program`].
+//!
+//! Units inside the search are micrometers and echo codes; at the border distances are m.
+
+pub mod design;
+pub mod device;
+pub mod emit;
+pub mod error;
+pub mod form;
+pub mod ir;
+pub mod lower;
+pub mod minimax;
+pub mod prove;
+pub mod reference;
+pub mod target;
+
+pub use design::{Design, Progress, Reachable, Request, design};
+pub use device::{Axis, Device};
+pub use emit::{Artifacts, Provenance, emit};
+pub use error::Error;
+pub use target::{Prefer, Target};

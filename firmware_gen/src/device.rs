@@ -1,0 +1,155 @@
+//! What the device measures: integer codes, and the quantity each code stands for.
+
+use crate::error::Error;
+use crate::ir::{IntegerType, Range};
+use serde::Serialize;
+
+/// One argument of the generated function: an integer code and the quantity it stands for, `value = zero + lsb * code`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Axis {
+    /// Name of the C parameter.
+    pub name: String,
+    /// Influence quantity of the model that the code carries.
+    pub quantity: String,
+    /// Unit of `lsb` and `zero`, as the unit contract names it.
+    pub unit: String,
+    /// Value of one code.
+    pub lsb: f64,
+    /// Value at code 0.
+    pub zero: f64,
+    /// Codes that the function accepts.
+    pub codes: Range,
+    /// Type of the C parameter.
+    #[serde(rename = "type")]
+    pub ty: IntegerType,
+}
+
+impl Axis {
+    /// Echo times of 0 to `maximum_us` microseconds, one code each.
+    ///
+    /// # Errors
+    /// If the longest time is not in 1..=65535 us.
+    pub fn echo(maximum_us: i64) -> Result<Self, Error> {
+        if !(1..=65_535).contains(&maximum_us) {
+            return Err(Error::Codes(format!(
+                "echo max {maximum_us} us is outside 1 .. 65535, what a uint16_t holds"
+            )));
+        }
+        Ok(Self {
+            name: "echo_us".into(),
+            quantity: "time_of_flight".into(),
+            unit: "s".into(),
+            lsb: 1e-6,
+            zero: 0.0,
+            codes: Range {
+                minimum: 0,
+                maximum: maximum_us,
+            },
+            ty: IntegerType::U16,
+        })
+    }
+
+    /// Air temperatures from `low` to `high` [degC] in steps of `lsb` [degC], code 0 standing for `zero` [degC].
+    ///
+    /// # Errors
+    /// If the range is empty, not finite, or needs codes outside `int16_t`.
+    pub fn temperature(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
+        let finite = [lsb, low, high, zero].iter().all(|value| value.is_finite());
+        if !finite || lsb <= 0.0 || low > high {
+            return Err(Error::Codes(format!(
+                "temperature {low}:{high} degC with LSB {lsb} degC is not a range of codes: give low <= high and LSB > 0"
+            )));
+        }
+        // The nearest code counts as inside: 0.1 degC is no binary fraction, and -20 degC must still be code -200.
+        let slack = 1e-9;
+        let first = ((low - zero) / lsb - slack).ceil();
+        let last = ((high - zero) / lsb + slack).floor();
+        if first < -32_768.0 || last > 32_767.0 {
+            return Err(Error::Codes(format!(
+                "temperature {low}:{high} degC with LSB {lsb} degC needs codes {first} .. {last}, an int16_t holds -32768 .. 32767: use a coarser LSB"
+            )));
+        }
+        if first > last {
+            return Err(Error::Codes(format!(
+                "temperature {low}:{high} degC holds no code of LSB {lsb} degC"
+            )));
+        }
+        let codes = Range {
+            minimum: first as i64,
+            maximum: last as i64,
+        };
+        Ok(Self {
+            name: "temperature_code".into(),
+            quantity: "temperature".into(),
+            unit: "degC".into(),
+            lsb,
+            zero,
+            codes,
+            ty: IntegerType::I16,
+        })
+    }
+
+    /// The quantity at `code`, in `unit`.
+    #[must_use]
+    pub fn value(&self, code: i64) -> f64 {
+        self.lsb.mul_add(code as f64, self.zero)
+    }
+
+    /// How many codes the function accepts.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        (self.codes.maximum - self.codes.minimum + 1) as usize
+    }
+
+    /// Never: an axis holds at least one code.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+}
+
+/// The inputs of the generated function: the echo time first, then the conditions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Device {
+    /// The echo time.
+    pub echo: Axis,
+    /// The conditions that the device measures; each combination of their codes is one row of the proof.
+    pub conditions: Vec<Axis>,
+}
+
+impl Device {
+    /// How many combinations of condition codes there are.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.conditions.iter().map(Axis::len).product()
+    }
+
+    /// How many inputs the function accepts in all.
+    #[must_use]
+    pub fn inputs(&self) -> u64 {
+        self.rows() as u64 * self.echo.len() as u64
+    }
+
+    /// Condition codes of row `row`, the last condition running fastest.
+    #[must_use]
+    pub fn codes(&self, row: usize) -> Vec<i64> {
+        let mut rest = row;
+        let mut codes: Vec<i64> = Vec::with_capacity(self.conditions.len());
+        for axis in self.conditions.iter().rev() {
+            codes.push(axis.codes.minimum + (rest % axis.len()) as i64);
+            rest /= axis.len();
+        }
+        codes.reverse();
+        codes
+    }
+
+    /// Condition values of row `row`, in the units of their axes.
+    #[must_use]
+    pub fn values(&self, row: usize) -> Vec<f64> {
+        self.conditions
+            .iter()
+            .zip(self.codes(row))
+            .map(|(axis, code)| axis.value(code))
+            .collect()
+    }
+}

@@ -1,0 +1,119 @@
+//! A program as C text. Every conversion is written out, so that the text means the same on any width of `int`.
+
+use crate::ir::{IntegerType, Node, Operation, Program, Value};
+use serde::Serialize;
+
+/// A local variable of the generated function.
+#[derive(Debug, Serialize)]
+pub struct Local {
+    /// Its type in C.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// Its name.
+    pub name: &'static str,
+    /// Its value.
+    pub expression: String,
+    /// What it is, with its unit.
+    pub note: String,
+}
+
+/// The statements of a program: its locals, and what it returns.
+#[must_use]
+pub fn statements(program: &Program) -> (Vec<Local>, String) {
+    let named = program
+        .nodes
+        .iter()
+        .enumerate()
+        .filter_map(|(index, node)| {
+            let (name, note) = node.name.as_ref()?;
+            let value = Value(index);
+            Some(Local {
+                ty: node.held.c_name(),
+                name,
+                expression: kept(program, value),
+                note: note.clone(),
+            })
+        });
+    (
+        named.collect(),
+        read(program, program.result, IntegerType::I32),
+    )
+}
+
+/// The value of a node, converted to the type that it is kept in.
+fn kept(program: &Program, value: Value) -> String {
+    let node = program.node(value);
+    match node.operation {
+        // A variable that is only another name for a constant or a code.
+        Operation::Constant(constant) => literal(constant, node.held),
+        _ if node.computed == node.held => expression(program, value),
+        _ => format!("({})({})", node.held.c_name(), expression(program, value)),
+    }
+}
+
+/// The value of a node as an operand of type `wanted`.
+fn read(program: &Program, value: Value, wanted: IntegerType) -> String {
+    let node = program.node(value);
+    let (text, given) = match (&node.name, node.operation) {
+        (Some((name, _)), _) => ((*name).to_owned(), node.held),
+        (None, Operation::Constant(constant)) => return literal(constant, wanted),
+        (None, Operation::Input(index)) => {
+            (program.inputs[index].0.clone(), program.inputs[index].1)
+        }
+        (None, Operation::Load(table, _)) => {
+            (expression(program, value), program.tables[table.0].ty)
+        }
+        (None, _) => (format!("({})", expression(program, value)), node.computed),
+    };
+    if given == wanted {
+        text
+    } else {
+        format!("({}){text}", wanted.c_name())
+    }
+}
+
+/// The operation of a node, in the type that it is computed in.
+fn expression(program: &Program, value: Value) -> String {
+    let node = program.node(value);
+    let operand = |value| read(program, value, node.computed);
+    let text = match node.operation {
+        Operation::Input(index) => return program.inputs[index].0.clone(),
+        Operation::Constant(constant) => return literal(constant, node.computed),
+        Operation::Load(table, index) => {
+            let given = index_type(program.node(index));
+            return format!(
+                "{}[{}]",
+                program.tables[table.0].name,
+                read(program, index, given)
+            );
+        }
+        Operation::Add(a, b) => format!("{} + {}", operand(a), operand(b)),
+        Operation::Subtract(a, b) => format!("{} - {}", operand(a), operand(b)),
+        Operation::Multiply(a, b) => format!("{} * {}", operand(a), operand(b)),
+        Operation::ShiftRight(a, bits) => format!("{} >> {bits}", operand(a)),
+        Operation::LowBits(a, bits) => format!("{} & {}U", operand(a), (1_u64 << bits) - 1),
+    };
+    // Below 32 bits C computes in `int`: the value is the same, its type is not.
+    if node.computed.bits() < 32 {
+        format!("({})({text})", node.computed.c_name())
+    } else {
+        text
+    }
+}
+
+fn index_type(node: &Node) -> IntegerType {
+    if node.name.is_some() {
+        node.held
+    } else {
+        node.computed
+    }
+}
+
+/// A constant; C gives it the first type that holds it.
+fn literal(constant: i64, ty: IntegerType) -> String {
+    if ty.is_signed() {
+        constant.to_string()
+    } else {
+        format!("{constant}U")
+    }
+}

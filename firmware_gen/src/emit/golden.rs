@@ -1,0 +1,67 @@
+//! Golden vectors: inputs and bit-exact outputs, for a port that the user writes.
+
+use crate::design::Design;
+use crate::device::Device;
+use crate::ir::Range;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Output for codes that the function does not accept: `INT32_MIN`.
+pub const OUT_OF_RANGE: i64 = i32::MIN as i64;
+
+/// Codes of each axis that are spread evenly over its range.
+const SPREAD: i64 = 15;
+
+/// `echo_us,temperature_code,distance_um`: a grid over the accepted codes, its edges and the codes next to them
+/// outside, and the two inputs with the largest errors.
+pub fn golden(design: &Design, device: &Device) -> String {
+    let axes: Vec<_> = std::iter::once(&device.echo)
+        .chain(&device.conditions)
+        .collect();
+    let mut inputs: BTreeSet<Vec<i64>> = BTreeSet::from([Vec::new()]);
+    for axis in &axes {
+        let codes = spread(axis.codes, axis.ty.range());
+        let extended = inputs.iter().flat_map(|input| {
+            codes
+                .iter()
+                .map(move |code| [&input[..], &[*code]].concat())
+        });
+        inputs = extended.collect();
+    }
+    for worst in [design.proof.bounded, design.proof.overall] {
+        inputs.insert([&[worst.echo][..], &device.codes(worst.row)].concat());
+    }
+    let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+    let mut text = format!("{},distance_um\n", names.join(","));
+    for input in inputs {
+        let accepted = axes
+            .iter()
+            .zip(&input)
+            .all(|(axis, code)| axis.codes.contains(*code));
+        let output = if accepted {
+            design.program.evaluate(&input).unwrap_or(OUT_OF_RANGE)
+        } else {
+            OUT_OF_RANGE
+        };
+        for code in &input {
+            let _ = write!(text, "{code},");
+        }
+        let _ = writeln!(text, "{output}");
+    }
+    text
+}
+
+/// Codes spread over a range, and those next to it that the type still holds.
+fn spread(codes: Range, held: Range) -> BTreeSet<i64> {
+    let span = codes.maximum - codes.minimum;
+    let inside = (0..=SPREAD).map(|k| codes.minimum + span * k / SPREAD);
+    let outside = [
+        codes.minimum - 1,
+        codes.maximum + 1,
+        held.minimum,
+        held.maximum,
+    ];
+    inside
+        .chain(outside.into_iter().filter(|code| held.contains(*code)))
+        .collect()
+}

@@ -1,0 +1,76 @@
+//! The machine-readable report: everything in it was proven or counted; what was not measured is null.
+
+use crate::design::Design;
+use crate::device::Device;
+use crate::prove::Worst;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// Where the firmware comes from, and what was asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Version of echocal.
+    pub version: String,
+    /// The command that makes the same files again.
+    pub command: String,
+    /// The target's name.
+    pub target: String,
+    /// What was saved, `size` or `speed`.
+    pub prefer: String,
+    /// Hash of the model.
+    pub model_hash: String,
+    /// The model, a line each: law, effects, air.
+    pub model: Vec<String>,
+    /// What the device does not measure and the firmware therefore assumes, a line each.
+    pub assumptions: Vec<String>,
+    /// Bound that was asked for \[mm\].
+    pub maximum_error_mm: f64,
+    /// Distances up to this are bounded \[m\].
+    pub maximum_distance_m: f64,
+}
+
+/// `report.json`.
+pub fn report(design: &Design, device: &Device, provenance: &Provenance) -> String {
+    let worst = |worst: Worst| {
+        let mut input = json!({ &device.echo.name: worst.echo });
+        for (axis, code) in device.conditions.iter().zip(device.codes(worst.row)) {
+            input[&axis.name] = json!(code);
+            input[&axis.quantity] = json!(axis.value(code));
+        }
+        input
+    };
+    let proof = &design.proof;
+    let report = json!({
+        "schema": "echocal.firmware/1",
+        "echocal": provenance.version,
+        "command": provenance.command,
+        "target": provenance.target,
+        "prefer": provenance.prefer,
+        "model_hash": provenance.model_hash,
+        "model": provenance.model,
+        "assumptions": provenance.assumptions,
+        "device": device,
+        "form": {
+            "name": design.form.name(),
+            "description": design.form.describe(),
+            "parameters": design.form.parameters(),
+            "tail": design.tail,
+        },
+        "error_bound_m": provenance.maximum_error_mm * 1e-3,
+        "error_proven_m": proof.bounded.error * 1e-6,
+        "worst_input": worst(proof.bounded),
+        "maximum_distance_m": provenance.maximum_distance_m,
+        "inputs_within": proof.bounded_inputs,
+        "error_overall_m": proof.overall.error * 1e-6,
+        "worst_input_overall": worst(proof.overall),
+        "inputs_checked": proof.inputs,
+        "output_hash": format!("{:08x}", proof.hash),
+        "overflow_free": true,
+        "monotone_in_echo_time": true,
+        "table_bytes": design.program.table_bytes(),
+        "ram_bytes": 0,
+        "flash_bytes": Value::Null,
+        "cycles": Value::Null,
+    });
+    serde_json::to_string_pretty(&report).map_or_else(|error| error.to_string(), |text| text + "\n")
+}

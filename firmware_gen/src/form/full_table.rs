@@ -1,0 +1,58 @@
+//! One table entry for each temperature code: the largest, and the fastest.
+
+use super::{Fit, Form, warmth};
+use crate::ir::{Builder, Value};
+
+/// A full table of speed factors.
+#[derive(Debug)]
+struct FullTable {
+    entries: Vec<i64>,
+}
+
+/// Entries beyond which a table is no answer for a microcontroller.
+const MOST: usize = 8192;
+
+pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
+    if fit.target.len() > MOST {
+        return Vec::new();
+    }
+    let entries = fit
+        .target
+        .iter()
+        .map(|factor| factor.round() as i64)
+        .collect();
+    vec![Box::new(FullTable { entries })]
+}
+
+impl Form for FullTable {
+    fn name(&self) -> &'static str {
+        "full_table"
+    }
+
+    fn describe(&self) -> String {
+        format!(
+            "table of {} speed factors, one for each temperature code",
+            self.entries.len()
+        )
+    }
+
+    fn parameters(&self) -> serde_json::Value {
+        serde_json::json!({ "entries": self.entries.len() })
+    }
+
+    fn floor(&self) -> f64 {
+        0.0
+    }
+
+    fn build(&self, builder: &mut Builder<'_>) -> Value {
+        let index = warmth(builder);
+        let table = builder.table(
+            "echocal_speed",
+            "speed factor at each temperature code".into(),
+            self.entries.clone(),
+        );
+        builder.load(table, index)
+    }
+
+    fn refine(&mut self, _fit: &Fit<'_>) {}
+}

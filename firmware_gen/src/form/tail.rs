@@ -1,0 +1,208 @@
+//! The end that every form shares: from echo time and speed factor to the distance.
+//!
+//! Whatever the effects are, the model at fixed conditions is close to `distance = factor * (echo - delay) - offset`;
+//! `delay` and `offset` are read off samples of the model, never off the names of effects.
+
+use crate::device::Device;
+use crate::ir::{Builder, Value};
+use crate::reference::Line;
+use serde::Serialize;
+
+/// `distance = (((echo << time_bits) - delay) * factor + rounding) >> (scale_bits + time_bits) - offset`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tail {
+    /// Binary places of the speed factor [um per echo code].
+    pub scale_bits: u32,
+    /// Binary places of the echo time within this function.
+    pub time_bits: u32,
+    /// Delay in echo codes, with `time_bits` binary places.
+    pub delay: i64,
+    /// What is taken off the distance [um].
+    pub offset: f64,
+    /// Whether the result is rounded to nearest rather than down, and the offset kept to a fraction of 1 um.
+    pub rounded: bool,
+}
+
+impl Tail {
+    /// The delay and offset that suit `lines` best; no delay at all if `with_delay` is false.
+    #[must_use]
+    pub fn fit(lines: &[Line], scale_bits: u32, time_bits: u32, with_delay: bool) -> Self {
+        let unit = f64::from(time_bits).exp2();
+        let delay = if with_delay {
+            (fitted_delay(lines) * unit).round() as i64
+        } else {
+            0
+        };
+        let (low, high) = rests(lines, delay, time_bits);
+        Self {
+            scale_bits,
+            time_bits,
+            delay,
+            offset: f64::midpoint(low, high),
+            rounded: false,
+        }
+    }
+
+    /// The formats worth trying: a 16-bit factor, a 32-bit product, a 64-bit product, each with and without the delay.
+    #[must_use]
+    pub fn propose(lines: &[Line], device: &Device) -> Vec<Self> {
+        let largest = lines.iter().map(|line| line.slope).fold(0.0, f64::max);
+        let longest = device.echo.codes.maximum as f64;
+        let places =
+            |bits: f64, factor: f64| (bits - factor.log2()).floor().clamp(0.0, 40.0) as u32;
+        let mut tails: Vec<Self> = Vec::new();
+        for with_delay in [false, true] {
+            // A signed product has one bit less; one code of slack keeps a rounded factor inside.
+            let product = if with_delay { 31.0 } else { 32.0 };
+            let narrow = places(16.0, largest * (1.0 + 1e-4));
+            let word = places(product, largest * longest * (1.0 + 1e-4));
+            for scale_bits in [narrow.min(word), word] {
+                tails.push(Self::fit(lines, scale_bits, 0, with_delay));
+            }
+            for time_bits in if with_delay { 0..2 } else { 0..1 } {
+                let wide = Self {
+                    rounded: true,
+                    ..Self::fit(lines, places(28.0, largest), 4 * time_bits, with_delay)
+                };
+                tails.push(wide);
+            }
+        }
+        let mut kept: Vec<Self> = Vec::new();
+        tails.into_iter().for_each(|tail| {
+            if !kept.contains(&tail) {
+                kept.push(tail)
+            }
+        });
+        kept
+    }
+
+    /// The error that this delay and offset leave at the shortest echo times [um], whatever the factor.
+    #[must_use]
+    pub fn rest(&self, lines: &[Line]) -> f64 {
+        let (low, high) = rests(lines, self.delay, self.time_bits);
+        (high - low) / 2.0
+    }
+
+    /// The factor [um per echo code] that brings `line` to its distance at the end of its reach.
+    #[must_use]
+    pub fn factor(&self, line: &Line) -> f64 {
+        // Rounding down takes half a micrometer off on average; the factor gives it back at the far end.
+        let cut_off = if self.rounded { 0.0 } else { 0.5 };
+        (line.end() + self.offset + cut_off) / self.lever(line)
+    }
+
+    /// Echo codes between the delay and the end of the reach.
+    #[must_use]
+    pub fn lever(&self, line: &Line) -> f64 {
+        (line.reach as f64 - self.delay as f64 / f64::from(self.time_bits).exp2()).max(1.0)
+    }
+
+    /// Add the steps from the speed `factor` to the distance [um].
+    pub fn build(&self, builder: &mut Builder<'_>, factor: Value) -> Value {
+        let note = format!(
+            "half the speed of sound, 2^-{} um per echo code",
+            self.scale_bits
+        );
+        let factor = builder.name(factor, "speed", note);
+        let echo = builder.echo();
+        let time = self.flight(builder, echo);
+        let product = builder.multiply(time, factor);
+        let bits = self.scale_bits + self.time_bits;
+        let whole = self.offset.round() as i64;
+        let lowest = builder.range(product).minimum;
+        // A negative product is lifted before the shift and lowered after it: only natural numbers are shifted.
+        let lift = if lowest < 0 { 1 + (-lowest >> bits) } else { 0 };
+        let fraction = if self.rounded {
+            0.5 + self.offset.round() - self.offset
+        } else {
+            0.0
+        };
+        let fraction = (fraction * (1_i64 << bits) as f64).round() as i64;
+        let lifted = plus(builder, product, (lift << bits) + fraction);
+        let distance = builder.shift_right(lifted, bits);
+        let distance = builder.name(
+            distance,
+            "distance",
+            if lift + whole == 0 {
+                "[um]".into()
+            } else {
+                format!("[um], {} too long", lift + whole)
+            },
+        );
+        plus(builder, distance, -(lift + whole))
+    }
+
+    fn flight(&self, builder: &mut Builder<'_>, echo: Value) -> Value {
+        let scale = 1_i64 << self.time_bits;
+        let time = if scale == 1 {
+            echo
+        } else {
+            let scale = builder.constant(scale);
+            builder.multiply(echo, scale)
+        };
+        if self.delay == 0 {
+            return time;
+        }
+        let time = plus(builder, time, -self.delay);
+        let unit = if self.time_bits == 0 {
+            "echo codes".into()
+        } else {
+            format!("2^-{} echo codes", self.time_bits)
+        };
+        builder.name(time, "flight", format!("echo time less the delay, {unit}"))
+    }
+}
+
+/// `value + constant`, written as a subtraction where the constant is negative and left out where it is zero.
+pub(super) fn plus(builder: &mut Builder<'_>, value: Value, constant: i64) -> Value {
+    match constant {
+        0 => value,
+        1.. => {
+            let constant = builder.constant(constant);
+            builder.add(value, constant)
+        }
+        _ => {
+            let constant = builder.constant(-constant);
+            builder.subtract(value, constant)
+        }
+    }
+}
+
+/// `value >> bits`, rounded down, also where `value` can be negative.
+pub(super) fn floor_shift(builder: &mut Builder<'_>, value: Value, bits: u32) -> Value {
+    let lowest = builder.range(value).minimum;
+    let lift = if lowest < 0 { 1 + (-lowest >> bits) } else { 0 };
+    let lifted = plus(builder, value, lift << bits);
+    let shifted = builder.shift_right(lifted, bits);
+    plus(builder, shifted, -lift)
+}
+
+/// The least and the largest offset [um] that single lines would want beside this delay.
+fn rests(lines: &[Line], delay: i64, time_bits: u32) -> (f64, f64) {
+    let delay = delay as f64 / f64::from(time_bits).exp2();
+    let rests = lines
+        .iter()
+        .map(|line| (-delay).mul_add(line.slope, -line.start));
+    rests.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rest| {
+        (rest.min(low), rest.max(high))
+    })
+}
+
+/// How the start of the lines falls with their slope: the delay in echo codes, by least squares.
+fn fitted_delay(lines: &[Line]) -> f64 {
+    let count = lines.len() as f64;
+    let mean = |of: fn(&Line) -> f64| lines.iter().map(of).sum::<f64>() / count;
+    let (slope, start) = (mean(|line| line.slope), mean(|line| line.start));
+    let (mut product, mut square) = (0.0, 0.0);
+    for line in lines {
+        let deviation = line.slope - slope;
+        product = deviation.mul_add(line.start - start, product);
+        square = deviation.mul_add(deviation, square);
+    }
+    // One speed at all temperatures cannot tell a delay from an offset: the offset takes it.
+    if square <= count * (1e-9 * slope).powi(2) {
+        0.0
+    } else {
+        -product / square
+    }
+}

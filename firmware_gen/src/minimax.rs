@@ -1,0 +1,162 @@
+//! Polynomials of least weighted maximum error on a set of points: the exchange algorithm of Remez.
+//!
+//! E. W. Cheney, *Introduction to Approximation Theory*, 2nd ed., AMS Chelsea (1998), chapter 3.
+
+/// Exchanges after which the best polynomial so far is taken; smooth data settle in about five.
+const EXCHANGES: usize = 20;
+
+/// Points to approximate, ascending and distinct in `x`.
+#[derive(Clone, Copy, Debug)]
+pub struct Points<'a> {
+    /// Abscissae.
+    pub x: &'a [f64],
+    /// Ordinates.
+    pub y: &'a [f64],
+    /// Weights of the errors, positive.
+    pub weight: &'a [f64],
+}
+
+impl Points<'_> {
+    fn error(&self, coefficients: &[f64], index: usize) -> f64 {
+        (self.y[index] - horner(coefficients, self.x[index])) * self.weight[index]
+    }
+}
+
+/// Coefficients of `x^0 ..= x^degree` and the weighted maximum error that they leave.
+///
+/// With no more points than coefficients, the polynomial goes through all of them.
+#[must_use]
+pub fn minimax(points: Points<'_>, degree: usize) -> (Vec<f64>, f64) {
+    let count = points.x.len();
+    if count < degree + 2 {
+        let all: Vec<usize> = (0..count).collect();
+        return (interpolate(points, &all, 0.0, degree), 0.0);
+    }
+    // Chebyshev's extrema are where a smooth function's errors alternate.
+    let spread = |k: usize| {
+        let angle = std::f64::consts::PI * k as f64 / (degree + 1) as f64;
+        ((1.0 - angle.cos()) / 2.0 * (count - 1) as f64).round() as usize
+    };
+    let mut reference: Vec<usize> = (0..degree + 2).map(spread).collect();
+    for k in 1..reference.len() {
+        reference[k] = reference[k]
+            .max(reference[k - 1] + 1)
+            .min(count - (degree + 2 - k));
+    }
+    let mut best = (vec![0.0; degree + 1], f64::INFINITY);
+    for _ in 0..EXCHANGES {
+        let level = level(points, &reference);
+        let coefficients = interpolate(points, &reference[..=degree], level, degree);
+        let errors: Vec<f64> = (0..count)
+            .map(|index| points.error(&coefficients, index))
+            .collect();
+        let worst = errors
+            .iter()
+            .fold(0.0_f64, |worst, error| worst.max(error.abs()));
+        if worst < best.1 {
+            best = (coefficients, worst);
+        }
+        let next = exchange(&errors, degree + 2);
+        if worst <= level.abs() * (1.0 + 1e-9)
+            || next.as_ref().is_none_or(|next| *next == reference)
+        {
+            break;
+        }
+        reference = next.unwrap_or(reference);
+    }
+    best
+}
+
+/// The value of a polynomial.
+#[must_use]
+pub fn horner(coefficients: &[f64], x: f64) -> f64 {
+    coefficients
+        .iter()
+        .rev()
+        .fold(0.0, |sum, coefficient| sum * x + coefficient)
+}
+
+/// The error that alternates in sign over the reference points, all of them at the same weighted height.
+fn level(points: Points<'_>, reference: &[usize]) -> f64 {
+    let (mut rise, mut alternation) = (0.0, 0.0);
+    for (k, &index) in reference.iter().enumerate() {
+        let others = reference.iter().filter(|other| **other != index);
+        let divided = 1.0
+            / others
+                .map(|&other| points.x[index] - points.x[other])
+                .product::<f64>();
+        rise += divided * points.y[index];
+        alternation += divided * sign(k) / points.weight[index];
+    }
+    rise / alternation
+}
+
+fn sign(k: usize) -> f64 {
+    if k % 2 == 0 { 1.0 } else { -1.0 }
+}
+
+/// Newton's divided differences through `y` less the alternating error, expanded to powers of `x`.
+fn interpolate(points: Points<'_>, through: &[usize], level: f64, degree: usize) -> Vec<f64> {
+    let x: Vec<f64> = through.iter().map(|&index| points.x[index]).collect();
+    let lower =
+        |(k, &index): (usize, &usize)| points.y[index] - sign(k) * level / points.weight[index];
+    let mut divided: Vec<f64> = through.iter().enumerate().map(lower).collect();
+    for order in 1..divided.len() {
+        for k in (order..divided.len()).rev() {
+            divided[k] = (divided[k] - divided[k - 1]) / (x[k] - x[k - order]);
+        }
+    }
+    let mut coefficients = vec![0.0; degree + 1];
+    for k in (0..divided.len()).rev() {
+        for power in (1..=degree).rev() {
+            coefficients[power] = (-x[k]).mul_add(coefficients[power], coefficients[power - 1]);
+        }
+        coefficients[0] = (-x[k]).mul_add(coefficients[0], divided[k]);
+    }
+    coefficients
+}
+
+/// The `size` largest errors that alternate in sign; `None` if they alternate less often.
+fn exchange(errors: &[f64], size: usize) -> Option<Vec<usize>> {
+    let mut peaks: Vec<usize> = Vec::new();
+    for (index, error) in errors.iter().enumerate() {
+        match peaks.last_mut() {
+            Some(peak) if errors[*peak] * error > 0.0 && error.abs() <= errors[*peak].abs() => {}
+            Some(peak) if errors[*peak] * error > 0.0 => *peak = index,
+            _ if *error != 0.0 => peaks.push(index),
+            _ => {}
+        }
+    }
+    while peaks.len() > size {
+        trim(&mut peaks, errors, size);
+    }
+    (peaks.len() == size).then_some(peaks)
+}
+
+/// Drop the least peak: one at an end, or a neighboring pair, which keeps the signs alternating.
+fn trim(peaks: &mut Vec<usize>, errors: &[f64], size: usize) {
+    let height = |peaks: &[usize], k: usize| errors[peaks[k]].abs();
+    let last = peaks.len() - 1;
+    let least = (0..peaks.len())
+        .min_by(|&a, &b| height(peaks, a).total_cmp(&height(peaks, b)))
+        .unwrap_or(0);
+    if least == 0 || least == last || peaks.len() == size + 1 {
+        let end = if height(peaks, 0) < height(peaks, last) {
+            0
+        } else {
+            last
+        };
+        peaks.remove(if least == 0 || least == last {
+            least
+        } else {
+            end
+        });
+    } else {
+        let neighbor = if height(peaks, least - 1) < height(peaks, least + 1) {
+            least - 1
+        } else {
+            least
+        };
+        peaks.drain(neighbor..neighbor + 2);
+    }
+}

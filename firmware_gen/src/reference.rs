@@ -1,0 +1,121 @@
+//! The float model that the integer program must follow, and what it looks like at each combination of conditions.
+
+use crate::device::Device;
+use crate::error::Error;
+
+/// The truth: the distance that the calibrated model gives.
+pub trait Reference: Sync {
+    /// Fill `distance` [m] for `time_of_flight` [s] under `conditions`, in the order and units of the device's axes.
+    fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]);
+}
+
+/// Any `Fn(conditions, time_of_flight [s]) -> distance [m]` will do.
+impl<F: Fn(&[f64], f64) -> f64 + Sync> Reference for F {
+    fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]) {
+        for (time, distance) in time_of_flight.iter().zip(distance) {
+            *distance = self(conditions, *time);
+        }
+    }
+}
+
+/// The model at one combination of conditions: nearly a straight line in the echo time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Growth of the distance per echo code [um], between echo code 0 and `reach`.
+    pub slope: f64,
+    /// Distance at echo code 0 [um].
+    pub start: f64,
+    /// Distance halfway [um].
+    pub middle: f64,
+    /// Last echo code whose distance is within the bounded domain.
+    pub reach: i64,
+}
+
+impl Line {
+    /// Distance at the end of the reach [um].
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.slope.mul_add(self.reach as f64, self.start)
+    }
+
+    /// Echo codes and distances [um] at the start, halfway, and the last few of the reach, where cut-off bits differ.
+    pub fn samples(&self) -> impl Iterator<Item = (i64, f64)> {
+        let last = (0..4.min(self.reach)).map(|back| {
+            (
+                self.reach - back,
+                self.slope.mul_add(-(back as f64), self.end()),
+            )
+        });
+        [(0, self.start), (self.reach / 2, self.middle)]
+            .into_iter()
+            .chain(last)
+    }
+}
+
+/// The model at every combination of conditions.
+///
+/// # Errors
+/// If the model gives no finite distance somewhere, or one that does not grow with the echo time.
+pub fn sample(
+    reference: &dyn Reference,
+    device: &Device,
+    maximum_distance: f64,
+) -> Result<Vec<Line>, Error> {
+    (0..device.rows())
+        .map(|row| line(reference, device, row, maximum_distance))
+        .collect()
+}
+fn line(
+    reference: &dyn Reference,
+    device: &Device,
+    row: usize,
+    maximum_distance: f64,
+) -> Result<Line, Error> {
+    let conditions = device.values(row);
+    let at = |code: i64| {
+        let mut distance = [0.0];
+        reference.distances(&conditions, &[device.echo.value(code)], &mut distance);
+        distance[0] * 1e6
+    };
+    let last = device.echo.codes.maximum;
+    let (start, end) = (at(0), at(last));
+    if !start.is_finite() || !end.is_finite() {
+        return Err(Error::Model(format!(
+            "the model gives no distance at {}",
+            place(device, row, last)
+        )));
+    }
+    if end <= start {
+        return Err(Error::Model(format!(
+            "the model's distance does not grow with the echo time at {}: {start:.0} um at echo code 0, {end:.0} um at {last}",
+            place(device, row, last)
+        )));
+    }
+    let chord = (end - start) / last as f64;
+    let reach = ((maximum_distance.mul_add(1e6, -start) / chord).floor() as i64).clamp(1, last);
+    Ok(Line {
+        slope: (at(reach) - start) / reach as f64,
+        start,
+        middle: at(reach / 2),
+        reach,
+    })
+}
+
+/// "echo_us 4321, temperature_code 16 (1 degC)"
+#[must_use]
+pub fn place(device: &Device, row: usize, echo: i64) -> String {
+    let conditions = device.conditions.iter().zip(device.codes(row));
+    let conditions = conditions.map(|(axis, code)| {
+        format!(
+            ", {} {code} ({} {})",
+            axis.name,
+            axis.value(code),
+            axis.unit
+        )
+    });
+    format!(
+        "{} {echo}{}",
+        device.echo.name,
+        conditions.collect::<String>()
+    )
+}
