@@ -43,6 +43,25 @@ pub struct Design {
     pub proof: Proof,
 }
 
+/// Output for codes that the function does not accept: `INT32_MIN`.
+pub const OUT_OF_RANGE: i32 = i32::MIN;
+
+impl Design {
+    /// What the generated function returns for `inputs`, also for codes out of range.
+    #[must_use]
+    pub fn output(&self, device: &Device, inputs: &[i64]) -> i32 {
+        let mut codes = device.axes().zip(inputs);
+        let accepted = codes.all(|(axis, code)| axis.codes.contains(*code));
+        // The proof leaves no accepted input without an output that fits.
+        let output = accepted
+            .then(|| self.program.evaluate(inputs).ok())
+            .flatten();
+        output
+            .and_then(|output| i32::try_from(output).ok())
+            .unwrap_or(OUT_OF_RANGE)
+    }
+}
+
 /// The best that can be had when the bound cannot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reachable {

@@ -118,6 +118,11 @@ pub struct Device {
 }
 
 impl Device {
+    /// All inputs, the echo time first.
+    pub fn axes(&self) -> impl Iterator<Item = &Axis> {
+        std::iter::once(&self.echo).chain(&self.conditions)
+    }
+
     /// How many combinations of condition codes there are.
     #[must_use]
     pub fn rows(&self) -> usize {

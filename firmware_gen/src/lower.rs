@@ -4,6 +4,7 @@
 use crate::device::Device;
 use crate::error::Error;
 use crate::reference::Reference;
+use echocal_core::chain::Stage;
 use echocal_core::dual::Dual;
 use echocal_core::effects::{self, Firmware};
 use echocal_core::scalar::Scalar;
@@ -253,9 +254,10 @@ impl Reference for Lowered {
         for (time, distance) in time_of_flight.iter().zip(distance) {
             let mut guess = slope.mul_add(*time - last, solution);
             let settled = (0..STEPS_ALLOWED).any(|_| {
+                let variable = Dual::variable(guess, 0);
                 let reached = self
                     .model
-                    .simulate(Dual::variable(guess, 0), &at, &parameters)
+                    .simulate_to(Stage::Timer, variable, &at, &parameters)
                     .time;
                 slope = reached.derivatives[0].recip();
                 let step = (*time - reached.value) * slope;
@@ -266,4 +268,23 @@ impl Reference for Lowered {
             (solution, last) = (guess, *time);
         }
     }
+}
+
+/// A model in words, a line for its law and one for each effect.
+#[must_use]
+pub fn describe(model: &Model) -> Vec<String> {
+    let effect = |term: &echocal_core::model::Term| {
+        let facts = effects::ALL[term.index];
+        let values = facts.parameters.iter().zip(&term.parameters);
+        let values = values.map(|(p, value)| format!("{} = {value} {}", p.name, p.unit));
+        format!(
+            "effect {}: {}",
+            facts.id,
+            values.collect::<Vec<_>>().join(", ")
+        )
+    };
+    let law = format!("law {}", model.law().text());
+    std::iter::once(law)
+        .chain(model.terms().iter().map(effect))
+        .collect()
 }

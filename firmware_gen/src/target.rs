@@ -1,5 +1,6 @@
 //! Targets: what an operation costs there, and what the text must respect.
 
+use crate::error::Error;
 use crate::ir::{Operation, Program};
 
 /// What a program costs, for ranking candidates only: no report shows it as if it had been measured.
@@ -31,11 +32,13 @@ impl Prefer {
     }
 
     /// The preference of this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        [Self::Size, Self::Speed]
-            .into_iter()
-            .find(|prefer| prefer.name() == name)
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn parse(name: &str) -> Result<Self, Error> {
+        let known = [Self::Size, Self::Speed];
+        let found = known.into_iter().find(|prefer| prefer.name() == name);
+        found.ok_or_else(|| unknown("preference", name, &known.map(Self::name)))
     }
 
     /// The key to rank by: the preferred cost first, the other one to break ties.
@@ -68,9 +71,13 @@ pub const TARGETS: &[Target] = &[Target {
 
 impl Target {
     /// The target of this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        TARGETS.iter().copied().find(|target| target.name == name)
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn parse(name: &str) -> Result<Self, Error> {
+        let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
+        let found = TARGETS.iter().copied().find(|target| target.name == name);
+        found.ok_or_else(|| unknown("target", name, &names))
     }
 
     /// The cost of a program: its operations and its tables.
@@ -106,4 +113,11 @@ fn c99(operation: Operation, bits: u32) -> Cost {
         size: size * words,
         time: time * words,
     }
+}
+
+fn unknown(what: &str, given: &str, known: &[&str]) -> Error {
+    Error::Request(format!(
+        "unknown {what} '{given}'; this version has {}",
+        known.join(", ")
+    ))
 }

@@ -6,18 +6,13 @@ use crate::ir::Range;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Output for codes that the function does not accept: `INT32_MIN`.
-pub const OUT_OF_RANGE: i64 = i32::MIN as i64;
-
 /// Codes of each axis that are spread evenly over its range.
 const SPREAD: i64 = 15;
 
 /// `echo_us,temperature_code,distance_um`: a grid over the accepted codes, its edges and the codes next to them
 /// outside, and the two inputs with the largest errors.
 pub fn golden(design: &Design, device: &Device) -> String {
-    let axes: Vec<_> = std::iter::once(&device.echo)
-        .chain(&device.conditions)
-        .collect();
+    let axes: Vec<_> = device.axes().collect();
     let mut inputs: BTreeSet<Vec<i64>> = BTreeSet::from([Vec::new()]);
     for axis in &axes {
         let codes = spread(axis.codes, axis.ty.range());
@@ -34,15 +29,7 @@ pub fn golden(design: &Design, device: &Device) -> String {
     let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
     let mut text = format!("{},distance_um\n", names.join(","));
     for input in inputs {
-        let accepted = axes
-            .iter()
-            .zip(&input)
-            .all(|(axis, code)| axis.codes.contains(*code));
-        let output = if accepted {
-            design.program.evaluate(&input).unwrap_or(OUT_OF_RANGE)
-        } else {
-            OUT_OF_RANGE
-        };
+        let output = design.output(device, &input);
         for code in &input {
             let _ = write!(text, "{code},");
         }

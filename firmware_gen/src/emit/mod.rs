@@ -104,9 +104,7 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
 /// # Errors
 /// [`Error::Template`] if a template fails, a defect of this crate.
 pub fn emit(design: &Design, device: &Device, provenance: &Provenance) -> Result<Artifacts, Error> {
-    let axes: Vec<&Axis> = std::iter::once(&device.echo)
-        .chain(&device.conditions)
-        .collect();
+    let axes: Vec<&Axis> = device.axes().collect();
     let (locals, result) = c::statements(&design.program);
     let read = |axis: &&&Axis| design.program.reads(&axis.name) || !outside(axis).is_empty();
     let unused: Vec<&str> = axes
@@ -123,6 +121,7 @@ pub fn emit(design: &Design, device: &Device, provenance: &Provenance) -> Result
         tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),
         table_bytes => design.program.table_bytes(),
         form => design.form.describe(),
+        asked_mm => (provenance.maximum_error * 1e12).round() / 1e9,
         proven_mm => millimeters(worst.error),
         worst => place(device, worst.row, worst.echo),
         overall_mm => millimeters(far.error),

@@ -23,10 +23,10 @@ pub struct Provenance {
     pub model: Vec<String>,
     /// What the device does not measure and the firmware therefore assumes, a line each.
     pub assumptions: Vec<String>,
-    /// Bound that was asked for \[mm\].
-    pub maximum_error_mm: f64,
+    /// Bound that was asked for \[m\].
+    pub maximum_error: f64,
     /// Distances up to this are bounded \[m\].
-    pub maximum_distance_m: f64,
+    pub maximum_distance: f64,
 }
 
 /// `report.json`.
@@ -56,10 +56,10 @@ pub fn report(design: &Design, device: &Device, provenance: &Provenance) -> Stri
             "parameters": design.form.parameters(),
             "tail": design.tail,
         },
-        "error_bound_m": provenance.maximum_error_mm * 1e-3,
+        "error_bound_m": provenance.maximum_error,
         "error_proven_m": proof.bounded.error * 1e-6,
         "worst_input": worst(proof.bounded),
-        "maximum_distance_m": provenance.maximum_distance_m,
+        "maximum_distance_m": provenance.maximum_distance,
         "inputs_within": proof.bounded_inputs,
         "error_overall_m": proof.overall.error * 1e-6,
         "worst_input_overall": worst(proof.overall),

@@ -39,7 +39,7 @@ impl Fit<'_> {
 }
 
 /// A way to get the speed factor from the condition codes.
-pub trait Form: Debug + Send {
+pub trait Form: Debug + Send + Sync {
     /// Its name in reports.
     fn name(&self) -> &'static str;
 

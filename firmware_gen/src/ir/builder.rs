@@ -228,8 +228,11 @@ impl<'a> Builder<'a> {
     #[must_use]
     pub fn finish(self, result: Value) -> Option<Program> {
         let fits = IntegerType::I32.range().covers(self.range(result));
-        let axes = std::iter::once(&self.device.echo).chain(&self.device.conditions);
-        let inputs = axes.map(|axis| (axis.name.clone(), axis.ty)).collect();
+        let inputs = self
+            .device
+            .axes()
+            .map(|axis| (axis.name.clone(), axis.ty))
+            .collect();
         (fits && !self.overflowed).then_some(Program {
             inputs,
             tables: self.tables,

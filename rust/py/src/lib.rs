@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 mod domain;
 mod errors;
+mod firmware;
 mod model;
 mod registry;
 
@@ -12,6 +13,8 @@ mod registry;
 mod _core {
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
+    #[pymodule_export]
+    use super::firmware::{CoreFirmware, design_firmware};
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]

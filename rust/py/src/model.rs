@@ -11,7 +11,7 @@ type Column<'py> = PyReadonlyArray1<'py, f64>;
 /// A law with effects, evaluated over columns of equal length.
 #[pyclass(name = "Model", module = "echocal._core", frozen)]
 pub struct CoreModel {
-    model: Model,
+    pub(crate) model: Model,
 }
 
 #[pymethods]

@@ -1,0 +1,221 @@
+"""Fixed-point C from a calibrated model, proven over every input."""
+
+import hashlib
+import json
+import os
+import shlex
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal import _core
+from echocal.conditions import columns
+from echocal.model import Model
+
+__all__ = ["Firmware", "TemperatureCodes", "generate"]
+
+Progress = Callable[[str, int, int], object]
+
+
+@dataclass(frozen=True)
+class TemperatureCodes:
+    """Integer codes of a thermometer: temperature = zero + lsb * code.
+
+    Parameters
+    ----------
+    lsb : float
+        Step of one code [degC]; 0.0625 for a DS18B20.
+    low, high : float
+        Range that the firmware accepts [degC].
+    zero : float
+        Temperature of code 0 [degC].
+    """
+
+    lsb: float = 0.0625
+    low: float = -20.0
+    high: float = 60.0
+    zero: float = 0.0
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A generated function, its proof and its bit-exact twin.
+
+    Attributes
+    ----------
+    files : dict of str to str
+        Text by file name: ``echocal_correction.h``, ``echocal_correction.c``,
+        ``echocal_golden.csv`` and ``report.json``.
+    report : dict
+        What was proven, as in ``report.json``.
+    """
+
+    files: dict[str, str]
+    report: dict[str, Any]
+    _core: _core.Firmware = field(repr=False)
+
+    def distance_um(self, echo_us: ArrayLike, temperature_code: ArrayLike) -> NDArray[np.int32]:
+        """Return what the C function returns, bit for bit [um].
+
+        Parameters
+        ----------
+        echo_us : array_like of int, shape (...)
+            Echo time codes [us].
+        temperature_code : array_like of int, shape (...)
+            Temperature codes, broadcast against `echo_us`.
+
+        Returns
+        -------
+        ndarray of int32, shape (...)
+            Distance [um]; the smallest ``int32`` for codes out of range.
+        """
+        codes = np.broadcast_arrays(*(np.asarray(code, dtype=np.int64) for code in (echo_us, temperature_code)))
+        flat = [np.ascontiguousarray(code).reshape(-1) for code in codes]
+        return self._core.evaluate(flat).reshape(codes[0].shape)
+
+    def save(self, directory: str | os.PathLike[str]) -> list[Path]:
+        """Write the files into a directory, which is made if absent.
+
+        Returns
+        -------
+        list of Path
+            The files.
+        """
+        folder = Path(directory)
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in self.files.items():
+            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        return [folder / name for name in self.files]
+
+
+def generate(
+    model: Model,
+    target: str = "c99",
+    *,
+    temperature: TemperatureCodes | tuple[float, float, float] = TemperatureCodes(),  # noqa: B008 (frozen)
+    echo: int = 38_000,
+    max_error: float = 0.5e-3,
+    max_distance: float = 4.0,
+    prefer: str = "size",
+    accept: Iterable[str] = (),
+    assume: Mapping[str, float] | None = None,
+    max_table_bytes: int = 1024,
+    n_threads: int | None = None,
+    progress: Progress | None = None,
+    model_name: str = "MODEL.json",
+) -> Firmware:
+    """Design the cheapest integer function that follows a model, and prove it on every input.
+
+    Parameters
+    ----------
+    model : Model
+        The model to follow: true distance from echo time and temperature.
+    target : str
+        What the C is for; ``"c99"`` is any compiler with ``stdint.h``.
+    temperature : TemperatureCodes or tuple of (lsb, low, high)
+        Codes of the thermometer [degC].
+    echo : int
+        Longest echo time that is accepted [us].
+    max_error : float
+        Largest error against the model at distances up to `max_distance` [m].
+    max_distance : float
+        Distances up to this meet `max_error` [m].
+    prefer : {"size", "speed"}
+        What to save.
+    accept : iterable of str
+        Effects that may be left out although they change the distance.
+    assume : mapping of str to float
+        Values of conditions that the device does not measure, e.g. ``{"relative_humidity": 0.5}``;
+        the default is the model's own air.
+    max_table_bytes : int
+        Largest tables allowed, together.
+    n_threads : int, optional
+        Threads of the proof; default: all processors.
+    progress : callable, optional
+        Called with the form in words, the inputs checked so far and the inputs in all.
+    model_name : str
+        Name of the model file in the command that the files record.
+
+    Returns
+    -------
+    Firmware
+        Texts, report and twin.
+
+    Raises
+    ------
+    BoundError
+        If no form meets `max_error`; the message gives the best reachable.
+    UsageError
+        If an effect needs an input that the device lacks, or the codes make no sense.
+
+    Examples
+    --------
+    >>> from echocal import Model, firmware
+    >>> model = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
+    >>> made = firmware.generate(model, temperature=(0.5, -20, 60), max_error=0.5e-3)
+    >>> made.report["error_proven_m"] < 0.5e-3
+    True
+    >>> int(made.distance_um(11_690, 40))  # 20 degC
+    2001440
+    """
+    codes = temperature if isinstance(temperature, TemperatureCodes) else TemperatureCodes(*temperature)
+    wish = {
+        "target": target,
+        "prefer": prefer,
+        "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
+        "echo_max_us": int(echo),
+        "maximum_error": float(max_error),
+        "maximum_distance": float(max_distance),
+        "maximum_table": int(max_table_bytes),
+        "threads": n_threads or os.cpu_count() or 1,
+        "accept": list(accept),
+        "assumed": _assumed(model, assume or {}),
+        "model_hash": _hash(model),
+    }
+    wish["command"] = _command(wish, model_name, assume or {})
+    core = _core.design_firmware(model._core, wish, progress)
+    files = {
+        "echocal_correction.h": core.header,
+        "echocal_correction.c": core.source,
+        "echocal_golden.csv": core.golden,
+        "report.json": core.report,
+    }
+    return Firmware(files, json.loads(core.report), core)
+
+
+def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
+    """Conditions where nothing is measured, in the order of the core."""
+    _, (_, *values) = columns(0.0, {**model.air, **assume})
+    return [float(value[0]) for value in values]
+
+
+def _hash(model: Model) -> str:
+    """Return what identifies the model: its law, effects and air."""
+    content = {"law": model.law, "effects": model.effects, "air": model.air}
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+
+
+def _number(value: float) -> str:
+    return f"{value:.12g}"
+
+
+def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, float]) -> str:
+    """Return the command line that makes the same files again."""
+    lsb, low, high, zero = wish["temperature"]
+    words = ["echocal", "firmware", model_name, "--target", wish["target"], "--temperature-lsb", _number(lsb)]
+    words += [f"--temperature-range={_number(low)}:{_number(high)}"]
+    words += [f"--temperature-zero={_number(zero)}"] if zero else []
+    words += ["--echo-max-us", str(wish["echo_max_us"]), "--max-error-mm", _number(wish["maximum_error"] * 1e3)]
+    words += ["--max-distance-m", _number(wish["maximum_distance"]), "--prefer", wish["prefer"]]
+    words += ["--max-table-bytes", str(wish["maximum_table"])]
+    for effect in wish["accept"]:
+        words += ["--accept", effect]
+    for name, value in sorted(assume.items()):
+        words += ["--assume", f"{name}={_number(value)}"]
+    return shlex.join(words)
+
