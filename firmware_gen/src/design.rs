@@ -24,6 +24,8 @@ pub struct Request<'a> {
     pub maximum_table: usize,
     /// Where it is to run.
     pub target: Target,
+    /// The only form to try; `None`: all of them.
+    pub form: Option<&'a str>,
     /// What to save.
     pub prefer: Prefer,
     /// Threads for the proof.
@@ -77,7 +79,8 @@ pub struct Reachable {
 
 impl fmt::Display for Reachable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (asked, best) = (self.asked * 1e3, self.best * 1e3);
+        let asked = (self.asked * 1e12).round() / 1e9;
+        let best = self.best * 1e3;
         // The way out must hold when it is typed: rounded up, not to nearest.
         let enough = (best * 1e4).ceil() / 1e4;
         write!(
@@ -137,6 +140,15 @@ fn check(request: &Request<'_>) -> Result<(), Error> {
             )));
         }
     }
+    if let Some(form) = request.form
+        && !FORMS.iter().any(|(name, _)| *name == form)
+    {
+        let known: Vec<_> = FORMS.iter().map(|(name, _)| *name).collect();
+        return Err(Error::Request(format!(
+            "unknown form '{form}'; this version has {}",
+            known.join(", ")
+        )));
+    }
     if request.device.conditions.len() != 1 {
         let given = request.device.conditions.len();
         return Err(Error::Request(format!(
@@ -188,7 +200,9 @@ impl<'a> Search<'a> {
         let tails = Tail::propose(&self.lines, self.request.device);
         let of_tail = |tail: &Tail| {
             let fit = self.fit(tail);
-            let forms: Vec<_> = FORMS.iter().flat_map(|propose| propose(&fit)).collect();
+            let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
+            let proposals = FORMS.iter().filter(|(name, _)| wanted(name));
+            let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
                 .into_iter()
                 .filter_map(|form| self.candidate(form, *tail))

@@ -5,6 +5,7 @@
 //!
 //! Units inside the search are micrometers and echo codes; at the border distances are m.
 
+pub mod affine;
 pub mod design;
 pub mod device;
 pub mod emit;

@@ -1,6 +1,7 @@
 //! A model as the reference of a firmware: what the device does not measure is frozen, and what cannot do without is
 //! refused by name, with the error that leaving it out would cost.
 
+use crate::affine::Affine;
 use crate::device::Device;
 use crate::error::Error;
 use crate::reference::Reference;
@@ -52,7 +53,8 @@ impl fmt::Display for Omission {
                 let (_, low, high) = FIELD[quantity as usize];
                 write!(
                     f,
-                    "effect {effect} needs {name}, which the device does not measure: up to {left:.1} mm over {low} .. {high}"
+                    "effect {effect} needs {name}, which the device does not measure: \
+                     up to {left:.1} mm over {low} .. {high}"
                 )
             }
             (Some(effect), None, reason) => {
@@ -66,10 +68,15 @@ impl fmt::Display for Omission {
                 let facts = quantity.facts();
                 let (_, low, high) = FIELD[quantity as usize];
                 let assumed = self.assumed.unwrap_or(f64::NAN);
+                let unit = if facts.unit == "1" {
+                    String::new()
+                } else {
+                    format!(" {}", facts.unit)
+                };
                 write!(
                     f,
-                    "{} = {assumed} {}; up to {left:.1} mm if it is anywhere in {low} .. {high}",
-                    facts.name, facts.unit
+                    "{} {assumed}{unit}: up to {left:.1} mm if it is anywhere in {low} .. {high}{unit}",
+                    facts.name
                 )
             }
             (None, None, _) => Ok(()),
@@ -140,6 +147,13 @@ pub fn lower(
         let alone = with(&Model::new(model.law()))?;
         let trial = Lowered::new(alone, frozen, &measured);
         let left = trial.spread(device, quantity, assumed, maximum_distance);
+        if left == 0.0 {
+            // Neutral, or the quantity does not matter: nothing is lost.
+            if assumed.is_some() {
+                kept = with(&kept)?;
+            }
+            continue;
+        }
         omissions.push(Omission {
             effect: Some(facts.id),
             quantity,
@@ -241,24 +255,35 @@ const STEPS_ALLOWED: usize = 20;
 impl Reference for Lowered {
     fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]) {
         let at = self.at(conditions);
-        let at =
-            Conditions::new(Quantity::ALL.map(|facts| Dual::<1>::constant(at.get(facts.quantity))));
-        let parameters: Vec<Dual<1>> = self
-            .parameters
-            .iter()
-            .copied()
-            .map(Dual::constant)
-            .collect();
-        // Each echo time starts from the solution and the slope of the one before.
+        let line = self.time(Affine::DISTANCE, &at);
+        // Straight for every distance, as the formulas themselves prove: invert it once for the whole row.
+        if line.slope.is_finite() && line.slope != 0.0 {
+            let (slope, start) = (line.slope.recip(), -line.constant / line.slope);
+            let pairs = distance.iter_mut().zip(time_of_flight);
+            pairs.for_each(|(distance, time)| *distance = slope.mul_add(*time, start));
+        } else {
+            self.invert(&at, time_of_flight, distance);
+        }
+    }
+}
+
+impl Lowered {
+    /// The echo time at a distance, in any number type.
+    fn time<S: Scalar>(&self, distance: S, at: &Conditions<f64>) -> S {
+        let at = Conditions::new(Quantity::ALL.map(|facts| S::constant(at.get(facts.quantity))));
+        let parameters: Vec<S> = self.parameters.iter().copied().map(S::constant).collect();
+        self.model
+            .simulate_to(Stage::Timer, distance, &at, &parameters)
+            .time
+    }
+
+    /// Newton's method for each echo time, from the solution and the slope of the one before.
+    fn invert(&self, at: &Conditions<f64>, time_of_flight: &[f64], distance: &mut [f64]) {
         let (mut solution, mut slope, mut last) = (0.0_f64, 171.5_f64, 0.0_f64);
         for (time, distance) in time_of_flight.iter().zip(distance) {
             let mut guess = slope.mul_add(*time - last, solution);
             let settled = (0..STEPS_ALLOWED).any(|_| {
-                let variable = Dual::variable(guess, 0);
-                let reached = self
-                    .model
-                    .simulate_to(Stage::Timer, variable, &at, &parameters)
-                    .time;
+                let reached = self.time(Dual::<1>::variable(guess, 0), at);
                 slope = reached.derivatives[0].recip();
                 let step = (*time - reached.value) * slope;
                 guess += step;

@@ -160,3 +160,67 @@ fn trim(peaks: &mut Vec<usize>, errors: &[f64], size: usize) {
         peaks.drain(neighbor..neighbor + 2);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit(
+        function: impl Fn(f64) -> f64,
+        weight: impl Fn(f64) -> f64,
+        degree: usize,
+    ) -> (Vec<f64>, f64) {
+        let x: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 500.0 - 1.0).collect();
+        let y: Vec<f64> = x.iter().map(|x| function(*x)).collect();
+        let weight: Vec<f64> = x.iter().map(|x| weight(*x)).collect();
+        minimax(
+            Points {
+                x: &x,
+                y: &y,
+                weight: &weight,
+            },
+            degree,
+        )
+    }
+
+    /// The best polynomial below a monomial is what Chebyshev's polynomial leaves of it, 2^(1-n).
+    #[test]
+    fn monomials_leave_chebyshev_polynomials() {
+        for degree in 1..6_usize {
+            let (_, error) = fit(|x| x.powi(degree as i32 + 1), |_| 1.0, degree);
+            let expected = 0.5_f64.powi(degree as i32);
+            assert!(
+                (error / expected - 1.0).abs() < 1e-4,
+                "degree {degree}: {error} for {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_polynomial_fits_itself() {
+        let (coefficients, error) = fit(|x| (-2.0 * x).mul_add(x, 3.0), |_| 1.0, 2);
+        assert!(error < 1e-12);
+        for (found, expected) in coefficients.iter().zip([3.0, 0.0, -2.0]) {
+            assert!((found - expected).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn weights_move_the_error_where_it_costs_less() {
+        let (constant, error) = fit(|x| x, |x| if x > 0.0 { 3.0 } else { 1.0 }, 0);
+        assert!(
+            (constant[0] - 0.5).abs() < 1e-3 && (error - 1.5).abs() < 3e-3,
+            "{constant:?} {error}"
+        );
+    }
+
+    #[test]
+    fn few_points_are_met() {
+        let points = Points {
+            x: &[0.0, 1.0],
+            y: &[5.0, 7.0],
+            weight: &[1.0, 1.0],
+        };
+        assert_eq!(minimax(points, 1), (vec![5.0, 2.0], 0.0));
+    }
+}

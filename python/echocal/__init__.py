@@ -1,5 +1,6 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
+from echocal import firmware
 from echocal.calibrate import Calibration, Regression, calibrate
 from echocal.domain import DEPARTURES, departures
 from echocal.errors import (
@@ -30,6 +31,7 @@ __all__ = [
     "UsageError",
     "calibrate",
     "departures",
+    "firmware",
     "read_observations",
     "sweep",
 ]

@@ -56,7 +56,7 @@ class Firmware:
 
     files: dict[str, str]
     report: dict[str, Any]
-    _core: _core.Firmware = field(repr=False)
+    _twin: _core.Firmware = field(repr=False)
 
     def distance_um(self, echo_us: ArrayLike, temperature_code: ArrayLike) -> NDArray[np.int32]:
         """Return what the C function returns, bit for bit [um].
@@ -73,9 +73,11 @@ class Firmware:
         ndarray of int32, shape (...)
             Distance [um]; the smallest ``int32`` for codes out of range.
         """
-        codes = np.broadcast_arrays(*(np.asarray(code, dtype=np.int64) for code in (echo_us, temperature_code)))
+        codes = np.broadcast_arrays(
+            *(np.asarray(code, dtype=np.int64) for code in (echo_us, temperature_code))
+        )
         flat = [np.ascontiguousarray(code).reshape(-1) for code in codes]
-        return self._core.evaluate(flat).reshape(codes[0].shape)
+        return self._twin.evaluate(flat).reshape(codes[0].shape)
 
     def save(self, directory: str | os.PathLike[str]) -> list[Path]:
         """Write the files into a directory, which is made if absent.
@@ -96,11 +98,12 @@ def generate(
     model: Model,
     target: str = "c99",
     *,
-    temperature: TemperatureCodes | tuple[float, float, float] = TemperatureCodes(),  # noqa: B008 (frozen)
+    temperature: TemperatureCodes | tuple[float, float, float] = TemperatureCodes(),
     echo: int = 38_000,
     max_error: float = 0.5e-3,
     max_distance: float = 4.0,
     prefer: str = "size",
+    form: str | None = None,
     accept: Iterable[str] = (),
     assume: Mapping[str, float] | None = None,
     max_table_bytes: int = 1024,
@@ -126,6 +129,8 @@ def generate(
         Distances up to this meet `max_error` [m].
     prefer : {"size", "speed"}
         What to save.
+    form : {"polynomial", "interpolated_table", "full_table"}, optional
+        The only form to try; default: the cheapest of all.
     accept : iterable of str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float
@@ -166,6 +171,7 @@ def generate(
     wish = {
         "target": target,
         "prefer": prefer,
+        "form": form,
         "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
         "echo_max_us": int(echo),
         "maximum_error": float(max_error),
@@ -210,12 +216,17 @@ def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, floa
     words = ["echocal", "firmware", model_name, "--target", wish["target"], "--temperature-lsb", _number(lsb)]
     words += [f"--temperature-range={_number(low)}:{_number(high)}"]
     words += [f"--temperature-zero={_number(zero)}"] if zero else []
-    words += ["--echo-max-us", str(wish["echo_max_us"]), "--max-error-mm", _number(wish["maximum_error"] * 1e3)]
+    words += [
+        "--echo-max-us",
+        str(wish["echo_max_us"]),
+        "--max-error-mm",
+        _number(wish["maximum_error"] * 1e3),
+    ]
     words += ["--max-distance-m", _number(wish["maximum_distance"]), "--prefer", wish["prefer"]]
+    words += ["--form", wish["form"]] if wish["form"] else []
     words += ["--max-table-bytes", str(wish["maximum_table"])]
     for effect in wish["accept"]:
         words += ["--accept", effect]
     for name, value in sorted(assume.items()):
         words += ["--assume", f"{name}={_number(value)}"]
     return shlex.join(words)
-

@@ -12,6 +12,9 @@ struct FullTable {
 /// Entries beyond which a table is no answer for a microcontroller.
 const MOST: usize = 8192;
 
+/// Name of the form.
+pub(super) const NAME: &str = "full_table";
+
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     if fit.target.len() > MOST {
         return Vec::new();
@@ -26,7 +29,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
 
 impl Form for FullTable {
     fn name(&self) -> &'static str {
-        "full_table"
+        NAME
     }
 
     fn describe(&self) -> String {

@@ -14,6 +14,9 @@ struct InterpolatedTable {
 
 /// Passes over all entries after which joint rounding stops; it stops earlier where nothing improves.
 const PASSES: usize = 12;
+/// Name of the form.
+pub(super) const NAME: &str = "interpolated_table";
+
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let codes = fit.target.len();
     let largest = usize::BITS - codes.leading_zeros();
@@ -98,7 +101,7 @@ impl InterpolatedTable {
 
 impl Form for InterpolatedTable {
     fn name(&self) -> &'static str {
-        "interpolated_table"
+        NAME
     }
 
     fn describe(&self) -> String {

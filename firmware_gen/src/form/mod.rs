@@ -61,11 +61,11 @@ pub trait Form: Debug + Send + Sync {
 
 type Propose = fn(&Fit<'_>) -> Vec<Box<dyn Form>>;
 
-/// Every form. To add one, write its file and add its line.
-pub const FORMS: &[Propose] = &[
-    polynomial::propose,
-    interpolated_table::propose,
-    full_table::propose,
+/// Every form with its name. To add one, write its file and add its line.
+pub const FORMS: &[(&str, Propose)] = &[
+    (polynomial::NAME, polynomial::propose),
+    (interpolated_table::NAME, interpolated_table::propose),
+    (full_table::NAME, full_table::propose),
 ];
 
 /// The speed factors that `form` gives at every combination of conditions.

@@ -33,6 +33,9 @@ enum Inner {
     Signed { value: Value, negated: bool },
 }
 
+/// Name of the form.
+pub(super) const NAME: &str = "polynomial";
+
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let codes = fit.target.len();
     let mut forms: Vec<Box<dyn Form>> = Vec::new();
@@ -256,7 +259,7 @@ fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
 
 impl Form for Polynomial {
     fn name(&self) -> &'static str {
-        "polynomial"
+        NAME
     }
 
     fn describe(&self) -> String {

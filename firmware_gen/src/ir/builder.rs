@@ -63,6 +63,12 @@ impl<'a> Builder<'a> {
         &self.rows[value.0].low
     }
 
+    /// Whether `value` depends on the echo time.
+    #[must_use]
+    pub fn varies_with_echo(&self, value: Value) -> bool {
+        self.nodes[value.0].per_echo
+    }
+
     /// Remember this state.
     #[must_use]
     pub fn mark(&self) -> Mark {

@@ -22,9 +22,25 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Value(pub(crate) usize);
 
+impl Value {
+    /// Which node computes it.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0
+    }
+}
+
 /// A table of constants in read-only memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct TableId(pub(crate) usize);
+
+impl TableId {
+    /// Which table it is.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0
+    }
+}
 
 /// One exact integer operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

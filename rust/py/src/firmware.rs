@@ -67,6 +67,7 @@ impl CoreFirmware {
 pub struct Wish {
     target: String,
     prefer: String,
+    form: Option<String>,
     temperature: (f64, f64, f64, f64),
     echo_max_us: i64,
     maximum_error: f64,
@@ -127,6 +128,7 @@ fn fulfil(
         maximum_error: wish.maximum_error,
         maximum_distance: wish.maximum_distance,
         maximum_table: wish.maximum_table,
+        form: wish.form.as_deref(),
         target: Target::parse(&wish.target)?,
         prefer: Prefer::parse(&wish.prefer)?,
         threads: wish.threads,

@@ -1,0 +1,148 @@
+//! The proof must fail where it should: each promise is broken once.
+
+use echocal_firmware::ir::{Builder, Program, Value};
+use echocal_firmware::prove::{Claim, Proof, prove};
+use echocal_firmware::reference::Reference;
+use echocal_firmware::{Axis, Device, Error};
+
+fn device() -> Device {
+    let temperature = Axis::temperature(1.0, 0.0, 20.0, 0.0).unwrap();
+    Device {
+        echo: Axis::echo(5000).unwrap(),
+        conditions: vec![temperature],
+    }
+}
+
+/// 170 um per echo code, the same at all temperatures.
+fn truth(_conditions: &[f64], time: f64) -> f64 {
+    170.0 * time
+}
+
+fn run(program: &Program, reference: &dyn Reference) -> Result<Proof, Error> {
+    let device = device();
+    let claim = Claim {
+        device: &device,
+        reference,
+        maximum_distance: 0.5,
+        threads: 3,
+    };
+    prove(program, claim, &mut |_| true)
+}
+
+fn program(build: impl Fn(&mut Builder<'_>, Value, Value) -> Value) -> Program {
+    let device = device();
+    let mut builder = Builder::new(&device, 16);
+    let (echo, temperature) = (builder.echo(), builder.condition(0));
+    let result = build(&mut builder, echo, temperature);
+    builder.finish(result).unwrap()
+}
+
+fn exact() -> Program {
+    program(|builder, echo, _| {
+        let factor = builder.constant(170);
+        builder.multiply(echo, factor)
+    })
+}
+
+#[test]
+fn an_exact_program_has_no_error_anywhere() {
+    let proof = run(&exact(), &truth).unwrap();
+    assert!(proof.overall.error < 1e-9);
+    assert_eq!(proof.inputs, 21 * 5001);
+    assert_eq!(
+        proof.bounded_inputs,
+        21 * 2942,
+        "up to echo code 2941, 0.49997 m"
+    );
+}
+
+#[test]
+fn one_wrong_input_among_all_is_the_worst() {
+    let spoiled = |conditions: &[f64], time: f64| {
+        let here = conditions[0] == 13.0 && (time - 2345e-6).abs() < 1e-9;
+        truth(conditions, time) + if here { 7e-6 } else { 0.0 }
+    };
+    let proof = run(&exact(), &spoiled).unwrap();
+    assert!((proof.bounded.error - 7.0).abs() < 1e-6);
+    assert_eq!((proof.bounded.row, proof.bounded.echo), (13, 2345));
+    let far = |conditions: &[f64], time: f64| {
+        truth(conditions, time) * if time > 3e-3 { 1.01 } else { 1.0 }
+    };
+    let proof = run(&exact(), &far).unwrap();
+    assert!(proof.bounded.error < 1e-9 && proof.overall.error > 8000.0);
+    assert_eq!(proof.overall.echo, 5000);
+}
+
+#[test]
+fn an_output_that_falls_is_refused_with_its_place() {
+    let folded = program(|builder, echo, temperature| {
+        let sum = builder.add(echo, temperature);
+        let wrapped = builder.low_bits(sum, 12);
+        let factor = builder.constant(170);
+        builder.multiply(wrapped, factor)
+    });
+    let message = run(&folded, &truth).unwrap_err().to_string();
+    assert!(
+        message.contains("falls as the echo time grows, at echo_us 40"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_claim_that_breaks_is_refused() {
+    let mut program = exact();
+    let last = program.nodes.len() - 1;
+    program.nodes[last].range.maximum -= 1;
+    let message = run(&program, &truth).unwrap_err().to_string();
+    assert!(message.contains("does not fit"), "{message}");
+}
+
+#[test]
+fn a_model_without_a_distance_is_refused_with_its_place() {
+    let hole = |conditions: &[f64], time: f64| {
+        if conditions[0] == 4.0 && time > 4e-3 {
+            f64::NAN
+        } else {
+            170.0 * time
+        }
+    };
+    let message = run(&exact(), &hole).unwrap_err().to_string();
+    assert!(
+        message.contains("no distance") && message.contains("temperature_code 4"),
+        "{message}"
+    );
+}
+
+#[test]
+fn the_hash_tells_any_two_programs_apart_and_threads_do_not_matter() {
+    let hash = run(&exact(), &truth).unwrap().hash;
+    let other = program(|builder, echo, temperature| {
+        // One micrometer more, at the highest temperature and the longest echo only.
+        let sum = builder.add(echo, temperature);
+        let excess = builder.constant(5020);
+        let at_the_corner = builder.subtract(excess, sum);
+        let big = builder.constant(1 << 13);
+        let test = builder.subtract(big, at_the_corner);
+        let one = builder.shift_right(test, 13);
+        let factor = builder.constant(170);
+        let product = builder.multiply(echo, factor);
+        builder.add(product, one)
+    });
+    assert_ne!(run(&other, &truth).unwrap().hash, hash);
+    assert_eq!(run(&exact(), &truth).unwrap().hash, hash);
+}
+
+#[test]
+fn saying_stop_stops() {
+    let device = device();
+    let claim = Claim {
+        device: &device,
+        reference: &truth,
+        maximum_distance: 0.5,
+        threads: 1,
+    };
+    assert!(matches!(
+        prove(&exact(), claim, &mut |_| false),
+        Err(Error::Stopped)
+    ));
+}

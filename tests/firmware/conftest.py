@@ -1,0 +1,42 @@
+"""Firmware of every form and format, each made once per session."""
+
+import functools
+from typing import Any
+
+import pytest
+
+from echocal import Model, firmware
+from echocal.firmware import Firmware
+
+DELAY_AND_ZERO = {"fixed_delay": {"delay": 31e-6}, "zero_error": {"offset": -4e-3}}
+HALF_DEGREES = (0.5, -20.0, 60.0)
+
+CASES: dict[str, tuple[Model, dict[str, Any]]] = {
+    "degree_2": (Model("cramer"), {}),
+    "degree_3": (Model("ideal_gas", DELAY_AND_ZERO), {"max_error": 0.1e-3}),
+    "degree_5": (
+        Model("linear", {"unrecorded_humidity": {"relative_humidity": 1.0}}),
+        {"max_error": 0.03e-3, "form": "polynomial"},
+    ),
+    "one_speed": (Model("343"), {}),
+    "falling_speed": (Model("320-0.5*T", DELAY_AND_ZERO), {"max_error": 0.1e-3}),
+    "product_of_64_bits": (Model("cramer", DELAY_AND_ZERO), {"max_error": 2e-6}),
+    "full_table": (Model("cramer", DELAY_AND_ZERO), {"form": "full_table"}),
+    "interpolated_table": (
+        Model("cramer", DELAY_AND_ZERO),
+        {"form": "interpolated_table", "max_error": 0.1e-3},
+    ),
+    "falling_table": (Model("320-0.5*T"), {"form": "interpolated_table"}),
+    "whole_range_of_echo": (Model("cramer"), {"echo": 65_535, "temperature": (1.0, -30.0, 70.0)}),
+}
+
+
+@functools.cache
+def made(name: str) -> Firmware:
+    model, request = CASES[name]
+    return firmware.generate(model, **{"temperature": HALF_DEGREES, **request})
+
+
+@pytest.fixture(params=CASES)
+def case(request: pytest.FixtureRequest) -> Firmware:
+    return made(request.param)
