@@ -165,7 +165,7 @@ def generate(
     >>> made.report["error_proven_m"] < 0.5e-3
     True
     >>> int(made.distance_um(11_690, 40))  # 20 degC
-    2001440
+    2001627
     """
     codes = temperature if isinstance(temperature, TemperatureCodes) else TemperatureCodes(*temperature)
     wish = {
