@@ -14,6 +14,7 @@ from echocal.errors import (
 )
 from echocal.model import Model
 from echocal.observations import Observations, read_observations
+from echocal.registry import effects
 from echocal.sweep import sweep
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "UsageError",
     "calibrate",
     "departures",
+    "effects",
     "firmware",
     "read_observations",
     "sweep",

@@ -34,6 +34,13 @@ impl CoreModel {
         self.model.law().text()
     }
 
+    /// Names of the influence quantities that the law reacts to.
+    #[getter]
+    fn law_reads(&self) -> Vec<&'static str> {
+        let reads = self.model.law().reads().iter();
+        reads.map(|quantity| quantity.facts().name).collect()
+    }
+
     /// Effect id with its parameter values in the order of its facts, in the order of the chain.
     #[getter]
     fn terms(&self) -> Vec<(&'static str, Vec<f64>)> {

@@ -26,6 +26,7 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("requires", names(facts.requires))?;
     dict.set_item("excludes", names(facts.excludes))?;
     dict.set_item("supplies", facts.supplies.map(|q| q.facts().name))?;
+    dict.set_item("calls", facts.calls)?;
     dict.set_item("domain", facts.domain)?;
     dict.set_item("check", facts.check)?;
     let (form, detail) = match facts.firmware {

@@ -40,6 +40,9 @@ impl SpeedLaw for Linear {
 
     #[inline(always)]
     fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
+        if self.slope == 0.0 {
+            return S::constant(self.intercept); // a fixed speed needs no thermometer
+        }
         S::constant(self.slope).mul_add(air.temperature, S::constant(self.intercept))
     }
 }

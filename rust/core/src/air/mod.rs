@@ -146,6 +146,15 @@ impl Law {
             })
     }
 
+    /// The influence quantities that this law reacts to: none for a fixed speed.
+    #[must_use]
+    pub fn reads(&self) -> &'static [Quantity] {
+        match self {
+            Self::Linear(law) if law.slope == 0.0 => &[],
+            law => law.facts().reads,
+        }
+    }
+
     /// The text that [`Law::parse`] turns back into this law.
     #[must_use]
     pub fn text(&self) -> String {

@@ -19,6 +19,7 @@ impl Effect for ClockError {
         requires: &[],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "frequency_error",
             unit: "1",

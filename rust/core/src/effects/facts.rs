@@ -63,6 +63,8 @@ pub struct Facts {
     pub excludes: &'static [Quantity],
     /// A quantity whose influence it adds: a law that reads that quantity refuses the effect.
     pub supplies: Option<Quantity>,
+    /// Id of a law that its formula uses: the effect holds where that law holds.
+    pub calls: Option<&'static str>,
     /// Its parameters, in the order that `apply` takes them.
     pub parameters: &'static [ParameterFacts],
     /// Where it holds, in words.

@@ -18,6 +18,7 @@ impl Effect for FixedDelay {
         requires: &[],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "delay",
             unit: "s",

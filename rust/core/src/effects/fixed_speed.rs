@@ -22,6 +22,7 @@ impl Effect for FixedSpeed {
         requires: &[],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[
             ParameterFacts {
                 name: "weight",

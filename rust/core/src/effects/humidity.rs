@@ -31,6 +31,7 @@ impl Effect for Humidity {
         requires: &[Quantity::Temperature, Quantity::RelativeHumidity],
         excludes: &[],
         supplies: Some(Quantity::RelativeHumidity),
+        calls: Some("cramer"),
         parameters: &[ParameterFacts {
             name: "coefficient",
             unit: "1",

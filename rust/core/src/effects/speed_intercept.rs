@@ -19,6 +19,7 @@ impl Effect for SpeedIntercept {
         requires: &[],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "intercept",
             unit: "m/s",

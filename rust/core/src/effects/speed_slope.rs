@@ -20,6 +20,7 @@ impl Effect for SpeedSlope {
         requires: &[Quantity::Temperature],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "slope",
             unit: "m/(s K)",

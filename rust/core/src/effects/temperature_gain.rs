@@ -20,6 +20,7 @@ impl Effect for TemperatureGain {
         requires: &[Quantity::Temperature],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "gain",
             unit: "1",

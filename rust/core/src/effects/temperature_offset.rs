@@ -19,6 +19,7 @@ impl Effect for TemperatureOffset {
         requires: &[Quantity::Temperature],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "offset",
             unit: "K",

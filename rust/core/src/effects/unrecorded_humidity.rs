@@ -25,6 +25,7 @@ impl Effect for UnrecordedHumidity {
         requires: &[Quantity::Temperature],
         excludes: &[Quantity::RelativeHumidity],
         supplies: None, // a law that reads humidity takes the air for dry where none is recorded
+        calls: Some("cramer"),
         parameters: &[ParameterFacts {
             name: "relative_humidity",
             unit: "1",

@@ -18,6 +18,7 @@ impl Effect for ZeroError {
         requires: &[],
         excludes: &[],
         supplies: None,
+        calls: None,
         parameters: &[ParameterFacts {
             name: "offset",
             unit: "m",

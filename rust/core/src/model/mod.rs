@@ -51,7 +51,7 @@ impl Model {
             return Err(Error::RepeatedEffect { effect });
         }
         if let Some(quantity) = facts.supplies
-            && self.law.facts().reads.contains(&quantity)
+            && self.law.reads().contains(&quantity)
         {
             return Err(Error::CountedTwice {
                 effect,

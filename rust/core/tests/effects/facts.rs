@@ -1,5 +1,6 @@
 //! The facts are complete, named alike and consistent.
 
+use echocal_core::Law;
 use echocal_core::effects::{ALL, Facts, Firmware, Role};
 use std::collections::HashSet;
 
@@ -85,6 +86,18 @@ fn every_effect_has_a_size_and_no_contradiction_in_itself() {
             facts.id
         );
         assert_eq!(facts.contradiction(facts), None, "{}", facts.id);
+    }
+}
+
+#[test]
+fn laws_that_effects_use_exist() {
+    let laws = Law::names();
+    for facts in ALL {
+        assert!(
+            facts.calls.is_none_or(|law| laws.contains(&law)),
+            "{}",
+            facts.id
+        );
     }
 }
 

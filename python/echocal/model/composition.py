@@ -1,0 +1,225 @@
+"""A model: a law for the speed of sound and the effects that extend it."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal import _core
+from echocal.conditions import columns
+from echocal.errors import ModelError
+from echocal.model import covariance as covariances
+from echocal.model import document, needs
+from echocal.registry import find_effect
+
+__all__ = ["Model"]
+
+Values = NDArray[np.float64]
+
+
+def _by_name(id_: str, values: list[float]) -> dict[str, float]:
+    names = (parameter.name for parameter in find_effect(id_).parameters)
+    return dict(zip(names, values, strict=True))
+
+
+class Model:
+    """A law for the speed of sound and the effects that extend it.
+
+    The law is nature's and, at the recorded conditions, the one that the device converts with;
+    effects deviate from both. Methods take the recorded influence quantities as keywords:
+    ``temperature`` [degC], ``relative_humidity`` [1], ``pressure`` [Pa], ``co2_mole_fraction``
+    [1], ``elapsed_time`` [s], ``supply_voltage`` [V], ``angle`` [rad], ``wind_speed`` [m/s],
+    ``radiation`` [W/m^2], ``amplitude`` [1]. They broadcast against the first argument; scalars
+    alone give a float. Without their keyword, humidity is 0, pressure 101325 Pa and CO2 0.04 %;
+    NaN in gives NaN out, and `DomainWarning` tells once where a law is used outside its domain.
+
+    Parameters
+    ----------
+    law : str
+        Name of a law, or a linear expression such as ``"331.3+0.606*T"`` or ``"343"``.
+    effects : mapping of str to mapping of str to float
+        Parameters by effect id and parameter name, SI units; what is not given stays neutral.
+    air : mapping of str to float
+        Values assumed where a condition is not given, e.g. ``{"relative_humidity": 0.5}``.
+    covariance : array_like, shape (n, n), optional
+        Covariance of the parameters in the order of `parameter_names`; zero where one was held.
+    provenance : mapping, optional
+        Where the model comes from; saved as it stands, not part of the `hash`.
+
+    Raises
+    ------
+    ModelError
+        If a name is unknown, a parameter lies outside its bounds, the effects contradict each
+        other or the law, or the covariance does not fit.
+
+    Examples
+    --------
+    >>> model = Model(law="linear", effects={"fixed_delay": {"delay": 30e-6}})
+    >>> round(model.indicate(2.0, temperature=20.0), 6)
+    2.005151
+    >>> round(model.correct(2.005151, temperature=20.0), 9)
+    2.0
+    >>> model.parameter_names
+    ('fixed_delay.delay',)
+    >>> model.jacobian(2.0, temperature=20.0)
+    array([  1. , 171.7])
+    """
+
+    def __init__(
+        self,
+        law: str = "cramer",
+        effects: Mapping[str, Mapping[str, float]] | None = None,
+        *,
+        air: Mapping[str, float] | None = None,
+        covariance: ArrayLike | None = None,
+        provenance: Mapping[str, Any] | None = None,
+    ) -> None:
+        given = [(id_, list(parameters.items())) for id_, parameters in (effects or {}).items()]
+        self._core = _core.Model(law, given)
+        self._needs = needs.of(self._core)
+        self.air = needs.assumed(air or {})
+        self.effects = {id_: _by_name(id_, values) for id_, values in self._core.terms}
+        self.covariance = covariances.checked(covariance, self.parameter_names)
+        self.provenance = dict(provenance or {})
+
+    @property
+    def law(self) -> str:
+        """Name or expression of the law."""
+        return self._core.law
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names ``effect.parameter`` in the order of the measurement chain."""
+        return tuple(f"{id_}.{name}" for id_, own in self.effects.items() for name in own)
+
+    @property
+    def standard_uncertainties(self) -> dict[str, float | None]:
+        """Standard uncertainty by parameter name; None where it is not known."""
+        if self.covariance is None:
+            return dict.fromkeys(self.parameter_names)
+        deviations = np.sqrt(np.diag(self.covariance)).tolist()
+        return dict(zip(self.parameter_names, deviations, strict=True))
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the model's canonical content, without its provenance."""
+        return document.digest(document.content(self))
+
+    def save(self, path: str | Path) -> None:
+        """Write the model as JSON, schema ``echocal.model/1``.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write; an existing one is replaced.
+
+        Raises
+        ------
+        ModelError
+            If the file cannot be written, or the provenance is not plain finite data.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> path = pathlib.Path(tempfile.mkdtemp()) / "model.json"
+        >>> Model("linear", {"zero_error": {"offset": 2e-3}}).save(path)
+        >>> Model.load(path).effects
+        {'zero_error': {'offset': 0.002}}
+        """
+        document.write(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Model":
+        """Read a model that `save` wrote, or one written by hand (which needs no hash).
+
+        Parameters
+        ----------
+        path : str or Path
+            File of schema ``echocal.model/1``.
+
+        Raises
+        ------
+        ModelError
+            If the file cannot be read, is not JSON, has another or a newer schema, does not match
+            its hash, or describes no valid model; the text names the file and the place.
+        """
+        from echocal.model.reading import read  # validation only costs who reads files
+
+        origin = Path(path)
+        arguments, covariance, listed = read(origin)
+        try:
+            model = cls(**arguments)
+            model.covariance = covariances.arranged(covariance, listed, model.parameter_names)
+            return model
+        except ModelError as error:
+            message = f"{origin}: {error}"
+            raise ModelError(message) from None
+
+    @overload
+    def indicate(self, distance: float, **conditions: float | None) -> float: ...
+    @overload
+    def indicate(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
+    def indicate(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
+        """Return what the device indicates [m] at a true distance [m]."""
+        return self._map(self._core.indicate, distance, conditions)
+
+    @overload
+    def speed_of_sound(self, distance: float, **conditions: float | None) -> float: ...
+    @overload
+    def speed_of_sound(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
+    def speed_of_sound(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
+        """Return the speed of sound on the path [m/s] at a true distance [m]."""
+        return self._map(self._core.speed_of_sound, distance, conditions)
+
+    @overload
+    def time_of_flight(self, distance: float, **conditions: float | None) -> float: ...
+    @overload
+    def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
+    def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
+        """Return the echo time, out and back, that the device records [s] at a true distance [m]."""
+        return self._map(self._core.time_of_flight, distance, conditions)
+
+    @overload
+    def correct(self, indication: float, **conditions: float | None) -> float: ...
+    @overload
+    def correct(self, indication: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
+    def correct(self, indication: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
+        """Return the true distance [m] of an indication [m]; NaN where there is none."""
+        return self._map(self._core.correct, indication, conditions)
+
+    @overload
+    def distance(self, time: float, **conditions: float | None) -> float: ...
+    @overload
+    def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
+    def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
+        """Return the true distance [m] of a recorded echo time [s]; NaN where there is none."""
+        return self._map(self._core.distance, time, conditions)
+
+    def jacobian(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values:
+        """Return exact derivatives of the indication, shape (..., 1 + n).
+
+        The first column is the derivative to the distance [1], then one per parameter in the
+        order of `parameter_names` [m per unit of the parameter].
+        """
+        shape, (first, *rest) = columns(distance, self._conditions(conditions))
+        return self._core.jacobian(first, rest).reshape(*shape, -1)
+
+    def __repr__(self) -> str:
+        air = f", air={self.air}" if self.air else ""
+        return f"Model({self.law!r}, {self.effects}{air})"
+
+    def _conditions(self, given: Mapping[str, ArrayLike | None]) -> dict[str, ArrayLike]:
+        known = {name: value for name, value in given.items() if value is not None}
+        conditions: dict[str, ArrayLike] = {**self.air, **known}
+        self._needs.check(conditions)
+        self._needs.warn_outside(conditions, self.effects)
+        return conditions
+
+    def _map(
+        self, function: Callable[[Values, list[Values]], Values], first: ArrayLike, given: Mapping[str, Any]
+    ) -> float | Values:
+        shape, (column, *rest) = columns(first, self._conditions(given))
+        result = function(column, rest)
+        return result.reshape(shape) if shape else float(result[0])

@@ -1,0 +1,63 @@
+"""Model files, schema ``echocal.model/1``: what is written and what its hash covers."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from echocal.errors import ModelError
+from echocal.registry import find_effect
+
+if TYPE_CHECKING:
+    from echocal.model.composition import Model
+
+__all__ = ["NEWEST", "SCHEMA", "content", "digest", "write"]
+
+NEWEST = 1
+SCHEMA = f"echocal.model/{NEWEST}"
+
+
+def content(model: "Model") -> dict[str, Any]:
+    """Return what the hash covers: all that the model computes with."""
+    uncertainties = model.standard_uncertainties
+
+    def parameters(id_: str) -> dict[str, Any]:
+        return {
+            p.name: {
+                "value": model.effects[id_][p.name],
+                "standard_uncertainty": uncertainties[f"{id_}.{p.name}"],
+                "unit": p.unit,
+            }
+            for p in find_effect(id_).parameters
+        }
+
+    return {
+        "schema": SCHEMA,
+        "law": model.law,
+        "air": model.air,
+        "effects": [{"id": id_, "parameters": parameters(id_)} for id_ in model.effects],
+        "covariance": None if model.covariance is None else model.covariance.tolist(),
+    }
+
+
+def digest(document: dict[str, Any]) -> str:
+    """SHA-256 of a document in canonical form, without its hash and provenance."""
+    covered = {key: value for key, value in document.items() if key not in {"hash", "data"}}
+    canonical = json.dumps(covered, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def write(model: "Model", path: Path) -> None:
+    """Write a model's file."""
+    document = content(model)
+    complete = {**document, "hash": digest(document), "data": model.provenance}
+    try:
+        text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
+    except (TypeError, ValueError) as error:
+        message = f"cannot write {path}: the provenance is not plain data with finite numbers ({error})"
+        raise ModelError(message) from None
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        message = f"cannot write model file {path}: {error.strerror}"
+        raise ModelError(message) from None

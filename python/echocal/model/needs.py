@@ -1,0 +1,93 @@
+"""What a model must know about the air, and whether it is used where it holds."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from echocal import _core
+from echocal.conditions import QUANTITIES
+from echocal.domain import warn_outside
+from echocal.errors import DataError, ModelError
+from echocal.registry import find_effect
+
+__all__ = ["Needs", "assumed", "of"]
+
+AIR = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction")
+
+
+@dataclass(frozen=True)
+class Needs:
+    """Influence quantities that a model requires or excludes, each with who says so.
+
+    Attributes
+    ----------
+    required : mapping of str to str
+        Quantities that must be given, with the law or effect that needs them.
+    excluded : mapping of str to str
+        Quantities that must not be given, with the effect that stands for them.
+    laws : mapping of str to str or None
+        Laws whose domain counts, with the effect that calls them (None: the model's own).
+    """
+
+    required: Mapping[str, str]
+    excluded: Mapping[str, str]
+    laws: Mapping[str, str | None]
+
+    def check(self, conditions: Mapping[str, ArrayLike]) -> None:
+        """Raise `DataError` where what is given does not fit the model."""
+        for name, who in self.required.items():
+            if name not in conditions:
+                message = (
+                    f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; record it, "
+                    f"pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
+                )
+                raise DataError(message)
+        for name, who in self.excluded.items():
+            if name in conditions:
+                message = (
+                    f"{who} stands for {name} that nobody recorded, but {name} is given and would "
+                    f"count twice; drop the effect, or do not give {name}"
+                )
+                raise DataError(message)
+
+    def warn_outside(
+        self, conditions: Mapping[str, ArrayLike], effects: Mapping[str, Mapping[str, float]]
+    ) -> None:
+        """Warn once where a law is used outside its domain."""
+        for law, effect in self.laws.items():
+            # a parameter named as a quantity stands for it
+            air = {**conditions, **(effects[effect] if effect else {})}
+            warn_outside(**{name: air[name] for name in AIR if name in air}, law=law, stacklevel=5)
+
+
+def assumed(air: Mapping[str, float]) -> dict[str, float]:
+    """Return the assumed air, checked: known quantities, finite values."""
+    for name, value in air.items():
+        if name not in QUANTITIES:
+            message = f"air has unknown quantity '{name}'; known: {', '.join(QUANTITIES)}"
+            raise ModelError(message)
+        if not float("-inf") < value < float("inf"):
+            message = f"air.{name} is {value}; give a finite number [{QUANTITIES[name].unit}]"
+            raise ModelError(message)
+    return {name: float(value) for name, value in air.items()}
+
+
+def of(model: _core.Model) -> Needs:
+    """Gather the needs of a law and its effects from the facts."""
+    required: dict[str, str] = {}
+    excluded: dict[str, str] = {}
+    laws: dict[str, str | None] = {model.law: None} if "temperature" in model.law_reads else {}
+    reads = list(model.law_reads)
+    for name in model.law_reads:
+        if QUANTITIES[name].default is None:
+            required[name] = f"law '{model.law}'"
+    for id_, _ in model.terms:
+        effect = find_effect(id_)
+        without_default = (name for name in effect.reads if QUANTITIES[name].default is None)
+        for name in (*effect.requires, *without_default):
+            required.setdefault(name, f"effect '{id_}'")
+        excluded.update({name: f"effect '{id_}'" for name in effect.excludes if name in reads})
+        if effect.calls:
+            laws.setdefault(effect.calls, id_)
+    return Needs(required, excluded, laws)

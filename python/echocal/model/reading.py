@@ -1,0 +1,155 @@
+"""Model files on the way in: nothing is believed that was not checked."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
+
+from echocal.errors import ModelError, UsageError
+from echocal.model.document import NEWEST, SCHEMA, digest
+from echocal.registry import find_effect
+
+__all__ = ["read"]
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class _Parameter(_Entry):
+    value: float
+    standard_uncertainty: NonNegativeFloat | None = None
+    unit: str | None = None
+
+
+class _Effect(_Entry):
+    id: str
+    parameters: dict[str, _Parameter] = {}
+
+
+class _File(_Entry):
+    schema_: str = Field(alias="schema")
+    law: str
+    air: dict[str, float] = {}
+    effects: list[_Effect] = []
+    covariance: list[list[float]] | None = None
+    hash: str | None = None
+    data: dict[str, Any] = {}
+
+
+def read(path: Path) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
+    """Return a model's arguments, its covariance, and the names of the covariance's rows."""
+    try:
+        document = _parse(path)
+        _check_schema(document)
+        file = _File.model_validate(document)
+        arguments, covariance = _arguments(file), _covariance(file)
+        _check_hash(file, document)
+    except OSError as error:
+        message = f"cannot read model file {path}: {error.strerror}"
+        raise ModelError(message) from None
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in first["loc"])
+        message = f"{path}: {place}: {first['msg']} (found {first['input']!r:.60})"
+        raise ModelError(message) from None
+    except UsageError as error:
+        message = f"{path}: {error}"
+        raise ModelError(message) from None
+    return arguments, covariance, tuple(_uncertainties(file))
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    def refuse(constant: str) -> NoReturn:
+        message = f"has {constant} for a number; a model has finite values only"
+        raise ModelError(message)
+
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)
+    except UnicodeDecodeError:
+        raise ModelError("is not JSON, not even text") from None
+    except json.JSONDecodeError as error:
+        message = f"is not JSON: line {error.lineno}, column {error.colno}: {error.msg}"
+        raise ModelError(message) from None
+    if not isinstance(document, dict):
+        message = f"is no model: expected an object of schema {SCHEMA}"
+        raise ModelError(message)
+    return document
+
+
+def _check_schema(document: dict[str, Any]) -> None:
+    schema = document.get("schema")
+    version = re.fullmatch(r"echocal\.model/(\d+)", str(schema))
+    if version and int(version[1]) > NEWEST:
+        message = f"written by a newer echocal: schema {schema}; this one reads up to /{NEWEST}; update"
+        raise ModelError(message)
+    if schema != SCHEMA:
+        message = f"schema is {schema!r}; expected '{SCHEMA}'"
+        raise ModelError(message)
+
+
+def _check_hash(file: _File, document: dict[str, Any]) -> None:
+    found = digest(document)
+    if file.hash is not None and file.hash != found:
+        message = (
+            f"hash is {file.hash[:12]}..., the content has {found[:12]}...: it was edited or damaged; "
+            "if the edit is meant, delete the hash"
+        )
+        raise ModelError(message)
+
+
+def _arguments(file: _File) -> dict[str, Any]:
+    ids = [effect.id for effect in file.effects]
+    repeated = next((id_ for id_ in ids if ids.count(id_) > 1), None)
+    if repeated:
+        message = f"effect '{repeated}' stands twice"
+        raise ModelError(message)
+    for effect in file.effects:
+        _check_units(effect)
+    return {
+        "law": file.law,
+        "air": file.air,
+        "effects": {e.id: {n: p.value for n, p in e.parameters.items()} for e in file.effects},
+        "provenance": file.data,
+    }
+
+
+def _check_units(effect: _Effect) -> None:
+    units = {parameter.name: parameter.unit for parameter in find_effect(effect.id).parameters}
+    for name, parameter in effect.parameters.items():
+        expected = units.get(name, parameter.unit)
+        if parameter.unit not in {None, expected}:
+            message = f"{effect.id}.{name} is in '{parameter.unit}'; expected '{expected}'"
+            raise ModelError(message)
+
+
+def _uncertainties(file: _File) -> dict[str, float | None]:
+    return {
+        f"{effect.id}.{name}": parameter.standard_uncertainty
+        for effect in file.effects
+        for name, parameter in effect.parameters.items()
+    }
+
+
+def _covariance(file: _File) -> Any:
+    """Return the covariance; without one, that of independent parameters with stated uncertainties."""
+    stated = _uncertainties(file)
+    known = {name: u for name, u in stated.items() if u is not None}
+    if file.covariance is not None:
+        for (name, uncertainty), variance in zip(stated.items(), _diagonal(file.covariance), strict=False):
+            if uncertainty is not None and not np.isclose(variance, uncertainty**2, rtol=1e-6, atol=0.0):
+                message = f"{name} has standard_uncertainty {uncertainty:g} but variance {variance:g}"
+                raise ModelError(message)
+        return file.covariance  # its shape is checked against the model's parameters
+    if known and len(known) < len(stated):
+        unstated = next(name for name in stated if name not in known)
+        message = f"{unstated} has no standard_uncertainty while others have; state it (0 if it was held)"
+        raise ModelError(message)
+    return np.diag(np.square(list(known.values()))) if known else None
+
+
+def _diagonal(matrix: list[list[float]]) -> list[float]:
+    return [row[position] for position, row in enumerate(matrix) if position < len(row)]

@@ -1,0 +1,143 @@
+"""The registry of effects as typed data."""
+
+import difflib
+from dataclasses import asdict, dataclass
+from functools import cache
+from typing import Any, Literal
+
+from echocal import _core
+from echocal.errors import UsageError
+
+__all__ = ["Effect", "Parameter", "effects", "find_effect"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of an effect.
+
+    Attributes
+    ----------
+    name, unit : str
+        Name, and SI unit (or ``"1"``).
+    role : {"size", "shape"}
+        The effect is the identity where every size is neutral; a shape has no influence there.
+    neutral : float
+        A size's value at which the effect is the identity; a shape's usual value.
+    bounds : tuple of float
+        Physical bounds, inclusive.
+    prior_scale : float
+        Typical magnitude of the deviation from neutral: one standard deviation of its prior.
+    known : tuple of float
+        The values that theory or trade fix; empty where none.
+    """
+
+    name: str
+    unit: str
+    role: Literal["size", "shape"]
+    neutral: float
+    bounds: tuple[float, float]
+    prior_scale: float
+    known: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What is known about an effect: a deviation of a real sensor from its simulation.
+
+    Attributes
+    ----------
+    id : str
+        Name in models, files and messages.
+    stage : str
+        Stage of the measurement chain at which it acts.
+    sentence, formula, source : str
+        What it is; primed symbols of the formula are the values after the effect.
+    reads : tuple of str
+        Influence quantities that it reacts to.
+    requires, excludes : tuple of str
+        Quantities that must, or must not, have been recorded for it to have a meaning.
+    supplies : str or None
+        Quantity whose influence it adds: a law that reads that quantity refuses the effect.
+    calls : str or None
+        Law that its formula uses: the effect holds where that law holds.
+    parameters : tuple of Parameter
+        In the order of `Model.parameter_names`.
+    domain, check : str
+        Where it holds, and the measurement that confirms or refutes it.
+    firmware : {"folded", "needs", "refused"}
+        How a microcontroller compensates it: within its tables, with a further input, not at all.
+    firmware_detail : str or None
+        The further input, or the reason for the refusal.
+    """
+
+    id: str
+    stage: str
+    sentence: str
+    formula: str
+    source: str
+    reads: tuple[str, ...]
+    requires: tuple[str, ...]
+    excludes: tuple[str, ...]
+    supplies: str | None
+    calls: str | None
+    parameters: tuple[Parameter, ...]
+    domain: str
+    check: str
+    firmware: Literal["folded", "needs", "refused"]
+    firmware_detail: str | None
+
+    @classmethod
+    def from_core(cls, facts: dict[str, Any]) -> "Effect":
+        """Type what the core tells."""
+        lists = {name: tuple(facts[name]) for name in ("reads", "requires", "excludes")}
+        parameters = tuple(Parameter(**{**p, "known": tuple(p["known"])}) for p in facts["parameters"])
+        return cls(**{**facts, **lists, "parameters": parameters})
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, for JSON."""
+        return asdict(self)
+
+
+@cache
+def effects() -> tuple[Effect, ...]:
+    """Return the registry: every effect that echocal knows.
+
+    Returns
+    -------
+    tuple of Effect
+        Facts of each effect: id, stage, sentence, formula, source, parameters, domain, firmware
+        form and more.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> delay = next(effect for effect in echocal.effects() if effect.id == "fixed_delay")
+    >>> delay.formula
+    "t' = t + delay"
+    >>> delay.parameters[0].unit
+    's'
+    """
+    return tuple(Effect.from_core(facts) for facts in _core.effects())
+
+
+def find_effect(id_: str) -> Effect:
+    """Return the effect of this id.
+
+    Raises
+    ------
+    UsageError
+        If there is none; the text suggests the nearest.
+
+    Examples
+    --------
+    >>> from echocal.registry import find_effect
+    >>> find_effect("humidity").firmware_detail
+    'relative_humidity'
+    """
+    known = {effect.id: effect for effect in effects()}
+    if id_ not in known:
+        near = difflib.get_close_matches(id_, known, n=1, cutoff=0.4)
+        hint = f"did you mean '{near[0]}'? " if near else ""
+        message = f"unknown effect '{id_}'; {hint}known: {', '.join(known)}"
+        raise UsageError(message)
+    return known[id_]
