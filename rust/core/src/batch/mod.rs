@@ -1,0 +1,116 @@
+//! Formulas over whole columns: blocks of rows through SIMD registers, on several threads.
+//!
+//! A [`Formula`] is written once, generic over [`Scalar`]; [`kernel`] makes it run over strided
+//! memory in either precision. Nothing is allocated per row and no input is copied unless its
+//! rows are not side by side; a constant is one number, whatever the number of rows.
+
+mod block;
+mod formulas;
+mod threads;
+
+pub use formulas::{distance, error, speed_of_sound, time_of_flight};
+
+use crate::scalar::Scalar;
+
+/// A function of `K` numbers, in any [`Scalar`].
+pub trait Formula<const K: usize>: Send + Sync + 'static {
+    /// Constants of the formula that are not known when it is compiled.
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The function; `parameters` as from [`Formula::parameters`].
+    fn evaluate<S: Scalar>(&self, inputs: [S; K], parameters: &[S]) -> S;
+}
+
+/// Where a batch finds, or puts, one number per row.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// The first row.
+    pub start: *mut u8,
+    /// Bytes from one row to the next; 0 for a constant.
+    pub stride: isize,
+}
+
+impl Column {
+    /// The column from this row on.
+    #[inline(always)]
+    fn skip(self, rows: usize) -> Self {
+        let start = self.start.wrapping_offset(self.stride * rows.cast_signed());
+        Self { start, ..self }
+    }
+}
+
+/// A formula that runs over columns, whatever its number of inputs.
+pub trait Kernel: Send + Sync {
+    /// Number of inputs.
+    fn arity(&self) -> usize;
+
+    /// The value for one row: the same bits as in a batch.
+    ///
+    /// # Panics
+    /// Where the number of inputs is not [`Kernel::arity`].
+    fn evaluate(&self, inputs: &[f64]) -> f64;
+
+    /// The values for all rows in double precision, on at most so many threads.
+    ///
+    /// # Safety
+    /// There are [`Kernel::arity`] inputs. Every column is valid and aligned for `rows` elements at
+    /// its stride, the output for writing; an output may overlap an input only row by row.
+    #[allow(unsafe_code)]
+    unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize);
+
+    /// The values for all rows in single precision.
+    ///
+    /// # Safety
+    /// As for [`Kernel::run_f64`].
+    #[allow(unsafe_code)]
+    unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize);
+}
+
+/// Makes a formula run over columns.
+pub fn kernel<F: Formula<K>, const K: usize>(formula: F) -> Box<dyn Kernel> {
+    Box::new(Compiled(formula))
+}
+
+struct Compiled<F, const K: usize>(F);
+
+impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
+    fn arity(&self) -> usize {
+        K
+    }
+
+    fn evaluate(&self, inputs: &[f64]) -> f64 {
+        let inputs = core::array::from_fn(|index| inputs[index]);
+        self.0.evaluate(inputs, &self.0.parameters())
+    }
+
+    #[allow(unsafe_code)]
+    unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
+        let inputs = core::array::from_fn(|index| inputs[index]);
+        let span = |first, count| {
+            let inputs = inputs.map(|column: Column| column.skip(first));
+            // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
+            unsafe { block::run_f64(&self.0, inputs, output.skip(first), count) };
+        };
+        threads::split(rows, threads, &span);
+    }
+
+    #[allow(unsafe_code)]
+    unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
+        let inputs = core::array::from_fn(|index| inputs[index]);
+        let span = |first, count| {
+            let inputs = inputs.map(|column: Column| column.skip(first));
+            // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
+            unsafe { block::run_f32(&self.0, inputs, output.skip(first), count) };
+        };
+        threads::split(rows, threads, &span);
+    }
+}
+
+// SAFETY: a column is an address and a stride; who runs a kernel answers for what lies there.
+#[allow(unsafe_code)]
+unsafe impl Send for Column {}
+// SAFETY: as above.
+#[allow(unsafe_code)]
+unsafe impl Sync for Column {}

@@ -1,0 +1,85 @@
+//! SIMD: numbers several at a time, on whatever the processor of this machine offers.
+//!
+//! A [`Vector`] is a [`Scalar`] that holds several numbers. A wheel is built for the baseline of
+//! its architecture; the wider registers are chosen at run time, once. Every formula uses explicit
+//! [`Scalar::mul_add`] and nothing reassociates, so each instruction set gives the same bits.
+//!
+//! Measured before choosing (full compensation, f64, in cache, one core of a Xeon with AVX-512):
+//! explicit registers three at a time take 2.8 ns a row, loops left to the compiler's vectorizer
+//! 4.1 ns; with AVX2 4.5 against 7.8. A chain of dependent operations leaves the units idle unless
+//! several independent rows are in flight, and a model of several effects does not vectorize by
+//! itself at all.
+
+mod exponential;
+mod instruction_set;
+mod lanes;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod x86;
+
+pub use instruction_set::{InstructionSet, force};
+pub(crate) use exponential::{exp32, exp64};
+pub(crate) use instruction_set::active;
+pub(crate) use lanes::Lanes;
+
+use crate::scalar::Scalar;
+
+/// What the exponential needs beyond [`Scalar`]: single and double precision alike.
+pub(crate) trait Float: Scalar {
+    /// `self`, but not below `low` and not above `high`; NaN stays NaN.
+    fn within(self, low: f64, high: f64) -> Self;
+
+    /// `2^n` from `self = n + bias + 1.5 * 2^(mantissa bits)`, whose lowest bits hold `n + bias`.
+    fn power_of_two(self) -> Self;
+}
+
+/// A [`Scalar`] of `WIDTH` numbers side by side in memory.
+pub(crate) trait Vector: Scalar {
+    /// The number type in memory.
+    type Element: Copy;
+
+    /// How many numbers.
+    const WIDTH: usize;
+
+    /// Reads `WIDTH` numbers, not necessarily aligned.
+    ///
+    /// # Safety
+    /// `source` is valid for reading `WIDTH` elements.
+    unsafe fn load(source: *const Self::Element) -> Self;
+
+    /// Writes `WIDTH` numbers, not necessarily aligned.
+    ///
+    /// # Safety
+    /// `target` is valid for writing `WIDTH` elements.
+    unsafe fn store(self, target: *mut Self::Element);
+
+    /// Whether any of the numbers is `>= 0`.
+    fn any_non_negative(self) -> bool;
+}
+
+macro_rules! vector_of_one {
+    ($float:ty) => {
+        impl Vector for $float {
+            type Element = $float;
+            const WIDTH: usize = 1;
+            #[inline(always)]
+            #[allow(unsafe_code)]
+            unsafe fn load(source: *const $float) -> Self {
+                // SAFETY: the caller guarantees one readable element.
+                unsafe { *source }
+            }
+            #[inline(always)]
+            #[allow(unsafe_code)]
+            unsafe fn store(self, target: *mut $float) {
+                // SAFETY: the caller guarantees one writable element.
+                unsafe { *target = self }
+            }
+            #[inline(always)]
+            fn any_non_negative(self) -> bool {
+                self >= 0.0
+            }
+        }
+    };
+}
+
+vector_of_one!(f64);
+vector_of_one!(f32);
