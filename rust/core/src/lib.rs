@@ -10,13 +10,16 @@
 #![cfg_attr(test, allow(clippy::suboptimal_flops))] // tests state expected values plainly
 
 pub mod air;
+pub mod batch;
 pub mod chain;
 pub mod conditions;
 pub mod dual;
+pub mod echo;
 pub mod effects;
 pub mod error;
 pub mod model;
 pub mod scalar;
+pub mod simd;
 
 pub use air::Law;
 pub use conditions::{Conditions, Quantity};

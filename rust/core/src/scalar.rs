@@ -58,7 +58,7 @@ pub fn polynomial<S: Scalar, const N: usize>(x: S, coefficients: [f64; N]) -> S 
 }
 
 macro_rules! scalar_for_float {
-    ($float:ty) => {
+    ($float:ty, $exp:path) => {
         impl Scalar for $float {
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation)] // the narrower width is the point
@@ -75,7 +75,7 @@ macro_rules! scalar_for_float {
             }
             #[inline(always)]
             fn exp(self) -> Self {
-                <$float>::exp(self)
+                $exp(self)
             }
             #[inline(always)]
             fn abs(self) -> Self {
@@ -89,8 +89,8 @@ macro_rules! scalar_for_float {
     };
 }
 
-scalar_for_float!(f64);
-scalar_for_float!(f32);
+scalar_for_float!(f64, crate::simd::exp64);
+scalar_for_float!(f32, crate::simd::exp32);
 
 #[cfg(test)]
 mod tests {

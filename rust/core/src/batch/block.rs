@@ -108,7 +108,11 @@ unsafe fn blocks<V: Vector, F: Formula<K>, const K: usize>(
         });
         let column = output.skip(first);
         let direct = whole && side_by_side::<V::Element>(column);
-        let target = if direct { column.start.cast() } else { result.as_mut_ptr().cast() };
+        let target = if direct {
+            column.start.cast()
+        } else {
+            result.as_mut_ptr().cast()
+        };
         // SAFETY: `padded` elements of each source and of the target are valid.
         unsafe { block::<V, F, K>(formula, &parameters, sources, target, padded) };
         if !direct {

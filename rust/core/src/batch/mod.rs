@@ -3,12 +3,16 @@
 //! A [`Formula`] is written once, generic over [`Scalar`]; [`kernel`] makes it run over strided
 //! memory in either precision. Nothing is allocated per row and no input is copied unless its
 //! rows are not side by side; a constant is one number, whatever the number of rows.
+#![allow(unsafe_code)]
 
 mod block;
 mod formulas;
+#[cfg(test)]
+mod tests;
 mod threads;
 
-pub use formulas::{distance, error, speed_of_sound, time_of_flight};
+pub use formulas::{Output, absorption, error, of_law};
+pub use threads::available as available_threads;
 
 use crate::scalar::Scalar;
 
@@ -57,14 +61,12 @@ pub trait Kernel: Send + Sync {
     /// # Safety
     /// There are [`Kernel::arity`] inputs. Every column is valid and aligned for `rows` elements at
     /// its stride, the output for writing; an output may overlap an input only row by row.
-    #[allow(unsafe_code)]
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize);
 
     /// The values for all rows in single precision.
     ///
     /// # Safety
     /// As for [`Kernel::run_f64`].
-    #[allow(unsafe_code)]
     unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize);
 }
 
@@ -85,7 +87,6 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
         self.0.evaluate(inputs, &self.0.parameters())
     }
 
-    #[allow(unsafe_code)]
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
         let inputs = core::array::from_fn(|index| inputs[index]);
         let span = |first, count| {
@@ -96,7 +97,6 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
         threads::split(rows, threads, &span);
     }
 
-    #[allow(unsafe_code)]
     unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
         let inputs = core::array::from_fn(|index| inputs[index]);
         let span = |first, count| {
@@ -109,8 +109,6 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
 }
 
 // SAFETY: a column is an address and a stride; who runs a kernel answers for what lies there.
-#[allow(unsafe_code)]
 unsafe impl Send for Column {}
 // SAFETY: as above.
-#[allow(unsafe_code)]
 unsafe impl Sync for Column {}

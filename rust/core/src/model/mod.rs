@@ -10,6 +10,7 @@ use crate::air::{Air, Law};
 use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
+use crate::echo;
 use crate::effects;
 use crate::error::Error;
 use crate::scalar::Scalar;
@@ -130,15 +131,16 @@ impl Model {
     /// What a stage does without any effect.
     #[inline(always)]
     fn enter<S: Scalar>(&self, stage: Stage, chain: &mut Chain<S>) {
-        let half = S::constant(0.5);
         match stage {
             Stage::Speed => chain.speed = self.law.speed(&chain.air),
             Stage::Path => chain.path = chain.distance,
-            Stage::Flight => chain.time = (chain.path + chain.path) / chain.speed,
+            Stage::Flight => chain.time = echo::time_of_flight(chain.path, chain.speed),
             Stage::Firmware => {
                 chain.firmware_speed = self.law.speed(&Air::recorded(&chain.recorded))
             }
-            Stage::Indication => chain.indication = half * chain.firmware_speed * chain.time,
+            Stage::Indication => {
+                chain.indication = echo::distance(chain.time, chain.firmware_speed)
+            }
             Stage::Air | Stage::Transducer | Stage::Timer => {}
         }
     }

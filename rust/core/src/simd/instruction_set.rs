@@ -55,9 +55,13 @@ impl InstructionSet {
 /// The level in use: the widest available unless one was forced.
 pub(crate) fn active() -> InstructionSet {
     let chosen = CHOSEN.load(Ordering::Relaxed);
-    let known = InstructionSet::ALL.into_iter().find(|&set| set as u8 == chosen);
+    let known = InstructionSet::ALL
+        .into_iter()
+        .find(|&set| set as u8 == chosen);
     known.unwrap_or_else(|| {
-        let available = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
+        let available = InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available());
         let widest = available.max().unwrap_or(InstructionSet::Baseline);
         CHOSEN.store(widest as u8, Ordering::Relaxed);
         widest

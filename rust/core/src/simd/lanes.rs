@@ -1,4 +1,5 @@
 //! Several vectors in flight at once.
+#![allow(unsafe_code)]
 
 use super::Vector;
 use crate::scalar::Scalar;
@@ -57,7 +58,9 @@ impl<V: Scalar, const N: usize> Scalar for Lanes<V, N> {
     }
     #[inline(always)]
     fn select(condition: Self, chosen: Self, other: Self) -> Self {
-        Self(from_fn(|i| V::select(condition.0[i], chosen.0[i], other.0[i])))
+        Self(from_fn(|i| {
+            V::select(condition.0[i], chosen.0[i], other.0[i])
+        }))
     }
 }
 
@@ -66,23 +69,16 @@ impl<V: Vector, const N: usize> Vector for Lanes<V, N> {
     const WIDTH: usize = N * V::WIDTH;
 
     #[inline(always)]
-    #[allow(unsafe_code)]
     unsafe fn load(source: *const V::Element) -> Self {
         // SAFETY: the caller guarantees N * V::WIDTH readable elements.
         Self(from_fn(|i| unsafe { V::load(source.add(i * V::WIDTH)) }))
     }
 
     #[inline(always)]
-    #[allow(unsafe_code)]
     unsafe fn store(self, target: *mut V::Element) {
         for (i, vector) in self.0.into_iter().enumerate() {
             // SAFETY: the caller guarantees N * V::WIDTH writable elements.
             unsafe { vector.store(target.add(i * V::WIDTH)) };
         }
-    }
-
-    #[inline(always)]
-    fn any_non_negative(self) -> bool {
-        self.0.into_iter().any(V::any_non_negative)
     }
 }

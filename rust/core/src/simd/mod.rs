@@ -9,6 +9,7 @@
 //! 4.1 ns; with AVX2 4.5 against 7.8. A chain of dependent operations leaves the units idle unless
 //! several independent rows are in flight, and a model of several effects does not vectorize by
 //! itself at all.
+#![allow(unsafe_code)]
 
 mod exponential;
 mod instruction_set;
@@ -16,9 +17,9 @@ mod lanes;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
-pub use instruction_set::{InstructionSet, force};
 pub(crate) use exponential::{exp32, exp64};
 pub(crate) use instruction_set::active;
+pub use instruction_set::{InstructionSet, force};
 pub(crate) use lanes::Lanes;
 
 use crate::scalar::Scalar;
@@ -51,9 +52,6 @@ pub(crate) trait Vector: Scalar {
     /// # Safety
     /// `target` is valid for writing `WIDTH` elements.
     unsafe fn store(self, target: *mut Self::Element);
-
-    /// Whether any of the numbers is `>= 0`.
-    fn any_non_negative(self) -> bool;
 }
 
 macro_rules! vector_of_one {
@@ -62,20 +60,14 @@ macro_rules! vector_of_one {
             type Element = $float;
             const WIDTH: usize = 1;
             #[inline(always)]
-            #[allow(unsafe_code)]
             unsafe fn load(source: *const $float) -> Self {
                 // SAFETY: the caller guarantees one readable element.
                 unsafe { *source }
             }
             #[inline(always)]
-            #[allow(unsafe_code)]
             unsafe fn store(self, target: *mut $float) {
                 // SAFETY: the caller guarantees one writable element.
                 unsafe { *target = self }
-            }
-            #[inline(always)]
-            fn any_non_negative(self) -> bool {
-                self >= 0.0
             }
         }
     };

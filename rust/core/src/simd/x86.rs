@@ -28,7 +28,7 @@ macro_rules! vector {
         $(#[$doc:meta])* $name:ident($register:ty) of $width:literal $float:ident;
         $add:ident $sub:ident $mul:ident $div:ident $fma:ident $sqrt:ident $min:ident $max:ident
         $xor:ident $andnot:ident $splat:ident $load:ident $store:ident;
-        exp $exp:ident; select $select:expr; any $any:expr; power $power:expr
+        exp $exp:ident; select $select:expr; power $power:expr
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -105,11 +105,6 @@ macro_rules! vector {
                 // SAFETY: the caller guarantees the elements, the module's rule the instruction.
                 unsafe { $store(target, self.0) }
             }
-            #[inline(always)]
-            fn any_non_negative(self) -> bool {
-                // SAFETY: the module's rule.
-                unsafe { $any(self.0) }
-            }
         }
     };
 }
@@ -124,7 +119,6 @@ vector!(
     select |condition, chosen, other| {
         _mm256_blendv_pd(other, chosen, _mm256_cmp_pd::<_CMP_GE_OQ>(condition, _mm256_setzero_pd()))
     };
-    any |x| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GE_OQ>(x, _mm256_setzero_pd())) != 0;
     power |x| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(x)))
 );
 
@@ -138,7 +132,6 @@ vector!(
     select |condition, chosen, other| {
         _mm256_blendv_ps(other, chosen, _mm256_cmp_ps::<_CMP_GE_OQ>(condition, _mm256_setzero_ps()))
     };
-    any |x| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(x, _mm256_setzero_ps())) != 0;
     power |x| _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(x)))
 );
 
@@ -153,7 +146,6 @@ vector!(
         let mask = _mm512_cmp_pd_mask::<_CMP_GE_OQ>(condition, _mm512_setzero_pd());
         _mm512_mask_blend_pd(mask, other, chosen)
     };
-    any |x| _mm512_cmp_pd_mask::<_CMP_GE_OQ>(x, _mm512_setzero_pd()) != 0;
     power |x| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(x)))
 );
 
@@ -168,6 +160,5 @@ vector!(
         let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(condition, _mm512_setzero_ps());
         _mm512_mask_blend_ps(mask, other, chosen)
     };
-    any |x| _mm512_cmp_ps_mask::<_CMP_GE_OQ>(x, _mm512_setzero_ps()) != 0;
     power |x| _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(x)))
 );

@@ -1,0 +1,160 @@
+use super::*;
+use crate::air::Law;
+use crate::simd::{InstructionSet, force};
+use std::sync::Mutex;
+
+/// The level is a setting of the process, so tests that change it take turns.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn spread(seed: f64, low: f64, high: f64, rows: usize) -> Vec<f64> {
+    let golden = 0.618_033_988_749_895;
+    let at = |row: usize| (row as f64 * golden + seed).fract();
+    (0..rows).map(|row| low + (high - low) * at(row)).collect()
+}
+
+/// Which quantities a kernel takes: distance or time, temperature, humidity, pressure, CO2, frequency.
+type Inputs = &'static [usize];
+
+fn columns(inputs: Inputs, rows: usize) -> Vec<Vec<f64>> {
+    const RANGES: [(f64, f64); 6] = [
+        (1e-3, 3e-2),
+        (-20.0, 60.0),
+        (0.0, 1.0),
+        (6e4, 1.1e5),
+        (3e-4, 2e-3),
+        (0.0, 5e4),
+    ];
+    let pick = |&k: &usize| spread(0.1 * k as f64, RANGES[k].0, RANGES[k].1, rows);
+    inputs.iter().map(pick).collect()
+}
+
+fn pointer<T>(values: &[T]) -> Column {
+    let start = values.as_ptr().cast_mut().cast();
+    Column {
+        start,
+        stride: size_of::<T>().cast_signed(),
+    }
+}
+
+fn run_f64(kernel: &dyn Kernel, inputs: &[Vec<f64>], threads: usize) -> Vec<f64> {
+    let output = vec![0.0; inputs[0].len()];
+    let inputs: Vec<_> = inputs.iter().map(|column| pointer(column)).collect();
+    // SAFETY: columns of equal length; the output is written through its own pointer only.
+    unsafe { kernel.run_f64(&inputs, pointer(&output), output.len(), threads) };
+    output
+}
+
+fn run_f32(kernel: &dyn Kernel, inputs: &[Vec<f64>]) -> Vec<f32> {
+    let narrow = |column: &Vec<f64>| column.iter().map(|&x| x as f32).collect::<Vec<_>>();
+    let columns: Vec<_> = inputs.iter().map(narrow).collect();
+    let output = vec![0.0; inputs[0].len()];
+    let inputs: Vec<_> = columns.iter().map(|column| pointer(column)).collect();
+    // SAFETY: columns of equal length; the output is written through its own pointer only.
+    unsafe { kernel.run_f32(&inputs, pointer(&output), output.len(), 1) };
+    output
+}
+
+fn kernels() -> Vec<(Box<dyn Kernel>, Inputs)> {
+    let mut all: Vec<(_, Inputs)> = vec![(absorption(), &[1, 2, 3, 5])];
+    for law in Law::names()
+        .into_iter()
+        .map(|name| Law::parse(name).unwrap())
+    {
+        let fixed = Law::parse("343").unwrap();
+        all.push((of_law(Output::SpeedOfSound, &law, false), &[1, 2, 3, 4]));
+        all.push((of_law(Output::SpeedOfSound, &law, true), &[1, 2, 3, 4, 5]));
+        all.push((error(&fixed, &law, false), &[0, 1, 2, 3, 4]));
+        all.push((error(&fixed, &law, true), &[0, 1, 2, 3, 4, 5]));
+        for output in [Output::TimeOfFlight, Output::Distance] {
+            all.push((of_law(output, &law, false), &[0, 1, 2, 3, 4]));
+            all.push((of_law(output, &law, true), &[0, 1, 2, 3, 4, 5]));
+        }
+    }
+    all
+}
+
+fn distance() -> (Box<dyn Kernel>, Inputs) {
+    let law = Law::parse("cramer").unwrap();
+    (of_law(Output::Distance, &law, false), &[0, 1, 2, 3, 4])
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let _turn = TURN.lock().unwrap();
+    for (kernel, quantities) in kernels() {
+        let inputs = columns(quantities, 1_003);
+        assert!(force(Some(InstructionSet::Baseline)));
+        let (double, single) = (run_f64(&*kernel, &inputs, 1), run_f32(&*kernel, &inputs));
+        assert!(double.iter().all(|x| x.is_finite()));
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            assert!(force(Some(set)));
+            assert_eq!(run_f64(&*kernel, &inputs, 1), double, "{}", set.name());
+            assert_eq!(run_f32(&*kernel, &inputs), single, "{}", set.name());
+        }
+        force(None);
+    }
+}
+
+#[test]
+fn a_batch_is_the_scalar_loop() {
+    let _turn = TURN.lock().unwrap();
+    for (kernel, quantities) in kernels() {
+        let inputs = columns(quantities, 507);
+        let output = run_f64(&*kernel, &inputs, 1);
+        for (row, value) in output.into_iter().enumerate() {
+            let inputs: Vec<_> = inputs.iter().map(|column| column[row]).collect();
+            assert_eq!(kernel.evaluate(&inputs), value);
+        }
+    }
+}
+
+#[test]
+fn threads_give_the_same_bits() {
+    let (kernel, quantities) = distance();
+    let inputs = columns(quantities, 250_007);
+    assert_eq!(run_f64(&*kernel, &inputs, 1), run_f64(&*kernel, &inputs, 4));
+}
+
+#[test]
+fn strides_constants_and_output_in_place() {
+    let (kernel, quantities) = distance();
+    let mut inputs = columns(quantities, 1_001);
+    inputs[2] = vec![0.4; 1_001];
+    let expected = run_f64(&*kernel, &inputs, 1);
+    let mut every_third = vec![f64::NAN; 3_003];
+    for (row, &value) in inputs[0].iter().enumerate() {
+        every_third[3 * row] = value;
+    }
+    let constant = [0.4];
+    let mut views: Vec<_> = inputs.iter().map(|column| pointer(column)).collect();
+    views[0] = Column {
+        stride: 24,
+        ..pointer(&every_third)
+    };
+    views[2] = Column {
+        stride: 0,
+        ..pointer(&constant)
+    };
+    // SAFETY: 1001 rows lie within each column; the output overlaps its input row by row.
+    unsafe { kernel.run_f64(&views, views[0], 1_001, 1) };
+    for (row, value) in expected.into_iter().enumerate() {
+        assert_eq!(every_third[3 * row], value);
+        assert!(every_third[3 * row + 1].is_nan() && every_third[3 * row + 2].is_nan());
+    }
+}
+
+#[test]
+fn not_a_number_stays_in_its_row() {
+    let (kernel, quantities) = distance();
+    let mut inputs = columns(quantities, 100);
+    for column in 0..5 {
+        inputs[column][10 * column + 3] = f64::NAN;
+    }
+    let output = run_f64(&*kernel, &inputs, 1);
+    for (row, value) in output.into_iter().enumerate() {
+        assert_eq!(value.is_nan(), row % 10 == 3 && row < 50, "{row}");
+    }
+}
