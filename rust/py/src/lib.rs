@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+mod batch;
 mod domain;
 mod errors;
 mod firmware;
@@ -11,6 +12,11 @@ mod registry;
 /// The compiled core of echocal.
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::batch::{
+        absorption, distance, error, instruction_sets, module_attribute, set_instruction_set,
+        speed_of_sound, time_of_flight,
+    };
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]

@@ -1,0 +1,128 @@
+//! Kernels and ufuncs that were asked for, kept for the life of the process.
+//!
+//! A ufunc's name says how to make it again, so that it can be pickled by name: another process
+//! asks the module for an attribute of that name.
+
+use std::collections::HashMap;
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+use echocal_core::Law;
+use echocal_core::batch::{Kernel, Output, absorption, error, of_law};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use super::call::Label;
+use super::ufunc::ufunc;
+use crate::errors::to_python;
+
+/// A function over columns, before its laws are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    SpeedOfSound,
+    Absorption,
+    TimeOfFlight,
+    Distance,
+    Error,
+}
+
+impl Function {
+    const ALL: [Self; 5] = [
+        Self::SpeedOfSound,
+        Self::Absorption,
+        Self::TimeOfFlight,
+        Self::Distance,
+        Self::Error,
+    ];
+
+    /// Its name and the unit of its result.
+    pub fn label(self) -> Label {
+        let (name, unit) = match self {
+            Self::SpeedOfSound => ("speed_of_sound", "m/s"),
+            Self::Absorption => ("absorption", "dB/m"),
+            Self::TimeOfFlight => ("time_of_flight", "s"),
+            Self::Distance => ("distance", "m"),
+            Self::Error => ("error", "m"),
+        };
+        Label { name, unit }
+    }
+
+    /// The kernel; `laws` is a law's text, or two of them with a bar between.
+    fn kernel(self, laws: &str, at_frequency: bool) -> PyResult<Box<dyn Kernel>> {
+        let parse = |text: &str| Law::parse(text).map_err(|e| to_python(&e));
+        let output = match self {
+            Self::SpeedOfSound => Output::SpeedOfSound,
+            Self::TimeOfFlight => Output::TimeOfFlight,
+            Self::Distance => Output::Distance,
+            Self::Absorption => return Ok(absorption()),
+            Self::Error => {
+                let (reading, law) = laws.split_once('|').unwrap_or((laws, laws));
+                return Ok(error(&parse(reading)?, &parse(law)?, at_frequency));
+            }
+        };
+        Ok(of_law(output, &parse(laws)?, at_frequency))
+    }
+}
+
+/// A kernel and the ufunc made of it.
+pub struct Entry {
+    name: String,
+    kernel: Box<dyn Kernel>,
+    make: (Function, String, bool),
+    ufunc: PyOnceLock<Py<PyAny>>,
+}
+
+impl Entry {
+    pub fn kernel(&self) -> &dyn Kernel {
+        &*self.kernel
+    }
+
+    pub fn ufunc<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyAny>> {
+        let make = || {
+            let (function, laws, at_frequency) = &self.make;
+            let kernel = function.kernel(laws, *at_frequency)?;
+            Ok::<_, PyErr>(ufunc(py, &self.name, kernel)?.unbind())
+        };
+        Ok(self.ufunc.get_or_try_init(py, make)?.bind(py))
+    }
+}
+
+type Entries = HashMap<String, &'static Entry>;
+static ENTRIES: LazyLock<[Mutex<Entries>; 10]> = LazyLock::new(Default::default);
+
+/// The entry of a function with its laws; made at the first call.
+pub fn entry(function: Function, laws: &str, at_frequency: bool) -> PyResult<&'static Entry> {
+    let place = &ENTRIES[2 * (function as usize) + usize::from(at_frequency)];
+    let mut entries = place.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(entry) = entries.get(laws) {
+        return Ok(entry);
+    }
+    let kernel = function.kernel(laws, at_frequency)?;
+    let entry = Box::leak(Box::new(Entry {
+        name: encoded(function, laws, at_frequency),
+        kernel,
+        make: (function, laws.to_owned(), at_frequency),
+        ufunc: PyOnceLock::new(),
+    }));
+    entries.insert(laws.to_owned(), entry);
+    Ok(entry)
+}
+
+/// `distance:cramer`, `speed_of_sound@frequency:331,3+0,606*T`: no dots, which pickle would split at.
+fn encoded(function: Function, laws: &str, at_frequency: bool) -> String {
+    let frequency = if at_frequency { "@frequency" } else { "" };
+    format!(
+        "{}{frequency}:{}",
+        function.label().name,
+        laws.replace('.', ",")
+    )
+}
+
+/// The ufunc of an encoded name; `None` where the name is none.
+pub fn decoded<'py>(py: Python<'py>, name: &str) -> Option<PyResult<Bound<'py, PyAny>>> {
+    let (head, laws) = name.split_once(':')?;
+    let plain = head.strip_suffix("@frequency");
+    let (head, at_frequency) = (plain.unwrap_or(head), plain.is_some());
+    let function = Function::ALL.into_iter().find(|f| f.label().name == head)?;
+    let entry = entry(function, &laws.replace(',', "."), at_frequency);
+    Some(entry.and_then(|entry| entry.ufunc(py).cloned()))
+}

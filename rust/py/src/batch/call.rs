@@ -1,0 +1,200 @@
+//! One call of a batch function, whatever comes in.
+
+use std::sync::OnceLock;
+
+use echocal_core::batch::available_threads;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyFloat, PyInt, PyTuple};
+
+use super::cache::Entry;
+use super::ufunc::{MOST_INPUTS, with_threads};
+use crate::errors::raise;
+
+/// An input as given, and the value that it has when it is not.
+pub struct Input<'a, 'py> {
+    pub name: &'static str,
+    pub given: Option<&'a Bound<'py, PyAny>>,
+    pub default: f64,
+}
+
+/// What a function returns, for results that carry labels.
+#[derive(Clone, Copy)]
+pub struct Label {
+    pub name: &'static str,
+    pub unit: &'static str,
+}
+
+/// The arguments that every batch function has beside its inputs.
+pub struct Options<'a, 'py> {
+    pub out: Option<&'a Bound<'py, PyAny>>,
+    pub condition: Option<&'a Bound<'py, PyAny>>,
+    pub n_threads: Option<usize>,
+}
+
+/// The function's value: a float for plain numbers, else whatever the ufunc makes of the inputs.
+pub fn call<'py>(
+    py: Python<'py>,
+    entry: &Entry,
+    label: Label,
+    inputs: &[Input<'_, 'py>],
+    options: &Options<'_, 'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if options.out.is_none()
+        && options.condition.is_none()
+        && let Some(values) = numbers(inputs)
+    {
+        let value = entry.kernel().evaluate(&values[..inputs.len()]);
+        return Ok(PyFloat::new(py, value).into_any());
+    }
+    let inputs: Vec<_> = inputs
+        .iter()
+        .map(|input| (input.name, filled(py, input)))
+        .collect();
+    let threads = threads(options.n_threads)?;
+    let arguments = PyTuple::new(py, inputs.iter().map(|(_, value)| value))?;
+    let keywords = keywords(py, &arguments, options)?;
+    let ufunc = entry.ufunc(py)?;
+    let result = with_threads(threads, || ufunc.call(arguments, keywords.as_ref()));
+    match result {
+        Ok(result) if options.out.is_some() => Ok(result),
+        Ok(result) => labelled(result, label),
+        Err(error) => Err(explained(py, error, &inputs)),
+    }
+}
+
+/// The inputs where all of them are plain Python numbers.
+fn numbers(inputs: &[Input<'_, '_>]) -> Option<[f64; MOST_INPUTS]> {
+    let mut values = [0.0; MOST_INPUTS];
+    for (value, input) in values.iter_mut().zip(inputs) {
+        *value = match input.given {
+            None => input.default,
+            Some(given) if given.is_instance_of::<PyFloat>() => given.extract().ok()?,
+            Some(given) if given.is_exact_instance_of::<PyInt>() => given.extract().ok()?,
+            Some(_) => return None,
+        };
+    }
+    Some(values)
+}
+
+fn filled<'py>(py: Python<'py>, input: &Input<'_, 'py>) -> Bound<'py, PyAny> {
+    match input.given {
+        Some(given) => given.clone(),
+        None => PyFloat::new(py, input.default).into_any(),
+    }
+}
+
+fn threads(asked: Option<usize>) -> PyResult<usize> {
+    static AVAILABLE: OnceLock<usize> = OnceLock::new();
+    match asked {
+        None => Ok(*AVAILABLE.get_or_init(available_threads)),
+        Some(0) => {
+            let message = "n_threads is 0; give 1 or more, or None for every processor";
+            Err(raise("UsageError", message.to_owned()))
+        }
+        Some(count) => Ok(count),
+    }
+}
+
+fn keywords<'py>(
+    py: Python<'py>,
+    arguments: &Bound<'py, PyTuple>,
+    options: &Options<'_, 'py>,
+) -> PyResult<Option<Bound<'py, PyDict>>> {
+    if options.out.is_none() && options.condition.is_none() {
+        return Ok(None);
+    }
+    let keywords = PyDict::new(py);
+    if let Some(condition) = options.condition {
+        keywords.set_item("where", condition)?;
+    }
+    match (options.out, options.condition) {
+        (Some(out), _) => keywords.set_item("out", out)?,
+        // NumPy would leave what happens to be in memory where the condition is false.
+        (None, Some(condition)) => keywords.set_item("out", nans(arguments, condition)?)?,
+        (None, None) => {}
+    }
+    Ok(Some(keywords))
+}
+
+/// An array of NaN in the shape and precision of the result.
+fn nans<'py>(
+    arguments: &Bound<'py, PyTuple>,
+    condition: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = arguments.py().import("numpy")?;
+    let shapes: PyResult<Vec<_>> = arguments
+        .iter()
+        .chain([condition.clone()])
+        .map(|value| numpy.call_method1("shape", (value,)))
+        .collect();
+    let shape = numpy.call_method1("broadcast_shapes", PyTuple::new(arguments.py(), shapes?)?)?;
+    let kind = numpy.call_method1("result_type", arguments)?;
+    let single = kind.eq(numpy.getattr("float32")?)?;
+    let kind = numpy.getattr(if single { "float32" } else { "float64" })?;
+    numpy.call_method1("full", (shape, f64::NAN, kind))
+}
+
+/// Results that carry labels get those of the function, not those of its first input.
+fn labelled(result: Bound<'_, PyAny>, label: Label) -> PyResult<Bound<'_, PyAny>> {
+    let py = result.py();
+    let class = result.get_type();
+    let module = class.module()?;
+    match module.to_str()?.split('.').next().unwrap_or_default() {
+        "numpy" if class.name()? != "ndarray" && class.name()? != "memmap" => {
+            Ok(PyFloat::new(py, result.extract()?).into_any()) // NumPy's own scalar
+        }
+        "xarray" => {
+            let attributes = PyDict::new(py);
+            attributes.set_item("units", label.unit)?;
+            attributes.set_item("long_name", label.name.replace('_', " "))?;
+            result.setattr("attrs", attributes)?;
+            result.setattr("name", label.name)?;
+            Ok(result)
+        }
+        "pandas" if result.hasattr("name")? => {
+            result.setattr("name", label.name)?;
+            Ok(result)
+        }
+        "polars" => result.call_method1("alias", (label.name,)),
+        _ => Ok(result),
+    }
+}
+
+/// NumPy's error in terms of the function's own arguments.
+fn explained<'py>(
+    py: Python<'py>,
+    error: PyErr,
+    inputs: &[(&'static str, Bound<'py, PyAny>)],
+) -> PyErr {
+    let Ok(numpy) = py.import("numpy") else {
+        return error;
+    };
+    let ask = |function: &str, value: &Bound<'py, PyAny>| {
+        let answer = numpy.call_method1(function, (value,));
+        answer.and_then(|answer| Ok(answer.str()?.to_string()))
+    };
+    if error.is_instance_of::<PyValueError>(py) && error.to_string().contains("broadcast") {
+        let shapes = inputs.iter().filter_map(|(name, value)| {
+            let shape = ask("shape", value).ok()?;
+            (shape != "()").then(|| format!("{name} {shape}"))
+        });
+        let shapes = shapes.collect::<Vec<_>>().join(", ");
+        let message = format!("shapes do not broadcast: {shapes} ({})", error.value(py));
+        return raise("UsageError", message);
+    }
+    if error.is_instance_of::<PyTypeError>(py) {
+        for (name, value) in inputs {
+            let kind = numpy
+                .call_method1("asarray", (value,))
+                .and_then(|a| a.getattr("dtype"));
+            let Ok(kind) = kind else { continue };
+            let letter = kind.getattr("kind").and_then(|kind| kind.extract::<char>());
+            if !letter.is_ok_and(|letter| "fiub".contains(letter)) {
+                let message = format!("{name} must be real numbers, but has dtype {kind}");
+                return raise("UsageError", message);
+            }
+        }
+    }
+    error
+}

@@ -1,0 +1,437 @@
+//! The functions themselves: signatures and documentation.
+
+use echocal_core::simd::{self, InstructionSet};
+use pyo3::exceptions::PyAttributeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyString};
+
+use super::cache::{Function, decoded, entry};
+use super::call::{Input, Options, call};
+use crate::errors::raise;
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Documentation of the inputs that describe the air.
+macro_rules! air {
+    () => {
+        "temperature : array_like
+    Air temperature [degC].
+relative_humidity : array_like, default 0.0
+    Relative humidity over liquid water [1], 0 to 1.
+pressure : array_like, default 101325.0
+    Air pressure [Pa].
+co2_mole_fraction : array_like, default 4e-4
+    Mole fraction of carbon dioxide [1]."
+    };
+}
+
+/// Documentation of the choice of a law.
+macro_rules! law {
+    () => {
+        "law : str, default \"cramer\"
+    Law for the speed of sound: a name of `laws()`, or an expression such as \"331.3+0.606*T\".
+frequency : array_like, default 0.0
+    Frequency of the sound [Hz]; at 0 the air does not disperse."
+    };
+}
+
+/// Documentation of the arguments that every function has, and of the errors.
+macro_rules! options {
+    ($result:literal) => {
+        concat!(
+            "out : ndarray, optional
+    Where to put the result; a fresh array can cost more time than the computation.
+where : array_like of bool, optional
+    Which rows to compute; the others keep what `out` holds, NaN without `out`.
+n_threads : int, optional
+    At most so many threads, for 100,000 rows and more; every processor by default.
+
+Returns
+-------
+",
+            $result,
+            "
+    A float for plain numbers; else of the inputs' broadcast shape, of their type (pandas,
+    xarray, dask, polars) and precision (float32 stays float32). NaN where an input is NaN.
+
+Raises
+------
+UsageError
+    If a name is unknown, shapes do not broadcast, or an input does not hold numbers.
+"
+        )
+    };
+}
+
+/// Speed of sound in moist air [m/s].
+///
+/// Parameters
+/// ----------
+#[doc = air!()]
+#[doc = law!()]
+#[doc = options!("speed_of_sound : float or array")]
+/// References
+/// ----------
+/// Cramer 1993, J. Acoust. Soc. Am. 93, 2510, doi:10.1121/1.405827 (the default law).
+/// Dispersion: IEC 61094-2:2009, annex F.
+///
+/// Examples
+/// --------
+/// >>> import echocal
+/// >>> round(echocal.speed_of_sound(20.0, 0.5), 3)
+/// 0
+/// >>> echocal.speed_of_sound([0.0, 20.0], law="linear")
+/// array([331.4, 343.4])
+#[pyfunction]
+#[pyo3(
+    signature = (temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
+        *, law="cramer", frequency=None, out=None, r#where=None, n_threads=None),
+    text_signature = "(temperature, relative_humidity=0.0, pressure=101325.0, \
+        co2_mole_fraction=0.0004, *, law='cramer', frequency=0.0, out=None, where=None, n_threads=None)"
+)]
+#[allow(clippy::too_many_arguments)] // each is a keyword in Python
+pub fn speed_of_sound<'py>(
+    py: Python<'py>,
+    temperature: &Bound<'py, PyAny>,
+    relative_humidity: Argument<'_, 'py>,
+    pressure: Argument<'_, 'py>,
+    co2_mole_fraction: Argument<'_, 'py>,
+    law: &str,
+    frequency: Argument<'_, 'py>,
+    out: Argument<'_, 'py>,
+    r#where: Argument<'_, 'py>,
+    n_threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let inputs = [
+        given("temperature", temperature),
+        or("relative_humidity", relative_humidity, 0.0),
+        or("pressure", pressure, 101_325.0),
+        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        or("frequency", frequency, 0.0),
+    ];
+    let options = Options {
+        out,
+        condition: r#where,
+        n_threads,
+    };
+    of_law(py, Function::SpeedOfSound, law, &inputs, &options)
+}
+
+/// Time of flight of an echo, out and back [s].
+///
+/// Parameters
+/// ----------
+/// distance : array_like
+///     One-way distance to the target [m].
+#[doc = air!()]
+#[doc = law!()]
+#[doc = options!("time_of_flight : float or array")]
+/// References
+/// ----------
+/// Of the default law: Cramer 1993, J. Acoust. Soc. Am. 93, 2510, doi:10.1121/1.405827.
+///
+/// Examples
+/// --------
+/// >>> import echocal
+/// >>> round(1e6 * echocal.time_of_flight(2.0, 20.0), 2)  # microseconds
+/// 0
+#[pyfunction]
+#[pyo3(
+    signature = (distance, temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
+        *, law="cramer", frequency=None, out=None, r#where=None, n_threads=None),
+    text_signature = "(distance, temperature, relative_humidity=0.0, pressure=101325.0, \
+        co2_mole_fraction=0.0004, *, law='cramer', frequency=0.0, out=None, where=None, n_threads=None)"
+)]
+#[allow(clippy::too_many_arguments)] // each is a keyword in Python
+pub fn time_of_flight<'py>(
+    py: Python<'py>,
+    distance: &Bound<'py, PyAny>,
+    temperature: &Bound<'py, PyAny>,
+    relative_humidity: Argument<'_, 'py>,
+    pressure: Argument<'_, 'py>,
+    co2_mole_fraction: Argument<'_, 'py>,
+    law: &str,
+    frequency: Argument<'_, 'py>,
+    out: Argument<'_, 'py>,
+    r#where: Argument<'_, 'py>,
+    n_threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let inputs = [
+        given("distance", distance),
+        given("temperature", temperature),
+        or("relative_humidity", relative_humidity, 0.0),
+        or("pressure", pressure, 101_325.0),
+        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        or("frequency", frequency, 0.0),
+    ];
+    let options = Options {
+        out,
+        condition: r#where,
+        n_threads,
+    };
+    of_law(py, Function::TimeOfFlight, law, &inputs, &options)
+}
+
+/// Distance of an echo's target [m]: the compensation of air.
+///
+/// Parameters
+/// ----------
+/// time_of_flight : array_like
+///     Time of flight, out and back [s].
+#[doc = air!()]
+#[doc = law!()]
+#[doc = options!("distance : float or array")]
+/// References
+/// ----------
+/// Of the default law: Cramer 1993, J. Acoust. Soc. Am. 93, 2510, doi:10.1121/1.405827.
+///
+/// Examples
+/// --------
+/// >>> import echocal
+/// >>> round(echocal.distance(0.01, 20.0, 0.5), 6)
+/// 0
+/// >>> import numpy as np
+/// >>> echocal.distance(np.float32([0.01, np.nan]), 20.0).dtype
+/// dtype('float32')
+#[pyfunction]
+#[pyo3(
+    signature = (time_of_flight, temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
+        *, law="cramer", frequency=None, out=None, r#where=None, n_threads=None),
+    text_signature = "(time_of_flight, temperature, relative_humidity=0.0, pressure=101325.0, \
+        co2_mole_fraction=0.0004, *, law='cramer', frequency=0.0, out=None, where=None, n_threads=None)"
+)]
+#[allow(clippy::too_many_arguments)] // each is a keyword in Python
+pub fn distance<'py>(
+    py: Python<'py>,
+    time_of_flight: &Bound<'py, PyAny>,
+    temperature: &Bound<'py, PyAny>,
+    relative_humidity: Argument<'_, 'py>,
+    pressure: Argument<'_, 'py>,
+    co2_mole_fraction: Argument<'_, 'py>,
+    law: &str,
+    frequency: Argument<'_, 'py>,
+    out: Argument<'_, 'py>,
+    r#where: Argument<'_, 'py>,
+    n_threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let inputs = [
+        given("time_of_flight", time_of_flight),
+        given("temperature", temperature),
+        or("relative_humidity", relative_humidity, 0.0),
+        or("pressure", pressure, 101_325.0),
+        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        or("frequency", frequency, 0.0),
+    ];
+    let options = Options {
+        out,
+        condition: r#where,
+        n_threads,
+    };
+    of_law(py, Function::Distance, law, &inputs, &options)
+}
+
+/// Error of indication [m] of a device that converts echo times with a formula of its own.
+///
+/// Parameters
+/// ----------
+/// distance : array_like
+///     One-way distance to the target [m].
+#[doc = air!()]
+/// reading_speed : str or float, default "linear"
+///     Speed that the device converts with: a constant [m/s], or a law as for `law`.
+#[doc = law!()]
+#[doc = options!("error : float or array")]
+/// References
+/// ----------
+/// Of the default law: Cramer 1993, J. Acoust. Soc. Am. 93, 2510, doi:10.1121/1.405827.
+///
+/// Examples
+/// --------
+/// >>> import echocal
+/// >>> round(1e3 * echocal.error(2.0, 0.0, 0.5, reading_speed=343), 1)  # millimeters
+/// 0
+#[pyfunction]
+#[pyo3(
+    signature = (distance, temperature, relative_humidity=None, pressure=None,
+        co2_mole_fraction=None, *, reading_speed=None, law="cramer", frequency=None, out=None,
+        r#where=None, n_threads=None),
+    text_signature = "(distance, temperature, relative_humidity=0.0, pressure=101325.0, \
+        co2_mole_fraction=0.0004, *, reading_speed='linear', law='cramer', frequency=0.0, \
+        out=None, where=None, n_threads=None)"
+)]
+#[allow(clippy::too_many_arguments)] // each is a keyword in Python
+pub fn error<'py>(
+    py: Python<'py>,
+    distance: &Bound<'py, PyAny>,
+    temperature: &Bound<'py, PyAny>,
+    relative_humidity: Argument<'_, 'py>,
+    pressure: Argument<'_, 'py>,
+    co2_mole_fraction: Argument<'_, 'py>,
+    reading_speed: Argument<'_, 'py>,
+    law: &str,
+    frequency: Argument<'_, 'py>,
+    out: Argument<'_, 'py>,
+    r#where: Argument<'_, 'py>,
+    n_threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let inputs = [
+        given("distance", distance),
+        given("temperature", temperature),
+        or("relative_humidity", relative_humidity, 0.0),
+        or("pressure", pressure, 101_325.0),
+        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        or("frequency", frequency, 0.0),
+    ];
+    let options = Options {
+        out,
+        condition: r#where,
+        n_threads,
+    };
+    let reading = match reading_speed {
+        None => "linear".to_owned(),
+        Some(text) if text.is_instance_of::<PyString>() => text.extract()?,
+        Some(speed) => format!("{}", speed.extract::<f64>()?),
+    };
+    of_law(
+        py,
+        Function::Error,
+        &format!("{reading}|{law}"),
+        &inputs,
+        &options,
+    )
+}
+
+/// Attenuation of a pure tone by moist air [dB/m].
+///
+/// Parameters
+/// ----------
+/// temperature : array_like
+///     Air temperature [degC].
+/// relative_humidity : array_like
+///     Relative humidity over liquid water [1], 0 to 1.
+/// pressure : array_like
+///     Air pressure [Pa].
+/// frequency : array_like
+///     Frequency of the sound [Hz].
+#[doc = options!("absorption : float or array")]
+/// References
+/// ----------
+/// ISO 9613-1:1993, equations (3) to (5); valid for -20..50 degC.
+///
+/// Examples
+/// --------
+/// >>> import echocal
+/// >>> round(echocal.absorption(20.0, 0.5, 101325.0, 40e3), 2)
+/// 0
+#[pyfunction]
+#[pyo3(
+    signature = (temperature, relative_humidity, pressure, frequency, *, out=None, r#where=None,
+        n_threads=None),
+    text_signature = "(temperature, relative_humidity, pressure, frequency, *, out=None, \
+        where=None, n_threads=None)"
+)]
+#[allow(clippy::too_many_arguments)] // each is a keyword in Python
+pub fn absorption<'py>(
+    py: Python<'py>,
+    temperature: &Bound<'py, PyAny>,
+    relative_humidity: &Bound<'py, PyAny>,
+    pressure: &Bound<'py, PyAny>,
+    frequency: &Bound<'py, PyAny>,
+    out: Argument<'_, 'py>,
+    r#where: Argument<'_, 'py>,
+    n_threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let inputs = [
+        given("temperature", temperature),
+        given("relative_humidity", relative_humidity),
+        given("pressure", pressure),
+        given("frequency", frequency),
+    ];
+    let options = Options {
+        out,
+        condition: r#where,
+        n_threads,
+    };
+    let function = Function::Absorption;
+    call(
+        py,
+        entry(function, "", false)?,
+        function.label(),
+        &inputs,
+        &options,
+    )
+}
+
+fn given<'a, 'py>(name: &'static str, value: &'a Bound<'py, PyAny>) -> Input<'a, 'py> {
+    or(name, Some(value), f64::NAN)
+}
+
+fn or<'a, 'py>(name: &'static str, given: Argument<'a, 'py>, default: f64) -> Input<'a, 'py> {
+    Input {
+        name,
+        given,
+        default,
+    }
+}
+
+/// A function with a law; the last input is the frequency, which is left out where plainly zero.
+fn of_law<'py>(
+    py: Python<'py>,
+    function: Function,
+    laws: &str,
+    inputs: &[Input<'_, 'py>],
+    options: &Options<'_, 'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (frequency, others) = inputs.split_last().expect("a function has inputs");
+    let zero = |f: &Bound<'py, PyAny>| {
+        f.is_exact_instance_of::<PyFloat>() && f.extract().is_ok_and(|f: f64| f == 0.0)
+    };
+    let plain = frequency.given.is_none_or(zero);
+    let inputs = if plain { others } else { inputs };
+    call(
+        py,
+        entry(function, laws, !plain)?,
+        function.label(),
+        inputs,
+        options,
+    )
+}
+
+/// Looks up a ufunc by the name that it was pickled under.
+#[pyfunction]
+#[pyo3(name = "__getattr__")]
+pub fn module_attribute<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    decoded(py, name).unwrap_or_else(|| {
+        let message = format!("module 'echocal._core' has no attribute '{name}'");
+        Err(PyAttributeError::new_err(message))
+    })
+}
+
+/// The instruction sets that this processor has, from the narrowest.
+#[pyfunction]
+pub fn instruction_sets() -> Vec<&'static str> {
+    let available = InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available());
+    available.map(InstructionSet::name).collect()
+}
+
+/// Computes with this instruction set from now on; None: the widest. For tests and benches.
+#[pyfunction]
+#[pyo3(signature = (name))]
+pub fn set_instruction_set(name: Option<&str>) -> PyResult<()> {
+    let wanted = name.map(|name| {
+        InstructionSet::ALL
+            .into_iter()
+            .find(|set| set.name() == name)
+    });
+    if wanted == Some(None) || !simd::force(wanted.flatten()) {
+        let message = format!(
+            "instruction set '{}' is not available; available: {}",
+            name.unwrap_or_default(),
+            instruction_sets().join(", ")
+        );
+        return Err(raise("UsageError", message));
+    }
+    Ok(())
+}
