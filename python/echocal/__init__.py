@@ -1,6 +1,7 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
 from echocal import firmware
+from echocal._core import absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
 from echocal.domain import DEPARTURES, departures
 from echocal.errors import (
@@ -30,10 +31,15 @@ __all__ = [
     "Observations",
     "Regression",
     "UsageError",
+    "absorption",
     "calibrate",
     "departures",
+    "distance",
     "effects",
+    "error",
     "firmware",
     "read_observations",
+    "speed_of_sound",
     "sweep",
+    "time_of_flight",
 ]

@@ -1,11 +1,12 @@
 from collections.abc import Callable
-from typing import Any
+from typing import Any, final, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 _Column = NDArray[np.float64]
 
+@final
 class Model:
     def __new__(cls, law: str, effects: list[tuple[str, list[tuple[str, float]]]]) -> Model: ...
     @property
@@ -42,3 +43,139 @@ def design_firmware(
 def effects() -> list[dict[str, Any]]: ...
 def laws() -> list[dict[str, Any]]: ...
 def quantities() -> list[dict[str, Any]]: ...
+@overload
+def speed_of_sound(
+    temperature: float,
+    relative_humidity: float = 0.0,
+    pressure: float = 101325.0,
+    co2_mole_fraction: float = 0.0004,
+    *,
+    law: str = "cramer",
+    frequency: float = 0.0,
+    out: None = None,
+    where: None = None,
+    n_threads: int | None = None,
+) -> float: ...
+@overload
+def speed_of_sound(
+    temperature: ArrayLike | Any,
+    relative_humidity: ArrayLike | Any = 0.0,
+    pressure: ArrayLike | Any = 101325.0,
+    co2_mole_fraction: ArrayLike | Any = 0.0004,
+    *,
+    law: str = "cramer",
+    frequency: ArrayLike | Any = 0.0,
+    out: NDArray[Any] | None = None,
+    where: ArrayLike | None = None,
+    n_threads: int | None = None,
+) -> Any: ...
+@overload
+def time_of_flight(
+    distance: float,
+    temperature: float,
+    relative_humidity: float = 0.0,
+    pressure: float = 101325.0,
+    co2_mole_fraction: float = 0.0004,
+    *,
+    law: str = "cramer",
+    frequency: float = 0.0,
+    out: None = None,
+    where: None = None,
+    n_threads: int | None = None,
+) -> float: ...
+@overload
+def time_of_flight(
+    distance: ArrayLike | Any,
+    temperature: ArrayLike | Any,
+    relative_humidity: ArrayLike | Any = 0.0,
+    pressure: ArrayLike | Any = 101325.0,
+    co2_mole_fraction: ArrayLike | Any = 0.0004,
+    *,
+    law: str = "cramer",
+    frequency: ArrayLike | Any = 0.0,
+    out: NDArray[Any] | None = None,
+    where: ArrayLike | None = None,
+    n_threads: int | None = None,
+) -> Any: ...
+@overload
+def distance(
+    time_of_flight: float,
+    temperature: float,
+    relative_humidity: float = 0.0,
+    pressure: float = 101325.0,
+    co2_mole_fraction: float = 0.0004,
+    *,
+    law: str = "cramer",
+    frequency: float = 0.0,
+    out: None = None,
+    where: None = None,
+    n_threads: int | None = None,
+) -> float: ...
+@overload
+def distance(
+    time_of_flight: ArrayLike | Any,
+    temperature: ArrayLike | Any,
+    relative_humidity: ArrayLike | Any = 0.0,
+    pressure: ArrayLike | Any = 101325.0,
+    co2_mole_fraction: ArrayLike | Any = 0.0004,
+    *,
+    law: str = "cramer",
+    frequency: ArrayLike | Any = 0.0,
+    out: NDArray[Any] | None = None,
+    where: ArrayLike | None = None,
+    n_threads: int | None = None,
+) -> Any: ...
+@overload
+def error(
+    distance: float,
+    temperature: float,
+    relative_humidity: float = 0.0,
+    pressure: float = 101325.0,
+    co2_mole_fraction: float = 0.0004,
+    *,
+    reading_speed: str | float = "linear",
+    law: str = "cramer",
+    frequency: float = 0.0,
+    out: None = None,
+    where: None = None,
+    n_threads: int | None = None,
+) -> float: ...
+@overload
+def error(
+    distance: ArrayLike | Any,
+    temperature: ArrayLike | Any,
+    relative_humidity: ArrayLike | Any = 0.0,
+    pressure: ArrayLike | Any = 101325.0,
+    co2_mole_fraction: ArrayLike | Any = 0.0004,
+    *,
+    reading_speed: str | float = "linear",
+    law: str = "cramer",
+    frequency: ArrayLike | Any = 0.0,
+    out: NDArray[Any] | None = None,
+    where: ArrayLike | None = None,
+    n_threads: int | None = None,
+) -> Any: ...
+@overload
+def absorption(
+    temperature: float,
+    relative_humidity: float,
+    pressure: float,
+    frequency: float,
+    *,
+    out: None = None,
+    where: None = None,
+    n_threads: int | None = None,
+) -> float: ...
+@overload
+def absorption(
+    temperature: ArrayLike | Any,
+    relative_humidity: ArrayLike | Any,
+    pressure: ArrayLike | Any,
+    frequency: ArrayLike | Any,
+    *,
+    out: NDArray[Any] | None = None,
+    where: ArrayLike | None = None,
+    n_threads: int | None = None,
+) -> Any: ...
+def instruction_sets() -> list[str]: ...
+def set_instruction_set(name: str | None) -> None: ...

@@ -79,7 +79,7 @@ UsageError
 /// --------
 /// >>> import echocal
 /// >>> round(echocal.speed_of_sound(20.0, 0.5), 3)
-/// 0
+/// 343.987
 /// >>> echocal.speed_of_sound([0.0, 20.0], law="linear")
 /// array([331.4, 343.4])
 #[pyfunction]
@@ -134,7 +134,7 @@ pub fn speed_of_sound<'py>(
 /// --------
 /// >>> import echocal
 /// >>> round(1e6 * echocal.time_of_flight(2.0, 20.0), 2)  # microseconds
-/// 0
+/// 11649.6
 #[pyfunction]
 #[pyo3(
     signature = (distance, temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
@@ -189,7 +189,7 @@ pub fn time_of_flight<'py>(
 /// --------
 /// >>> import echocal
 /// >>> round(echocal.distance(0.01, 20.0, 0.5), 6)
-/// 0
+/// 1.719934
 /// >>> import numpy as np
 /// >>> echocal.distance(np.float32([0.01, np.nan]), 20.0).dtype
 /// dtype('float32')
@@ -249,7 +249,7 @@ pub fn distance<'py>(
 /// --------
 /// >>> import echocal
 /// >>> round(1e3 * echocal.error(2.0, 0.0, 0.5, reading_speed=343), 1)  # millimeters
-/// 0
+/// 68.7
 #[pyfunction]
 #[pyo3(
     signature = (distance, temperature, relative_humidity=None, pressure=None,
@@ -322,7 +322,7 @@ pub fn error<'py>(
 /// --------
 /// >>> import echocal
 /// >>> round(echocal.absorption(20.0, 0.5, 101325.0, 40e3), 2)
-/// 0
+/// 1.32
 #[pyfunction]
 #[pyo3(
     signature = (temperature, relative_humidity, pressure, frequency, *, out=None, r#where=None,
