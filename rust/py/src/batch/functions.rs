@@ -1,67 +1,13 @@
 //! The functions themselves: signatures and documentation.
 
-use echocal_core::simd::{self, InstructionSet};
-use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyString};
 
-use super::cache::{Function, decoded, entry};
+use super::cache::{Function, entry};
 use super::call::{Input, Options, call};
-use crate::errors::raise;
+use super::documentation::{air, law, options};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
-
-/// Documentation of the inputs that describe the air.
-macro_rules! air {
-    () => {
-        "temperature : array_like
-    Air temperature [degC].
-relative_humidity : array_like, default 0.0
-    Relative humidity over liquid water [1], 0 to 1.
-pressure : array_like, default 101325.0
-    Air pressure [Pa].
-co2_mole_fraction : array_like, default 4e-4
-    Mole fraction of carbon dioxide [1]."
-    };
-}
-
-/// Documentation of the choice of a law.
-macro_rules! law {
-    () => {
-        "law : str, default \"cramer\"
-    Law for the speed of sound: a name of `laws()`, or an expression such as \"331.3+0.606*T\".
-frequency : array_like, default 0.0
-    Frequency of the sound [Hz]; at 0 the air does not disperse."
-    };
-}
-
-/// Documentation of the arguments that every function has, and of the errors.
-macro_rules! options {
-    ($result:literal) => {
-        concat!(
-            "out : ndarray, optional
-    Where to put the result; a fresh array can cost more time than the computation.
-where : array_like of bool, optional
-    Which rows to compute; the others keep what `out` holds, NaN without `out`.
-n_threads : int, optional
-    At most so many threads, for 100,000 rows and more; every processor by default.
-
-Returns
--------
-",
-            $result,
-            "
-    A float for plain numbers; else of the inputs' broadcast shape, of their type (pandas,
-    xarray, dask, polars) and precision (float32 stays float32). NaN where an input is NaN.
-
-Raises
-------
-UsageError
-    If a name is unknown, shapes do not broadcast, or an input does not hold numbers.
-"
-        )
-    };
-}
 
 /// Speed of sound in moist air [m/s].
 ///
@@ -395,43 +341,4 @@ fn of_law<'py>(
         inputs,
         options,
     )
-}
-
-/// Looks up a ufunc by the name that it was pickled under.
-#[pyfunction]
-#[pyo3(name = "__getattr__")]
-pub fn module_attribute<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    decoded(py, name).unwrap_or_else(|| {
-        let message = format!("module 'echocal._core' has no attribute '{name}'");
-        Err(PyAttributeError::new_err(message))
-    })
-}
-
-/// The instruction sets that this processor has, from the narrowest.
-#[pyfunction]
-pub fn instruction_sets() -> Vec<&'static str> {
-    let available = InstructionSet::ALL
-        .into_iter()
-        .filter(|set| set.is_available());
-    available.map(InstructionSet::name).collect()
-}
-
-/// Computes with this instruction set from now on; None: the widest. For tests and benches.
-#[pyfunction]
-#[pyo3(signature = (name))]
-pub fn set_instruction_set(name: Option<&str>) -> PyResult<()> {
-    let wanted = name.map(|name| {
-        InstructionSet::ALL
-            .into_iter()
-            .find(|set| set.name() == name)
-    });
-    if wanted == Some(None) || !simd::force(wanted.flatten()) {
-        let message = format!(
-            "instruction set '{}' is not available; available: {}",
-            name.unwrap_or_default(),
-            instruction_sets().join(", ")
-        );
-        return Err(raise("UsageError", message));
-    }
-    Ok(())
 }

@@ -2,10 +2,10 @@
 
 mod cache;
 mod call;
+mod documentation;
 mod functions;
+mod module;
 mod ufunc;
 
-pub use functions::{
-    absorption, distance, error, instruction_sets, module_attribute, set_instruction_set,
-    speed_of_sound, time_of_flight,
-};
+pub use functions::{absorption, distance, error, speed_of_sound, time_of_flight};
+pub use module::{instruction_sets, module_attribute, set_instruction_set};
