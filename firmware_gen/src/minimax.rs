@@ -92,7 +92,7 @@ fn level(points: Points<'_>, reference: &[usize]) -> f64 {
 }
 
 fn sign(k: usize) -> f64 {
-    if k % 2 == 0 { 1.0 } else { -1.0 }
+    if k.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Newton's divided differences through `y` less the alternating error, expanded to powers of `x`.

@@ -155,7 +155,7 @@ fn millimeters(micrometers: f64) -> String {
 fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let comma = |(index, digit): (usize, char)| {
-        let comma = index > 0 && (digits.len() - index) % 3 == 0;
+        let comma = index > 0 && (digits.len() - index).is_multiple_of(3);
         comma.then_some(',').into_iter().chain([digit])
     };
     digits.chars().enumerate().flat_map(comma).collect()
