@@ -10,7 +10,7 @@ from echocal.errors import EchocalError
 __all__ = ["COMMANDS", "app", "main"]
 
 COMMANDS = ("effects",)
-"""Every command: ``echocal NAME`` is the function ``command`` of ``echocal.cli.NAME``."""
+"""Every command: ``echocal NAME`` is ``command`` of ``echocal.cli.NAME``, a function or an app of its own."""
 
 app = typer.Typer(
     name="echocal",
@@ -21,7 +21,11 @@ app = typer.Typer(
 )
 
 for _name in COMMANDS:
-    app.command(_name)(import_module(f"echocal.cli.{_name}").command)
+    _command = import_module(f"echocal.cli.{_name}").command
+    if isinstance(_command, typer.Typer):
+        app.add_typer(_command, name=_name)
+    else:
+        app.command(_name)(_command)
 
 
 def main() -> None:

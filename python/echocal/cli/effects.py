@@ -1,14 +1,99 @@
-"""``echocal effects``: the registry."""
+"""``echocal effects``: the registry, for people and for programs."""
 
-from rich.console import Console
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
 from rich.table import Table
+from rich.text import Text
 
-from echocal import _core
+from echocal.errors import UsageError
+from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
+from echocal.registry import Effect, effects, find_effect
+
+command = typer.Typer(help="Show what can deviate from the simulation, and how much.")
+
+Json = Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write JSON; - is stdout.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing.")]
 
 
-def command() -> None:
-    """List the effects that echocal knows."""
-    table = Table("id", "stage", "what it is")
-    for facts in _core.effects():
-        table.add_row(facts["id"], facts["stage"], facts["sentence"])
-    Console().print(table)
+@command.callback(invoke_without_command=True)
+def default(context: typer.Context, json_: Json = None, quiet: Quiet = False) -> None:
+    """List the effects that echocal knows, in the order of the measurement chain."""
+    if context.invoked_subcommand is None:
+        list_(json_, quiet)
+
+
+@command.command("list")
+def list_(json_: Json = None, quiet: Quiet = False) -> None:
+    """List the effects that echocal knows, in the order of the measurement chain."""
+    _write([effect.to_dict() for effect in effects()], json_)
+    if not quiet and json_ != "-":
+        Console().print(_overview(), Text("echocal effects show ID tells all about one.", style="dim"))
+
+
+@command.command()
+def show(
+    effect: Annotated[str, typer.Argument(metavar="ID", help="Id of the effect, e.g. humidity.")],
+    json_: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Tell all about one effect: formula, parameters, typical size, how to check it."""
+    found = find_effect(effect)
+    _write(found.to_dict(), json_)
+    if not quiet and json_ != "-":
+        Console().print(_portrait(found))
+
+
+def _write(content: Any, target: str | None) -> None:
+    text = json.dumps(content, indent=2, allow_nan=False) + "\n"
+    if target == "-":
+        typer.echo(text, nl=False)
+    elif target is not None:
+        try:
+            Path(target).write_text(text, encoding="utf-8")
+        except OSError as error:
+            message = f"cannot write {target}: {error.strerror}"
+            raise UsageError(message) from None
+
+
+def _overview() -> Table:
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("effect", style="bold cyan", no_wrap=True)
+    table.add_column("stage", style="dim")
+    table.add_column("what it is", ratio=1)
+    table.add_column(f"at {DISTANCE:g} m", justify="right", no_wrap=True)
+    for effect in effects():
+        typical = typical_errors(effect)[TEMPERATURES.index(20.0)]
+        table.add_row(effect.id, effect.stage, effect.sentence, millimeters(typical, 1))
+    table.caption = "typical size at 20 degC"
+    return table
+
+
+def _portrait(effect: Effect) -> Group:
+    title = Text.assemble((effect.id, "bold cyan"), (f"  {effect.stage}", "dim"))
+    formula = Padding(Text(effect.formula, style="green"), (0, 2))
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style="dim", no_wrap=True)
+    table.add_column()
+    for name, text in facts(effect).items():
+        table.add_row(name, Text(text))
+    parts: list[RenderableType] = [title, Text(effect.sentence), Text(), formula]
+    parts += [_parameters(effect), table]
+    return Group(*parts)
+
+
+def _parameters(effect: Effect) -> Table:
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("parameter", style="bold")
+    for name in ("unit", "role", "neutral", "typical", "bounds", "known"):
+        table.add_column(name, justify="left" if name in {"unit", "role", "known"} else "right")
+    for p in effect.parameters:
+        bounds = f"{p.bounds[0]:g} .. {p.bounds[1]:g}"
+        known = ", ".join(f"{value:g}" for value in p.known)
+        table.add_row(p.name, p.unit, p.role, f"{p.neutral:g}", f"{p.prior_scale:g}", bounds, known)
+    return table

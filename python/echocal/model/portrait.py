@@ -1,0 +1,73 @@
+"""An effect in words and in millimeters that a person can picture."""
+
+from collections.abc import Mapping
+
+from echocal.model.composition import Model
+from echocal.registry import Effect
+
+__all__ = ["DISTANCE", "TEMPERATURES", "facts", "millimeters", "typical_errors"]
+
+DISTANCE = 2.0  # [m]
+TEMPERATURES = (0.0, 20.0, 40.0)  # [degC]
+RECORDED: Mapping[str, float] = {
+    "relative_humidity": 0.5,
+    "elapsed_time": 3600.0,
+    "supply_voltage": 4.8,
+    "angle": 0.1,
+    "wind_speed": 3.0,
+    "radiation": 500.0,
+    "amplitude": 0.5,
+}
+
+
+def typical_errors(effect: Effect) -> tuple[float, ...]:
+    """Return the error [m] that an effect of typical size makes at 2 m, at 0, 20 and 40 degC.
+
+    The size is the one that theory knows, else one scale of the prior above neutral.
+
+    Examples
+    --------
+    >>> from echocal.registry import find_effect
+    >>> [round(1e3 * error, 2) for error in typical_errors(find_effect("fixed_delay"))]
+    [4.97, 5.15, 5.33]
+    """
+    sizes = [parameter for parameter in effect.parameters if parameter.role == "size"]
+    values = {p.name: p.known[0] if p.known else p.neutral + p.prior_scale for p in sizes}
+    model = Model("linear", {effect.id: values})
+    recorded = {name: RECORDED[name] for name in effect.requires if name in RECORDED}
+    indications = (model.indicate(DISTANCE, temperature=t, **recorded) for t in TEMPERATURES)
+    return tuple(indication - DISTANCE for indication in indications)
+
+
+def millimeters(error: float, digits: int) -> str:
+    """Write an error [m] in mm with its sign; nothing is not negative."""
+    return f"{round(1e3 * error, digits) + 0.0:+.{digits}f} mm"
+
+
+def facts(effect: Effect) -> dict[str, str]:
+    """Return what is known besides formula and parameters, in reading order; only what there is.
+
+    Examples
+    --------
+    >>> from echocal.registry import find_effect
+    >>> facts(find_effect("humidity"))["firmware"]
+    'compensated where the device has relative_humidity'
+    """
+    device = {
+        "folded": "compensated within the tables",
+        "needs": f"compensated where the device has {effect.firmware_detail}",
+        "refused": f"not compensated: {effect.firmware_detail}",
+    }
+    typical = zip(typical_errors(effect), TEMPERATURES, strict=True)
+    all_ = {
+        f"typical at {DISTANCE:g} m": ", ".join(f"{millimeters(e, 2)} at {t:g} degC" for e, t in typical),
+        "reads": ", ".join(effect.reads),
+        "needs recorded": ", ".join(effect.requires),
+        "only if not recorded": ", ".join(effect.excludes),
+        "not with laws that read": effect.supplies or "",
+        "holds for": effect.domain,
+        "check": effect.check,
+        "firmware": device[effect.firmware],
+        "source": effect.source,
+    }
+    return {name: text for name, text in all_.items() if text}
