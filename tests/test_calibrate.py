@@ -1,5 +1,7 @@
 """Calibration on planted truths: estimates, uncertainties, what cannot be identified."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,23 @@ def test_recovers_what_was_planted(grid: tuple[np.ndarray, np.ndarray]) -> None:
     assert found.rms < 1e-14
 
 
+def test_the_model_carries_its_uncertainties(grid: tuple[np.ndarray, np.ndarray], tmp_path: Path) -> None:
+    noise = np.random.default_rng(2).normal(0.0, 1e-3, 44)
+    held = Model("linear", {"clock_error": {"frequency_error": 1e-4}})
+    found = calibrate(observations(*grid, TRUTH, noise), held, FIT)
+    found.model.save(tmp_path / "model.json")
+    loaded = Model.load(tmp_path / "model.json")
+    for estimate in found:
+        assert loaded.standard_uncertainties[estimate.name] == pytest.approx(estimate.standard_uncertainty)
+    assert loaded.standard_uncertainties["clock_error.frequency_error"] == 0.0
+    assert loaded.provenance["calibration"]["rows"]["used"] == 44
+    order = [found.names.index(name) for name in loaded.parameter_names if name in found.names]
+    places = [loaded.parameter_names.index(found.names[index]) for index in order]
+    np.testing.assert_allclose(
+        loaded.covariance[np.ix_(places, places)], found.covariance[np.ix_(order, order)]
+    )
+
+
 def test_fits_a_subset_beside_known_effects(grid: tuple[np.ndarray, np.ndarray]) -> None:
     known = {"zero_error": TRUTH["zero_error"]}
     found = calibrate(observations(*grid, TRUTH, np.zeros(44)), Model("linear", known), FIT[1:])
@@ -49,15 +68,15 @@ def test_uncertainties_cover_the_truth(grid: tuple[np.ndarray, np.ndarray]) -> N
     rng = np.random.default_rng(3)
     truth = np.array([-4e-3, 31e-6, 6e-3])
     scores, within = [], []
-    for _ in range(400):
+    for _ in range(200):
         data = observations(*grid, TRUTH, rng.normal(0.0, 1e-3, 44))
         found = calibrate(data, Model("linear"), FIT)
         scores.append((found.values - truth) / found.standard_uncertainties)
         intervals = found.interval(0.95).values()
         within.append([low <= value <= high for value, (low, high) in zip(truth, intervals, strict=True)])
-    # 400 runs: the scatter of a scatter is 1/sqrt(800) = 3.5 %, of a share of 0.95 is 1.1 %
-    np.testing.assert_allclose(np.std(scores, axis=0), 1.0, atol=0.12)
-    np.testing.assert_allclose(np.mean(within, axis=0), 0.95, atol=0.035)
+    # 200 runs: the scatter of a scatter is 1/sqrt(400) = 5 %, of a share of 0.95 is 1.5 %
+    np.testing.assert_allclose(np.std(scores, axis=0), 1.0, atol=0.15)
+    np.testing.assert_allclose(np.mean(within, axis=0), 0.95, atol=0.05)
 
 
 def test_prediction_agrees_with_monte_carlo(grid: tuple[np.ndarray, np.ndarray]) -> None:
@@ -104,7 +123,7 @@ def test_robust_uncertainty_covers(grid: tuple[np.ndarray, np.ndarray]) -> None:
     """The sandwich holds where the noise has heavy tails."""
     rng = np.random.default_rng(13)
     scores = []
-    for _ in range(300):
+    for _ in range(200):
         data = observations(*grid, {"zero_error": {"offset": 2e-3}}, 1e-3 * rng.standard_t(2.5, 44))
         found = calibrate(data, Model("linear"), ["zero_error.offset"], loss="huber")
         scores.append((found.values[0] - 2e-3) / found.standard_uncertainties[0])
@@ -178,7 +197,13 @@ def test_what_acts_alike_is_named() -> None:
 def test_mistakes_are_explained(grid: tuple[np.ndarray, np.ndarray]) -> None:
     data = observations(*grid, TRUTH, np.zeros(44))
     linear = Model("linear")
-    refuse(UsageError, "no effect 'fixed_dely'", data, linear, ["fixed_dely.delay"])
+    refuse(
+        UsageError,
+        "unknown effect 'fixed_dely'; did you mean 'fixed_delay'",
+        data,
+        linear,
+        ["fixed_dely.delay"],
+    )
     refuse(UsageError, "fixed_delay has: fixed_delay.delay", data, linear, ["fixed_delay.dealy"])
     refuse(UsageError, "say what to fit", data, linear)
     refuse(UsageError, "say what to fit", data, linear, "zero_error")

@@ -89,6 +89,7 @@ class Misra:
     start: tuple[float, float]
     unit: str = "1"
     has_intercept: bool = True
+    linear: bool = False
     calls: list[int] = field(default_factory=list)
 
     @property
@@ -111,7 +112,7 @@ class Misra:
         }[self.kind]()
         return b1 * value, np.stack([value, b1 * slope * x], axis=-1)
 
-    def fitted(self, values: np.ndarray) -> np.ndarray:
+    def fitted(self, values: np.ndarray, covariance: np.ndarray) -> np.ndarray:
         return values
 
 

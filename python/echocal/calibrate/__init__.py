@@ -101,7 +101,7 @@ def calibrate(
     solution = solve(Problem(form, observed[used], columns, parameters, rows_sigma), loss, loss_scale)
     residuals = np.full(len(observations), np.nan)
     residuals[used] = -solution.residuals
-    return Calibration(
+    found = Calibration(
         form=form,
         parameters=parameters,
         values=solution.values,
@@ -111,8 +111,11 @@ def calibrate(
         r_squared=_r_squared(observed[used], residuals[used], centered=form.has_intercept),
         rows=_rows(observations),
         loss=loss,
-        model=form.fitted(solution.values),
+        model=form.fitted(solution.values, solution.covariance),
     )
+    if isinstance(found.model, Model):
+        found.model.provenance = {"calibration": found.to_dict()}
+    return found
 
 
 def _form(model: Model | Form, fit: Sequence[str] | None) -> Form:

@@ -1,7 +1,6 @@
 """A physical model as a form: parameters of effects and of a linear law, derivatives from the core."""
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,13 +8,15 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.calibrate.form import Column, Columns, Parameter
 from echocal.calibrate.regression import indication
+from echocal.conditions import columns as broadcast
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.registry import find_effect
 
-__all__ = ["Chain"]
+__all__ = ["LAW", "Chain"]
 
-LAW = {"law.intercept": "speed_intercept", "law.slope": "speed_slope"}
+LAW = {"law.intercept": ("speed_intercept", "intercept"), "law.slope": ("speed_slope", "slope")}
 """A law's coefficient moves as the effect that deviates nature's law from the device's."""
 
 
@@ -38,106 +39,100 @@ class Chain:
 
     unit = "m"
     has_intercept = True
+    linear = False
 
     def __init__(self, model: Model, fit: Iterable[str]) -> None:
         self.model = model
-        self._registry = {facts["id"]: facts for facts in _core.effects()}
-        self.names = [name for request in fit for name in self._expand(request)]
+        self.names = [name for request in fit for name in _expand(request)]
         if not self.names or len(set(self.names)) < len(self.names):
             message = f"fit needs distinct parameters, e.g. ['zero_error.offset']; got {self.names}"
             raise UsageError(message)
-        self._keys = [self._key(name) for name in self.names]
-        self.parameters = [
-            self._parameter(name, *key) for name, key in zip(self.names, self._keys, strict=True)
-        ]
+        self._law = self._coefficients() if LAW.keys() & set(self.names) else {}
+        self._keys = [LAW.get(name, tuple(name.split("."))) for name in self.names]
+        self.parameters = [self._parameter(name) for name in self.names]
+        start = np.array([parameter.start for parameter in self.parameters])
+        self._extended = Model(model.law, self._effects(start), air=model.air)
+        order = self._extended.parameter_names
+        self._picked = [1 + order.index(".".join(key)) for key in self._keys]
 
     def observed(self, observations: Observations) -> Column:
         """Return what the device indicated with the model's law [m]."""
-        return indication(observations, self.model.law)
+        return indication(observations, Model(self.model.law, air=self.model.air))
 
     def columns(self, observations: Observations) -> Columns:
-        """Return the reference distance and the recorded conditions."""
-        if observations.reference_distance is None:
+        """Return the reference distance and the recorded conditions, checked against the model."""
+        distance = observations.reference_distance
+        if distance is None:
             message = "calibration needs a reference distance; add a column distance_m, _cm or _mm"
             raise DataError(message)
-        return {"distance": observations.reference_distance, **observations.conditions}
+        used = observations.usable
+        at = {name: column[used] for name, column in observations.conditions.items()}
+        self._extended.indicate(distance[used], **at)  # refuses or warns as the model does, once
+        return {"distance": distance, **observations.conditions}
 
     def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
         """Return the indication [m] and the core's exact derivatives."""
-        model = Model(self.model.law, self._effects(values), air=self.model.air)
-        conditions = {name: column for name, column in columns.items() if name != "distance"}
-        derivatives = model.jacobian(columns["distance"], **conditions)
-        order = self._order(model)
-        picked = [1 + order.index(key) for key in self._keys]
-        return model.indicate(columns["distance"], **conditions), derivatives[..., picked]
+        effects = [(id_, list(own.items())) for id_, own in self._effects(values).items()]
+        core = _core.Model(self.model.law, effects)
+        given = {name: column for name, column in columns.items() if name != "distance"}
+        shape, (distance, *rest) = broadcast(columns["distance"], {**self.model.air, **given})
+        derivatives = core.jacobian(distance, rest)[:, self._picked]
+        return core.indicate(distance, rest).reshape(shape), derivatives.reshape(*shape, -1)
 
-    def fitted(self, values: Column) -> Model:
-        """Return the model with these values; a law's coefficients go into the law."""
+    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Model:
+        """Return the model with these values and their covariance; coefficients go into the law."""
         effects = self._effects(values)
-        law = self.model.law
         moved = {name: float(value) for name, value in zip(self.names, values, strict=True) if name in LAW}
-        if moved:
-            coefficients = self._law() | moved
-            law = f"{coefficients['law.intercept']!r}{coefficients['law.slope']:+.17g}*T"
-            for name in moved:
-                del effects[LAW[name]]
-        return Model(law, effects, air=self.model.air)
+        coefficients = self._law | moved
+        for name in moved:
+            del effects[LAW[name][0]]
+        law = (
+            f"{coefficients['law.intercept']!r}{coefficients['law.slope']:+.17g}*T"
+            if moved
+            else self.model.law
+        )
+        model = Model(law, effects, air=self.model.air)
+        kept = [index for index, name in enumerate(self.names) if name not in LAW]
+        if kept:
+            places = [model.parameter_names.index(self.names[index]) for index in kept]
+            whole = np.zeros((len(model.parameter_names),) * 2)
+            whole[np.ix_(places, places)] = covariance[np.ix_(kept, kept)]
+            model = Model(law, effects, air=self.model.air, covariance=whole)
+        return model
 
     def _effects(self, values: Column) -> dict[str, dict[str, float]]:
         effects = {id_: dict(parameters) for id_, parameters in self.model.effects.items()}
-        law = self._law() if LAW.keys() & set(self.names) else {}
         for name, (effect, parameter), value in zip(self.names, self._keys, values, strict=True):
-            effects.setdefault(effect, {})[parameter] = float(value) - law.get(name, 0.0)
+            effects.setdefault(effect, {})[parameter] = float(value) - self._law.get(name, 0.0)
         return effects
 
-    def _order(self, model: Model) -> list[tuple[str, str]]:
-        """Effect and parameter of each derivative after the first, which is to the distance."""
-        facts = [(id_, self._registry[id_]["parameters"]) for id_, _ in model._core.terms]
-        return [(id_, parameter["name"]) for id_, parameters in facts for parameter in parameters]
-
-    def _expand(self, request: str) -> list[str]:
-        id_, _, parameter = request.partition(".")
-        if id_ == "law":
-            names = list(LAW)
-        elif id_ in self._registry:
-            names = [f"{id_}.{facts['name']}" for facts in self._registry[id_]["parameters"]]
-        else:
-            message = f"cannot fit '{request}': no effect '{id_}'; known: law, {', '.join(self._registry)}"
-            raise UsageError(message)
-        if parameter and request not in names:
-            message = f"cannot fit '{request}'; {id_} has: {', '.join(names)}"
-            raise UsageError(message)
-        return [request] if parameter else names
-
-    def _key(self, name: str) -> tuple[str, str]:
-        effect, _, parameter = name.partition(".")
-        if name not in LAW:
-            return effect, parameter
-        self._law()
-        effect = LAW[name]
-        if effect in self.model.effects:
+    def _parameter(self, name: str) -> Parameter:
+        effect, parameter = self._keys[self.names.index(name)]
+        if name in LAW and effect in self.model.effects:
             message = f"cannot fit '{name}': the model already has {effect}, which acts alike"
             raise UsageError(message)
-        return effect, self._registry[effect]["parameters"][0]["name"]
+        facts = next(p for p in find_effect(effect).parameters if p.name == parameter)
+        value = self.model.effects.get(effect, {}).get(parameter, facts.neutral)
+        shift = self._law.get(name, 0.0)
+        low, high = facts.bounds
+        return Parameter(name, facts.unit, value + shift, (low + shift, high + shift), facts.prior_scale)
 
-    def _parameter(self, name: str, effect: str, parameter: str) -> Parameter:
-        facts: Mapping[str, Any] = next(
-            p for p in self._registry[effect]["parameters"] if p["name"] == parameter
-        )
-        value = self.model.effects.get(effect, {}).get(parameter, facts["neutral"])
-        shift = self._law()[name] if name in LAW else 0.0
-        low, high = facts["bounds"]
-        return Parameter(
-            name, facts["unit"], value + shift, (low + shift, high + shift), facts["prior_scale"]
-        )
-
-    def _law(self) -> dict[str, float]:
+    def _coefficients(self) -> dict[str, float]:
         """Coefficients of the linear law: its speed at 0 degC and per degree, from the core."""
-        reads = {facts["id"]: facts["reads"] for facts in _core.laws()}.get(self.model.law, ["temperature"])
-        if reads != ["temperature"]:
-            message = (
-                f"law '{self.model.law}' has no coefficients to fit; use a linear one, e.g. '331.3+0.606*T'"
-            )
+        bare = Model(self.model.law)
+        facts = {law["id"]: law["reads"] for law in _core.laws()}
+        if facts.get(bare.law, ["temperature"]) != ["temperature"]:
+            message = f"law '{bare.law}' has no coefficients to fit; use a linear one, e.g. '331.3+0.606*T'"
             raise UsageError(message)
-        at_zero, at_one = 2.0 / Model(self.model.law).time_of_flight(1.0, temperature=np.array([0.0, 1.0]))
+        at_zero, at_one = bare.speed_of_sound(1.0, temperature=np.array([0.0, 1.0]))
         return {"law.intercept": float(at_zero), "law.slope": float(at_one - at_zero)}
+
+
+def _expand(request: str) -> list[str]:
+    """Names that a request stands for: one parameter, or all of an effect or of the law."""
+    id_, _, parameter = request.partition(".")
+    names = list(LAW) if id_ == "law" else [f"{id_}.{facts.name}" for facts in find_effect(id_).parameters]
+    if parameter and request not in names:
+        message = f"cannot fit '{request}'; {id_} has: {', '.join(names)}"
+        raise UsageError(message)
+    return [request] if parameter else names

@@ -55,6 +55,10 @@ class Form(Protocol):
     def has_intercept(self) -> bool:
         """Whether R² compares with the mean (True) or with zero (False)."""
 
+    @property
+    def linear(self) -> bool:
+        """Whether the prediction is linear in the parameters: one step then finds them."""
+
     def observed(self, observations: Observations) -> Column:
         """What was observed, shape (n,)."""
 
@@ -64,5 +68,5 @@ class Form(Protocol):
     def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
         """Return the prediction (n,) and its exact derivatives (n, p) at these values."""
 
-    def fitted(self, values: Column) -> Any:
-        """Return the object that holds these values: a `Model`, a `Regression`."""
+    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Any:
+        """Return the object that holds what was found: a `Model`, a `Regression`."""

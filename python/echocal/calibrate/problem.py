@@ -88,6 +88,14 @@ class Problem:
         )
         return np.asarray(found.x, dtype=np.float64)
 
+    def first(self) -> Column:
+        """Search with the plain sum of squares; a linear form without bounds is left to `polish`."""
+        start = self.start()
+        bounded = bool(np.any(np.isfinite([self.lower, self.upper])))
+        if self.form.linear and not bounded:
+            return start
+        return self.search(start, "linear", 1.0)
+
     def polish(self, values: Column) -> Column:
         """Last undamped Gauss-Newton steps: a trust region stops at half of the digits.
 

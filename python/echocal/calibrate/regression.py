@@ -17,14 +17,17 @@ __all__ = ["Regression", "indication"]
 UNITS = {name: quantity.unit for name, quantity in QUANTITIES.items()} | {"distance": "m", "echo_time": "s"}
 
 
-def indication(observations: Observations, law: str) -> Column:
-    """Indication [m] of a device that converts the recorded echoes with a law, shape (n,).
+def indication(observations: Observations, device: Model) -> Column:
+    """Indication [m] of a device without effects that converts the recorded echoes, shape (n,).
 
-    A neutral model's echo time at 1 m is 2/c at the recorded conditions, so no formula for c
-    is needed here.
+    Its echo time at 1 m is 2/c at the recorded conditions, so no formula for c is needed here.
     """
-    per_meter = Model(law).time_of_flight(np.ones(len(observations)), **observations.conditions)
-    return observations.echo_time / per_meter
+    rows = len(observations)
+    used = observations.usable
+    at = {name: column[used] for name, column in observations.conditions.items()}
+    per_meter = np.full(rows, np.nan)
+    per_meter[used] = device.time_of_flight(np.ones(int(used.sum())), **at)
+    return np.asarray(observations.echo_time / per_meter)
 
 
 @dataclass(frozen=True)
@@ -108,10 +111,15 @@ class Regression:
         """Whether the terms include the constant."""
         return "1" in self.terms
 
+    @property
+    def linear(self) -> bool:
+        """A sum of terms is linear in its coefficients."""
+        return True
+
     def observed(self, observations: Observations) -> Column:
         """Return what was observed, shape (n,)."""
         if self.response == "indication":
-            return indication(observations, self.law)
+            return indication(observations, Model(self.law))
         return _column(observations, self.response)
 
     def columns(self, observations: Observations) -> Columns:
@@ -134,7 +142,7 @@ class Regression:
         jacobian = np.stack(products, axis=-1)
         return jacobian @ values, jacobian
 
-    def fitted(self, values: Column) -> "Regression":
+    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> "Regression":
         """Return the regression with these coefficients."""
         return replace(self, values=tuple(values.tolist()))
 

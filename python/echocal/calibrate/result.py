@@ -113,7 +113,8 @@ class Calibration:
     def correlation(self) -> NDArray[np.float64]:
         """Correlation of the estimates, shape (p, p)."""
         deviation = self.standard_uncertainties
-        return np.asarray(self.covariance / np.outer(deviation, deviation))
+        with np.errstate(invalid="ignore"):  # data without scatter have none: NaN
+            return np.asarray(self.covariance / np.outer(deviation, deviation))
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -194,14 +195,14 @@ class Calibration:
                 {
                     "name": e.name,
                     "value": e.value,
-                    "standard_uncertainty": e.standard_uncertainty,
+                    "standard_uncertainty": _number(e.standard_uncertainty),
                     "unit": e.unit,
                 }
                 for e in self
             ],
-            "covariance": self.covariance.tolist(),
-            "correlation": self.correlation.tolist(),
-            "residual_standard_deviation": self.residual_standard_deviation,
+            "covariance": [[_number(value) for value in row] for row in self.covariance],
+            "correlation": [[_number(value) for value in row] for row in self.correlation],
+            "residual_standard_deviation": _number(self.residual_standard_deviation),
             "rms": self.rms,
             "r_squared": self.r_squared,
             "degrees_of_freedom": self.degrees_of_freedom,
@@ -209,3 +210,8 @@ class Calibration:
             "loss": self.loss,
             "rows": self.rows,
         }
+
+
+def _number(value: float) -> float | None:
+    """Return a number for JSON; what is not known is null."""
+    return float(value) if np.isfinite(value) else None

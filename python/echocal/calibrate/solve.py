@@ -48,12 +48,11 @@ def solve(problem: Problem, loss: str, loss_scale: float | None) -> Solution:
     ModelError
         If the rows cannot identify a parameter.
     """
-    values = problem.search(problem.start(), "linear", 1.0)
+    values = problem.first()
     _demand_rank(problem.jacobian(values), problem.parameters)
+    values = problem.polish(values)
     scale = 1.0
-    if loss == "linear":
-        values = problem.polish(values)
-    else:
+    if loss != "linear":
         for _ in range(SETTLE):
             scale = loss_scale or robust_scale(problem.residuals(values), len(values)) or 1.0
             values = problem.search(values, loss, scale)

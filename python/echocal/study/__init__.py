@@ -1,0 +1,117 @@
+"""The study that echocal began from: every number recomputed, with a verdict."""
+
+import tomllib
+from collections import Counter
+from dataclasses import asdict, dataclass
+from importlib import resources
+from typing import Any
+
+from echocal.study import checks
+from echocal.study.curves import Curves
+from echocal.study.discoveries import Discovery, discoveries
+from echocal.study.origin import Alternative, alternatives
+from echocal.study.tables import Tables
+from echocal.study.verdict import CHECKS, Claim, Finding, Verdict
+
+__all__ = ["DEFINITION", "Claim", "Finding", "Study", "Tables", "Verdict", "claims", "given", "run"]
+
+DEFINITION = (
+    "reproduced: some inputs that round to the printed ones give a result that rounds to the printed one. "
+    "not reproduced: none does. "
+    "physically wrong: the arithmetic aside, it says something about air or echoes that is not so."
+)
+
+assert checks.__all__  # importing the package registers the checks
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything found about the study.
+
+    Attributes
+    ----------
+    tables : Tables
+        The tables that were judged.
+    findings : list of Finding
+        One per claim, in the order of ``claims.toml``.
+    discoveries : list of Discovery
+        What the tables give away.
+    alternatives : list of Alternative
+        Single changes that may explain the Tinkercad column.
+    curves : Curves
+        The study's sensor in true air, for the figures.
+    """
+
+    tables: Tables
+    findings: list[Finding]
+    discoveries: list[Discovery]
+    alternatives: list[Alternative]
+    curves: Curves
+
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """Number of claims by verdict."""
+        counts = Counter(finding.verdict for finding in self.findings)
+        return {verdict.value: counts[verdict] for verdict in Verdict}
+
+    def __getitem__(self, id_: str) -> Finding:
+        return {finding.claim.id: finding for finding in self.findings}[id_]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything for JSON (schema ``echocal.study/1``)."""
+        return {
+            "schema": "echocal.study/1",
+            "definition": DEFINITION,
+            "verdicts": self.verdicts,
+            "claims": [finding.to_dict() for finding in self.findings],
+            "given": given(),
+            "discoveries": [asdict(discovery) for discovery in self.discoveries],
+            "alternatives": [asdict(alternative) for alternative in self.alternatives],
+        }
+
+
+def claims() -> list[Claim]:
+    """Every claim of the study, as data.
+
+    Examples
+    --------
+    >>> from echocal.study import claims
+    >>> claims()[0].claim
+    'the speeds follow v(T) = 331.4 + 0.6 T'
+    """
+    return [Claim(**entry) for entry in _data()["claim"]]
+
+
+def given() -> list[dict[str, str]]:
+    """Numbers of the study that are taken as they are, each with the reason."""
+    return [dict(entry) for entry in _data()["given"]]
+
+
+def _data() -> dict[str, Any]:
+    text = (resources.files("echocal.study") / "data" / "claims.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def run(tables: Tables | None = None) -> Study:
+    """Recompute every claim.
+
+    Parameters
+    ----------
+    tables : Tables, optional
+        Other tables than those that the package ships.
+
+    Returns
+    -------
+    Study
+        A finding per claim, and what the tables give away.
+
+    Examples
+    --------
+    >>> from echocal import study
+    >>> found = study.run()
+    >>> found["rmse-calculation"].verdict.value, found["pressure-percent"].verdict.value
+    ('reproduced', 'physically wrong')
+    """
+    tables = tables or Tables.load()
+    findings = [CHECKS[claim.check](tables, claim, **claim.options) for claim in claims()]
+    return Study(tables, findings, discoveries(tables), alternatives(tables), Curves.of(tables))

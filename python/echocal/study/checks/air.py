@@ -1,0 +1,96 @@
+"""The study's equation for the speed of sound, against true air and against its alleged source."""
+
+import numpy as np
+
+from echocal.calibrate import Calibration, calibrate
+from echocal.model import Model
+from echocal.observations import read_observations
+from echocal.study.sensor import REFERENCE_LAW, STATED_LAW, error, reading_in, speed
+from echocal.study.tables import DISTANCE, Tables
+from echocal.study.verdict import Claim, Finding, Verdict, check
+
+
+def best_line(law: str, temperature: np.ndarray, **air: float) -> Calibration:
+    """Fit a linear law to the echo times that another law gives over a range of temperatures."""
+    echo = Model(law).time_of_flight(DISTANCE, temperature=temperature, **air)
+    table = {"echo_s": echo, "temperature_C": temperature, "distance_m": np.full_like(temperature, DISTANCE)}
+    return calibrate(read_observations(table), Model(STATED_LAW), fit=["law.intercept", "law.slope"])
+
+
+@check
+def ascription(tables: Tables, claim: Claim) -> Finding:
+    """Whether Cramer (1993) is the source of 331.4 + 0.6 T."""
+    temperature = tables.table1.range(51)
+    away = speed(STATED_LAW, temperature) - speed("cramer", temperature)
+    line = best_line("cramer", temperature)
+    a, b = line["law.intercept"].value, line["law.slope"].value
+    because = (
+        f"Cramer's equation has 16 coefficients and is not linear: in dry air 331.4 + 0.6 T lies "
+        f"{away.min():+.2f} to {away.max():+.2f} m/s from it, and the best line through it over 0–50 °C is "
+        f"{a:.2f} + {b:.4f} T"
+    )
+    wrong = np.abs(away).max() > 300e-6 * a  # Cramer's own stated uncertainty, 300 ppm
+    numbers = {"low": away.min(), "high": away.max(), "intercept": a, "slope": b}
+    verdict = Verdict.PHYSICALLY_WRONG if wrong else Verdict.REPRODUCED
+    return claim.found(
+        verdict, f"{a:.2f} + {b:.3f} T", because, physical="a curve, see Cramer 1993", numbers=numbers
+    )
+
+
+@check
+def validity(tables: Tables, claim: Claim) -> Finding:
+    """Whether the equation is valid for dry air to the accuracy that the study claims with it."""
+    temperature = tables.table1.range(51)
+    true = speed(REFERENCE_LAW, temperature)
+    off = (speed(STATED_LAW, temperature) / true - 1.0) * 100.0
+    worst = int(np.abs(off).argmax())
+    holds = temperature[np.abs(off) < claim.number.value]
+    because = (
+        f"in dry air it is {off[worst]:+.2f} % off at {temperature[worst]:g} °C "
+        f"({off[worst] * DISTANCE * 10.0:+.1f} mm at 2 m); "
+        f"within the claimed {claim.printed} % up to {holds.max():.0f} °C only"
+    )
+    wrong = np.abs(off).max() >= claim.number.value
+    verdict = Verdict.PHYSICALLY_WRONG if wrong else Verdict.REPRODUCED
+    physical = f"{true[worst]:.2f} m/s at {temperature[worst]:g} °C, dry"
+    return claim.found(
+        verdict, f"{abs(off[worst]):.2f}", because, physical=physical, numbers={"worst": off[worst]}
+    )
+
+
+@check
+def rise(tables: Tables, claim: Claim) -> Finding:
+    """Rise of the speed of sound per degree: in Table 1, and in true air."""
+    table = tables.table1
+    steps = np.diff(table.values("actual_speed_m_s")) / np.diff(table.temperature)
+    ends = table.temperature[[0, -1]]
+    slopes = {}
+    for humidity in (0.0, 0.5):
+        low, high = (speed(REFERENCE_LAW, ends + side, relative_humidity=humidity) for side in (-0.5, 0.5))
+        slopes[humidity] = high - low
+    because = (
+        f"Table 1's steps are {steps.min():.3f} to {steps.max():.3f} m/s per °C, "
+        f"{steps.mean():.3f} on average; true air has {slopes[0.0][0]:.2f} at 0 °C to {slopes[0.0][1]:.2f} "
+        f"at 50 °C when dry, "
+        f"{slopes[0.5][0]:.2f} to {slopes[0.5][1]:.2f} at 50 % RH"
+    )
+    physical = f"{slopes[0.5][0]:.2f} to {slopes[0.5][1]:.2f} at 50 % RH"
+    return claim.found(claim.number.holds(steps.mean()), f"{steps.mean():.3f}", because, physical=physical)
+
+
+@check
+def speed_at(tables: Tables, claim: Claim, *, temperature: float) -> Finding:
+    """Speed at one temperature by the study's equation."""
+    stated = float(speed(STATED_LAW, temperature))
+    real = {h: float(speed(REFERENCE_LAW, temperature, relative_humidity=h)) for h in (0.0, 0.5)}
+    printed = tables.table1.columns["actual_speed_m_s"][
+        int(np.flatnonzero(tables.table1.temperature == temperature)[0])
+    ]
+    off = float(error(reading_in(REFERENCE_LAW, temperature, relative_humidity=0.5)))
+    because = (
+        f"331.4 + 0.6 T gives {stated:.1f} m/s, Table 1 prints {printed.text}; "
+        f"true air has {real[0.0]:.2f} when dry and {real[0.5]:.2f} at 50 % RH "
+        f"({off * DISTANCE * 10.0:+.1f} mm at 2 m)"
+    )
+    physical = f"{real[0.5]:.2f} m/s at 50 % RH"
+    return claim.found(claim.number.holds(stated), f"{stated:.1f}", because, physical=physical)

@@ -1,0 +1,177 @@
+"""The tables, cell by cell."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.study.rounding import Printed
+from echocal.study.sensor import REFERENCE_LAW, STATED_LAW, error, reading, reading_in, speed, time
+from echocal.study.tables import Table, Tables
+from echocal.study.verdict import Cell, Claim, Finding, Verdict, check
+
+Array = NDArray[np.float64]
+INDOORS = 0.5  # relative humidity of the physical value beside each cell
+
+
+def cells(
+    table: Table, printed: Sequence[Printed], low: Array, high: Array, physical: Array | None = None
+) -> tuple[Cell, ...]:
+    """Compare a column with the range that its inputs' rounding allows, row by row."""
+    return tuple(
+        Cell(
+            row=row + 1,
+            temperature=float(table.temperature[row]),
+            printed=number.text,
+            recomputed=float(0.5 * (low[row] + high[row])),
+            verdict=Verdict.REPRODUCED
+            if number.meets(*sorted((low[row], high[row])))
+            else Verdict.NOT_REPRODUCED,
+            physical=None if physical is None else float(physical[row]),
+        )
+        for row, number in enumerate(printed)
+    )
+
+
+def score(found: tuple[Cell, ...]) -> tuple[int, str]:
+    """Count the cells that agree, and name the others by temperature."""
+    wrong = [f"{cell.temperature:g}" for cell in found if cell.verdict is not Verdict.REPRODUCED]
+    names = ", ".join(wrong) if len(wrong) <= 6 else f"{', '.join(wrong[:5])} and {len(wrong) - 5} more"
+    return len(found) - len(wrong), f"; not at {names} °C" if wrong else ""
+
+
+def speeds_as_printed(table: Table) -> tuple[Array, Array]:
+    """Slowest and fastest speed [m/s] that rounds to each printed one."""
+    center, half = table.values("actual_speed_m_s"), table.half("actual_speed_m_s")
+    return center - half, center + half
+
+
+@check
+def speeds(tables: Tables, claim: Claim) -> Finding:
+    """Table 1's speeds against the study's own equation."""
+    table = tables.table1
+    stated = speed(STATED_LAW, table.temperature)
+    real = speed(REFERENCE_LAW, table.temperature, relative_humidity=INDOORS)
+    found = cells(table, table.columns["actual_speed_m_s"], stated, stated, real)
+    good, _ = score(found)
+    away = table.values("actual_speed_m_s") - stated
+    because = (
+        f"{good} of {len(table)} speeds are what 331.4 + 0.6 T gives; "
+        f"the printed ones lie {away.min():+.3f} to {away.max():+.3f} m/s from it"
+    )
+    physical = f"{real[0]:.1f} to {real[-1]:.1f} m/s at 50 % RH"
+    numbers = {"away_low": away.min(), "away_high": away.max()}
+    return claim.found(
+        good == len(table), f"{good}/{len(table)}", because, physical=physical, cells=found, numbers=numbers
+    )
+
+
+@check
+def times(tables: Tables, claim: Claim) -> Finding:
+    """Table 1's echo times against its speeds."""
+    table = tables.table1
+    slow, fast = speeds_as_printed(table)
+    found = cells(table, table.columns["time_s"], time(fast), time(slow))
+    good, wrong = score(found)
+    resolution = float(reading(2.0 * table.half("time_s")[0]))
+    because = (
+        f"{good} of {len(table)} are 4 m at the printed speed{wrong}; "
+        f"a digit of 1 ms is {resolution * 1e3:.0f} mm, so the column cannot give the distances beside it"
+    )
+    return claim.found(good == len(table), f"{good}/{len(table)}", because, cells=found)
+
+
+@check
+def distances(tables: Tables, claim: Claim) -> Finding:
+    """Table 1's measured distances against its speeds."""
+    table = tables.table1
+    slow, fast = speeds_as_printed(table)
+    real = reading_in(REFERENCE_LAW, table.temperature, relative_humidity=INDOORS)
+    found = cells(table, table.columns["measured_distance_m"], reading(time(fast)), reading(time(slow)), real)
+    good, wrong = score(found)
+    because = f"{good} of {len(table)} are 343 m/s times half the echo time at the printed speed{wrong}"
+    physical = f"{real[0]:.3f} to {real[-1]:.3f} m at 50 % RH"
+    return claim.found(good == len(table), f"{good}/{len(table)}", because, physical=physical, cells=found)
+
+
+@check
+def errors(tables: Tables, claim: Claim) -> Finding:
+    """Size of Table 1's errors against its speeds; the sign is a claim of its own."""
+    table = tables.table1
+    slow, fast = speeds_as_printed(table)
+    sizes = np.abs(error(reading(time(np.stack([slow, fast])))))
+    found = cells(table, table.columns["error_percent"], sizes.min(axis=0), sizes.max(axis=0))
+    good, wrong = score(found)
+    because = f"{good} of {len(table)} sizes follow from the printed speeds{wrong}"
+    return claim.found(good == len(table), f"{good}/{len(table)}", because, cells=found)
+
+
+@check
+def error_signs(tables: Tables, claim: Claim) -> Finding:
+    """Signs of Table 1's errors, by the study's own definition of the error."""
+    table = tables.table1
+    signed = error(table.values("measured_distance_m"))
+    kept = np.sign(signed) == np.sign(table.values("error_percent"))
+    marks = [Verdict.REPRODUCED if keeps else Verdict.NOT_REPRODUCED for keeps in kept]
+    found = tuple(
+        Cell(row + 1, float(table.temperature[row]), number.text, float(signed[row]), marks[row])
+        for row, number in enumerate(table.columns["error_percent"])
+    )
+    dropped = table.temperature[~kept]
+    because = f"the sign is dropped in {len(dropped)} of {len(table)} rows"
+    because += f", all from {dropped.min():g} °C up, where the sensor reads too short" if len(dropped) else ""
+    return claim.found(bool(kept.all()), f"{int(kept.sum())}/{len(table)}", because, cells=found)
+
+
+@check
+def calculation_column(tables: Tables, claim: Claim) -> Finding:
+    """Table 2's calculated distances against the study's own equation."""
+    table = tables.table2
+    stated = reading_in(STATED_LAW, table.temperature)
+    real = reading_in(REFERENCE_LAW, table.temperature, relative_humidity=INDOORS)
+    printed = table.columns["measured_distance_calculation_m"]
+    found = cells(table, printed, stated, stated, real)
+    good, _ = score(found)
+    away = (table.values("measured_distance_calculation_m") - stated) * 1e3
+    because = (
+        f"{good} of {len(table)} follow from 331.4 + 0.6 T; {int((away > 0.0).sum())} lie above it, "
+        f"by {away.mean():.2f} mm on average, while rounding scatters to both sides"
+    )
+    if good == len(table):
+        because = f"all {len(table)} follow from 331.4 + 0.6 T"
+    return claim.found(good == len(table), f"{good}/{len(table)}", because, cells=found)
+
+
+@check
+def tables_agree(tables: Tables, claim: Claim) -> Finding:
+    """Table 1's measured distances against Table 2's, at the temperatures of both."""
+    first, second = tables.table1, tables.table2
+    shared, rows1, rows2 = np.intersect1d(first.temperature, second.temperature, return_indices=True)
+    one = [first.columns["measured_distance_m"][row] for row in rows1]
+    two = [second.columns["measured_distance_calculation_m"][row] for row in rows2]
+    differ = [
+        f"{t:g} °C ({a.text} and {b.text})"
+        for t, a, b in zip(shared, one, two, strict=True)
+        if a.value != b.value
+    ]
+    because = (
+        f"{len(differ)} of {len(shared)} rows differ: {'; '.join(differ)}" if differ else "every row agrees"
+    )
+    return claim.found(not differ, f"{len(shared) - len(differ)}/{len(shared)}", because)
+
+
+@check
+def increment(tables: Tables, claim: Claim) -> Finding:
+    """Steps of the temperature columns."""
+    steps = {name: np.diff(table.temperature) for name, table in (("1", tables.table1), ("2", tables.table2))}
+    holds = all(np.all(step == claim.number.value) for step in steps.values())
+    told = [
+        f"Table {name} steps by {', '.join(f'{value:g}' for value in sorted(set(step)))} °C"
+        for name, step in steps.items()
+    ]
+    most = float(np.median(np.concatenate(list(steps.values()))))
+    because = "; ".join(told)
+    extra = sorted(set(tables.table2.temperature) - set(tables.table1.temperature))
+    if extra:
+        because += f": Table 2 has one more row, {', '.join(f'{value:g}' for value in extra)} °C"
+    return claim.found(holds, f"{most:g}", because)

@@ -1,0 +1,124 @@
+"""Claims, verdicts and findings."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from echocal.study.rounding import Printed
+from echocal.study.tables import Tables
+
+__all__ = ["CHECKS", "Cell", "Claim", "Finding", "Verdict", "check"]
+
+
+class Verdict(StrEnum):
+    """What became of a claim."""
+
+    REPRODUCED = "reproduced"
+    NOT_REPRODUCED = "not reproduced"
+    PHYSICALLY_WRONG = "physically wrong"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Something that the study states with a number.
+
+    Attributes
+    ----------
+    id : str
+        Short name.
+    group : str
+        Heading in the report.
+    where : str
+        Section or table of the study.
+    claim : str
+        What it states, in few words.
+    printed : str
+        The number as printed.
+    unit : str
+        Its unit.
+    check : str
+        Name of the function that recomputes it.
+    options : dict
+        Arguments of that function.
+    """
+
+    id: str
+    group: str
+    where: str
+    claim: str
+    printed: str
+    unit: str
+    check: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def number(self) -> Printed:
+        """The printed number, for comparison."""
+        return Printed(self.printed)
+
+    def found(self, verdict: Verdict | bool, recomputed: str, because: str, **more: Any) -> "Finding":
+        """Return the finding; True and False stand for reproduced and not reproduced."""
+        if not isinstance(verdict, Verdict):
+            verdict = Verdict.REPRODUCED if verdict else Verdict.NOT_REPRODUCED
+        numbers = {name: float(value) for name, value in more.pop("numbers", {}).items()}
+        return Finding(self, verdict, recomputed, because, numbers=numbers, **more)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell of a table."""
+
+    row: int
+    temperature: float
+    printed: str
+    recomputed: float
+    verdict: Verdict
+    physical: float | None = None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the project's own tools say about a claim.
+
+    Attributes
+    ----------
+    claim : Claim
+        The claim.
+    verdict : Verdict
+        What became of it.
+    recomputed : str
+        The number that comes out, in the unit of the claim.
+    because : str
+        One sentence with the numbers that decide.
+    physical : str
+        The value in true air, where it differs; empty otherwise.
+    cells : tuple of Cell
+        Row by row, for a claim about a table.
+    numbers : dict of str to float
+        The numbers behind the sentence, unrounded.
+    """
+
+    claim: Claim
+    verdict: Verdict
+    recomputed: str
+    because: str
+    physical: str = ""
+    cells: tuple[Cell, ...] = ()
+    numbers: dict[str, float] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the finding for JSON."""
+        entry = asdict(self)
+        claim: dict[str, Any] = entry.pop("claim")
+        return claim | entry
+
+
+CHECKS: dict[str, Callable[..., Finding]] = {}
+"""How a claim is recomputed, by name: ``check(tables, claim, **options)``."""
+
+
+def check(function: Callable[..., Finding]) -> Callable[[Tables, Claim], Finding]:
+    """Register a check under its own name."""
+    CHECKS[function.__name__] = function
+    return function

@@ -1,0 +1,59 @@
+"""The command, its JSON, its figures and its page."""
+
+import json
+import struct
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from echocal.cli import app
+from echocal.study import run
+from echocal.study.document import render
+from echocal.study.figures import FIGURES
+
+PAGE = Path(__file__).parents[1] / "docs" / "study.md"
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    folder = tmp_path_factory.mktemp("study")
+    result = CliRunner().invoke(app, ["study", "--out", str(folder), "--json", str(folder / "study.json")])
+    assert result.exit_code == 0, result.output
+    return folder, result.output
+
+
+def test_page_is_fresh() -> None:
+    assert PAGE.read_text(encoding="utf-8") == render(run()), "run: echocal study --out docs --quiet"
+
+
+def test_terminal_report(written: tuple[Path, str]) -> None:
+    text = written[1]
+    for part in ("30 reproduced", "Table 1 as printed", "10-bit converter", "latency", "331.300 ✗"):
+        assert part in text
+
+
+def test_json(written: tuple[Path, str]) -> None:
+    found = json.loads((written[0] / "study.json").read_text(encoding="utf-8"))
+    assert found["schema"] == "echocal.study/1"
+    assert found["verdicts"] == {"reproduced": 30, "not reproduced": 13, "physically wrong": 10}
+    claim = found["claims"][0]
+    assert (claim["id"], claim["verdict"], len(claim["cells"])) == ("table1-speed", "not reproduced", 26)
+    assert claim["cells"][5]["printed"] == "337.420"
+    assert {alternative["cause"] for alternative in found["alternatives"]} >= {"fixed_delay.delay"}
+
+
+def test_figures(written: tuple[Path, str]) -> None:
+    for name in FIGURES:
+        data = (written[0] / name).read_bytes()
+        width, height = struct.unpack(">II", data[16:24])
+        assert data[:8] == b"\x89PNG\r\n\x1a\n"
+        assert (width, height) > (1000, 600)
+        assert (PAGE.parent / name).exists()
+
+
+def test_quiet_and_stdout() -> None:
+    quiet = CliRunner().invoke(app, ["study", "--quiet"])
+    assert quiet.output.strip() == "30 reproduced, 13 not reproduced, 10 physically wrong"
+    piped = CliRunner().invoke(app, ["study", "--quiet", "--json", "-"])
+    assert json.loads(piped.stdout)["schema"] == "echocal.study/1"
