@@ -1,3 +1,5 @@
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
@@ -188,3 +190,22 @@ def test_require_names_what_is_missing() -> None:
         data.require("diagnosis", conditions=["temperature"])
     with pytest.raises(echocal.DataError, match=r"reference distance; accepted: distance_m, .*--column"):
         data.require("verification", reference_distance=True)
+
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def test_shipped_examples_read_without_a_word() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        study = echocal.read_observations(EXAMPLES / "study_table2.csv", reading_speed="343")
+        warehouse = echocal.read_observations(EXAMPLES / "warehouse.csv")
+    assert (len(study), len(warehouse)) == (27, 480)
+    assert study.notes == warehouse.notes == ()
+    assert list(warehouse.conditions) == ["temperature", "relative_humidity", "pressure", "elapsed_time"]
+
+
+def test_the_made_example_is_what_its_script_makes() -> None:
+    script = EXAMPLES / "make_warehouse.py"
+    made = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True).stdout
+    assert made == (EXAMPLES / "warehouse.csv").read_text()

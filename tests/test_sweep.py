@@ -22,7 +22,9 @@ DEVICE = echocal.Model(
 
 
 def test_every_cell_is_the_model_at_its_conditions() -> None:
-    grid = echocal.sweep(DEVICE, temperature=(0, 50, 10), distance=[0.5, 2.0], relative_humidity=(0, 1, 0.5))
+    grid = echocal.sweep(
+        DEVICE, temperature=(0, 50, 10), distance=[0.5, 2.0], relative_humidity=(0, 0.4, 0.2)
+    )
     assert grid.error.dims == ("temperature", "distance", "relative_humidity")
     for cell in product(*(grid[name].to_numpy().tolist() for name in grid.error.dims)):
         at = dict(zip(grid.error.dims, cell, strict=True))
@@ -160,3 +162,9 @@ def test_figure_shows_what_changes() -> None:
     assert [ax.get_ylabel() for ax in device.axes] == ["speed of sound [m/s]", "echo time [ms]", "error [mm]"]
     assert [ax.get_ylabel() for ax in base.axes] == ["speed of sound [m/s]", "echo time [ms]"]
     plt.close("all")
+
+
+def test_leaving_the_domain_is_said_once() -> None:
+    with pytest.warns(echocal.DomainWarning, match="water_vapor_mole_fraction") as caught:
+        echocal.sweep("cramer", temperature=(0, 50, 10), relative_humidity=1.0)
+    assert len(caught) == 1

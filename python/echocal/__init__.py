@@ -17,6 +17,7 @@ from echocal.model import Model
 from echocal.observations import Observations, read_observations
 from echocal.registry import effects
 from echocal.sweep import sweep
+from echocal.verify import Verification, verify, verify_model
 
 __all__ = [
     "DEPARTURES",
@@ -31,6 +32,7 @@ __all__ = [
     "Observations",
     "Regression",
     "UsageError",
+    "Verification",
     "absorption",
     "calibrate",
     "departures",
@@ -42,4 +44,6 @@ __all__ = [
     "speed_of_sound",
     "sweep",
     "time_of_flight",
+    "verify",
+    "verify_model",
 ]

@@ -9,7 +9,7 @@ from echocal.errors import EchocalError
 
 __all__ = ["COMMANDS", "app", "main"]
 
-COMMANDS = ("effects", "study")
+COMMANDS = ("correct", "effects", "study", "sweep", "verify")
 """Every command: ``echocal NAME`` is ``command`` of ``echocal.cli.NAME``, a function or an app of its own."""
 
 app = typer.Typer(
@@ -18,6 +18,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # help texts name units in brackets, which markup would swallow
 )
 
 for _name in COMMANDS:

@@ -88,8 +88,8 @@ def disagreeing(
         If that is most rows.
     """
     expected = speed.reading(echo_time)
-    # any fixed speed is within 10 % of any law; a stated one must fit; 10 mm is integer centimeters
-    tolerance = 0.01 + (0.01 if speed.stated else 0.10) * np.abs(expected)
+    # any speed that firmware uses is within 10 % of any law; 10 mm is integer centimeters
+    tolerance = 0.01 + 0.10 * np.abs(expected)
     known = np.isfinite(reading) & np.isfinite(expected)
     apart = known & (np.abs(reading - expected) > tolerance)
     if 2 * apart.sum() > known.sum():

@@ -1,6 +1,7 @@
 """Sweeps: a model over a grid of conditions, as a labeled grid with units."""
 
 import json
+import warnings
 from importlib.metadata import version
 
 import numpy as np
@@ -8,12 +9,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
-from echocal.errors import UsageError
+from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.sweep.files import write
-from echocal.sweep.grid import Range, axis, parse
+from echocal.sweep.grid import Range, axis, parse, parse_named
 
-__all__ = ["parse", "sweep", "write"]
+__all__ = ["Range", "parse", "parse_named", "sweep", "write"]
 
 _LARGEST = 100_000_000
 _CF_UNITS = {"degC": "degC", "m/s": "m s-1", "W/m^2": "W m-2"}
@@ -104,13 +105,15 @@ def _simulate(
     model: Model, shape: tuple[int, ...], placed: dict[str, NDArray[np.float64]]
 ) -> dict[str, NDArray[np.float64]]:
     distance = np.broadcast_to(placed.pop("distance"), shape)
-    indication = model.indicate(distance, **placed)
-    return {
-        "speed_of_sound": model.speed_of_sound(distance, **placed),
-        "time_of_flight": model.time_of_flight(distance, **placed),
-        "indication": indication,
-        "error": indication - distance,
-    }
+    indication = np.asarray(model.indicate(distance, **placed))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DomainWarning)  # it was said once
+        return {
+            "speed_of_sound": np.asarray(model.speed_of_sound(distance, **placed)),
+            "time_of_flight": np.asarray(model.time_of_flight(distance, **placed)),
+            "indication": indication,
+            "error": indication - distance,
+        }
 
 
 def _placed(values: NDArray[np.float64], name: str, dimensions: list[str]) -> NDArray[np.float64]:

@@ -6,9 +6,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.conditions import QUANTITIES
 from echocal.errors import UsageError
+from echocal.observations.units import NAMES
 
-__all__ = ["Range", "axis", "parse"]
+__all__ = ["Range", "axis", "parse", "parse_named"]
 
 Range: TypeAlias = "float | tuple[float, float, float] | Sequence[float] | NDArray[np.float64]"
 """One value; (start, stop, step), stop included; or values one by one."""
@@ -56,6 +58,24 @@ def parse(name: str, text: str) -> Range:
             return numbers
     message = f"{name}: '{text}' is no range; write 20, or 0:50:2 (start:stop:step), or 0.5,1,2"
     raise UsageError(message)
+
+
+def parse_named(text: str) -> tuple[str, NDArray[np.float64]]:
+    """Quantity and its values [SI] of a text with the unit in the name: ``humidity_percent=0:100:20``.
+
+    Raises
+    ------
+    UsageError
+        If the name is none of a table's columns, or the range is none.
+    """
+    name, _, range_ = text.partition("=")
+    form, unit = NAMES.get(name, (None, ""))
+    quantity = {"reference_distance": "distance"}.get(form.quantity, form.quantity) if form else ""
+    if form is None or quantity not in {"distance", *QUANTITIES}:
+        known = (column for column, (other, _) in NAMES.items() if other.quantity in QUANTITIES)
+        message = f"'{name}' names no influence quantity with its unit; known: {', '.join(known)}"
+        raise UsageError(message)
+    return quantity, form.units[unit].to_si(axis(name, parse(name, range_)))
 
 
 def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:

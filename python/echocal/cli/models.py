@@ -1,0 +1,45 @@
+"""What every command that takes a model shares."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+from echocal.errors import UsageError
+from echocal.model import Model
+
+__all__ = ["Effects", "model_of"]
+
+Effects: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--effect", metavar="ID:NAME=VALUE,...", help='Effect on the law: "fixed_speed:weight=1,speed=343".'
+    ),
+]
+
+
+def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) -> Model:
+    """Model of a file, or of a law and effects.
+
+    Raises
+    ------
+    UsageError
+        If both are given, or an effect is not of the form ``ID:NAME=VALUE,...``.
+    """
+    if path is None:
+        return Model(law or "cramer", dict(_effect(text) for text in effects or ()))
+    if law is not None or effects:
+        message = "give a model file or a law with effects, not both"
+        raise UsageError(message)
+    return Model.load(path)
+
+
+def _effect(text: str) -> tuple[str, dict[str, float]]:
+    id_, _, parameters = text.partition(":")
+    try:
+        pairs = (pair.split("=") for pair in parameters.split(",") if pair)
+        return id_, {name.strip(): float(value) for name, value in pairs}
+    except ValueError:
+        message = f'--effect "{text}" is not of the form ID:NAME=VALUE,...; e.g. "fixed_delay:delay=30e-6"'
+        raise UsageError(message) from None

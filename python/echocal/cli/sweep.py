@@ -1,0 +1,95 @@
+"""``echocal sweep``: a model over a grid of conditions."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+import xarray as xr
+from rich.console import Console
+from rich.table import Table
+
+from echocal.cli.models import Effects, model_of
+from echocal.cli.tables import Json, Quiet, noted, write_json
+from echocal.errors import DataError, UsageError
+from echocal.sweep import Range, parse, parse_named, sweep, write
+
+
+def command(
+    temperature: Annotated[
+        str | None, typer.Option(metavar="RANGE", help="Air temperature [degC]: 20, 0:50:2 or 0,20,50.")
+    ] = None,
+    distance: Annotated[
+        str | None, typer.Option(metavar="RANGE", help="True distance [m]; default 2.")
+    ] = None,
+    relative_humidity: Annotated[
+        str | None, typer.Option(metavar="RANGE", help="Relative humidity [1], 0 to 1.")
+    ] = None,
+    pressure: Annotated[str | None, typer.Option(metavar="RANGE", help="Air pressure [Pa].")] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=RANGE", help='Any quantity, unit in the name: "humidity_percent=0:100:20".'
+        ),
+    ] = None,
+    law: Annotated[str | None, typer.Option(help="Law or expression; default cramer.")] = None,
+    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file instead of a law.")] = None,
+    effect: Effects = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write .csv, .parquet or .nc.")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a plot: .png, .svg, .pdf.")] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a device over every combination of conditions."""
+    si = {
+        "temperature": temperature,
+        "distance": distance,
+        "relative_humidity": relative_humidity,
+        "pressure": pressure,
+    }
+    ranges = _ranges(si, at or [])
+    with noted(quiet):
+        grid = sweep(model_of(law, model, effect), **ranges)
+    if plot is not None:
+        _plot(grid, plot)
+    if out is not None:
+        write(grid, out)
+    write_json({"schema": "echocal.sweep/1", **grid.to_dict()}, json)
+    if not quiet and json != "-":
+        _summarize(grid)
+
+
+def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
+    ranges: dict[str, Range] = {name: parse(name, text) for name, text in si.items() if text is not None}
+    ranges |= dict(parse_named(text) for text in named)
+    if "temperature" not in ranges:
+        message = "sweep needs a temperature: --temperature 0:50:2"
+        raise UsageError(message)
+    return ranges
+
+
+def _plot(grid: xr.Dataset, path: Path) -> None:
+    from echocal.plots.sweep import sweep_figure  # matplotlib takes a second to import
+
+    if not grid.sizes:
+        message = "a single point makes no plot; give a range, such as --temperature 0:50:2"
+        raise UsageError(message)
+    try:
+        sweep_figure(grid).savefig(path, dpi=150)
+    except OSError as error:
+        message = f"{path} cannot be written: {error.strerror}"
+        raise DataError(message) from None
+    except ValueError as error:  # an ending that matplotlib does not know
+        raise UsageError(str(error)) from None
+
+
+def _summarize(grid: xr.Dataset) -> None:
+    title = f"{grid.attrs['model']}: {grid['error'].size} points"
+    table = Table("quantity", "least", "greatest", "unit", title=title)
+    for name, values in grid.data_vars.items():
+        least, greatest = (f"{float(value):.6g}" for value in (values.min(), values.max()))
+        table.add_row(
+            str(name).replace("_", " "), least, greatest, values.attrs["units"].replace(" s-1", "/s")
+        )
+    Console().print(table)

@@ -1,0 +1,137 @@
+"""What every command that reads a table shares: options, notes, JSON."""
+
+import json
+import math
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import typer
+from rich.console import Console
+
+from echocal.errors import DataError, DataWarning, DomainWarning, UsageError
+from echocal.observations import Observations, read_observations
+from echocal.observations.plan import read_columns
+
+__all__ = ["Columns", "Json", "Missing", "Quiet", "ReadingSpeed", "SkipLines", "TimeZone", "Trust"]
+__all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read", "write_json"]
+
+Columns: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--column", metavar="A=B", help='What a column holds: "SR_U=reading_m"; or a TOML file of pairs.'
+    ),
+]
+Missing: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--missing", metavar="[A=]CODE", help='Error code for "no value": -9999, or "Distance [mm]=9999".'
+    ),
+]
+ReadingSpeed: TypeAlias = Annotated[
+    str | None,
+    typer.Option(metavar="C", help='Speed that readings were made with: 343, "331.4+0.6*T", a law.'),
+]
+Trust: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--trust", metavar="A", help="Column that is right although it looks like another unit."),
+]
+TimeZone: TypeAlias = Annotated[str, typer.Option(help="Zone of times without an offset.")]
+SkipLines: TypeAlias = Annotated[int, typer.Option(min=0, help="Lines before the header.")]
+Decimal: TypeAlias = Annotated[str, typer.Option(help="Decimal separator of a text file.")]
+Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
+Json: TypeAlias = Annotated[
+    str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - is stdout.")
+]
+Quiet: TypeAlias = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+
+
+def column_requests(texts: Sequence[str] | None) -> dict[str, str]:
+    """Requests by column from ``A=B`` pairs and TOML files; what comes later wins."""
+    requests: dict[str, str] = {}
+    for text in texts or ():
+        column, equals, request = text.rpartition("=")
+        if equals:
+            requests[column] = request
+        elif text.endswith(".toml"):
+            requests |= read_columns(text)
+        else:
+            message = f'--column "{text}" is neither a pair ("SR_U=reading_m") nor a TOML file'
+            raise UsageError(message)
+    return requests
+
+
+def error_codes(texts: Sequence[str] | None) -> dict[str, list[str]]:
+    """Error codes by column; those for all columns under the empty name."""
+    codes: dict[str, list[str]] = {}
+    for text in texts or ():
+        column, _, code = text.rpartition("=")
+        codes.setdefault(column, []).append(code)
+    return codes
+
+
+def options_of(
+    columns: Sequence[str] | None, missing: Sequence[str] | None, trust: Sequence[str] | None, **others: Any
+) -> dict[str, Any]:
+    """Arguments of `read_observations` from those of a command."""
+    return {
+        "columns": column_requests(columns),
+        "missing": error_codes(missing),
+        "trust": trust or (),
+        **others,
+    }
+
+
+@contextmanager
+def noted(quiet: bool) -> Iterator[None]:
+    """Turn warnings of echocal into notes, each once."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    ours = (warning for warning in caught if issubclass(warning.category, DataWarning | DomainWarning))
+    notes(list(dict.fromkeys(str(warning.message) for warning in ours)), quiet)
+
+
+def read(source: Any, quiet: bool, **options: Any) -> Observations:
+    """Read a table; its notes go to stderr."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)  # the notes say the same
+        observations = read_observations(source, **options)
+    notes(observations.notes, quiet)
+    return observations
+
+
+def notes(texts: Sequence[str], quiet: bool) -> None:
+    """Print what a person should know, beside the result."""
+    console = Console(stderr=True, quiet=quiet, soft_wrap=True, highlight=False)
+    for text in texts:
+        console.print(f"note: {text}", markup=False, style="yellow")
+
+
+def write_json(document: dict[str, Any], target: str | None) -> None:
+    """Write a document to a file, or to stdout for ``-``; not a number is null."""
+    if target is None:
+        return
+    text = json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
+    if target == "-":
+        sys.stdout.write(text)
+        return
+    try:
+        Path(target).write_text(text, encoding="utf-8")
+    except OSError as error:
+        message = f"{target} cannot be written: {error.strerror}"
+        raise DataError(message) from None
+
+
+def _finite(value: Any) -> Any:
+    match value:
+        case dict():
+            return {name: _finite(item) for name, item in value.items()}
+        case list() | tuple():
+            return [_finite(item) for item in value]
+        case float() if not math.isfinite(value):
+            return None
+    return value

@@ -1,0 +1,86 @@
+"""``echocal verify``: within the maximum permissible error, or not."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from echocal.cli.tables import (
+    Columns,
+    Json,
+    Missing,
+    Quiet,
+    ReadingSpeed,
+    SkipLines,
+    TimeZone,
+    Trust,
+    noted,
+    options_of,
+    read,
+    write_json,
+)
+from echocal.model import Model
+from echocal.sweep import parse
+from echocal.verify import Verification, verify, verify_model
+
+
+def command(
+    subject: Annotated[
+        Path, typer.Argument(metavar="MODEL|DATA", help="Model file (.json), or table with references.")
+    ],
+    maximum_permissible_error_mm: Annotated[
+        float, typer.Option(metavar="MM", help="Bound for every error [mm].")
+    ],
+    model: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Correct the table with this model first.")
+    ] = None,
+    law: Annotated[str, typer.Option(help="Law that makes indications of echo times.")] = "linear",
+    temperature: Annotated[
+        str, typer.Option(metavar="RANGE", help="For a model: temperatures [degC].")
+    ] = "0:50:1",
+    distance: Annotated[str, typer.Option(metavar="RANGE", help="For a model: distances [m].")] = "0.1:4:0.1",
+    column: Columns = None,
+    missing: Missing = None,
+    trust: Trust = None,
+    reading_speed: ReadingSpeed = None,
+    time_zone: TimeZone = "UTC",
+    skip_lines: SkipLines = 0,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Examine errors of indication against a bound; exit 1 where one exceeds it."""
+    bound = maximum_permissible_error_mm * 1e-3
+    with noted(quiet):
+        if subject.suffix == ".json":
+            ranges = {
+                name: parse(name, text)
+                for name, text in (("temperature", temperature), ("distance", distance))
+            }
+            result = verify_model(Model.load(subject), maximum_permissible_error=bound, **ranges)
+        else:
+            correction = None if model is None else Model.load(model)
+            speed = reading_speed or (correction.law if correction else None)
+            others = {"reading_speed": speed, "time_zone": time_zone, "skip_lines": skip_lines}
+            observations = read(subject, quiet, **options_of(column, missing, trust, **others))
+            result = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
+    write_json(result.to_dict(), json)
+    if not quiet and json != "-":
+        _print(result)
+    if not result.passed:
+        raise typer.Exit(1)
+
+
+def _print(result: Verification) -> None:
+    verdict = "[bold green]passed[/]" if result.passed else "[bold red]failed[/]"
+    table = Table(show_header=False, title=f"verification {verdict}")
+    place = ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in result.worst.items())
+    table.add_row("maximum permissible error", f"{result.maximum_permissible_error * 1e3:g} mm")
+    table.add_row("maximum error", f"{result.maximum_error * 1e3:+.3f} mm at {place}")
+    table.add_row("mean error", f"{result.mean_error * 1e3:+.3f} mm")
+    table.add_row("root mean square error", f"{result.rms_error * 1e3:.3f} mm")
+    table.add_row("errors examined", f"{result.count}, of which {result.exceeding} exceed the bound")
+    for reason, count in result.unusable.items():
+        table.add_row("not examined", f"{count} rows: {reason}")
+    Console().print(table)

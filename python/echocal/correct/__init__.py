@@ -1,0 +1,6 @@
+"""Correction: tables in, the same tables with a corrected distance out."""
+
+from echocal.correct.files import correct_file, correct_folder
+from echocal.correct.tables import Corrected, correct_table
+
+__all__ = ["Corrected", "correct_file", "correct_folder", "correct_table"]

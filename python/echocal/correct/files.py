@@ -1,0 +1,141 @@
+"""Correct files: CSV and Parquet, one or a folder of them; complete or not there."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+
+from echocal.correct.tables import RESULTS, Corrected, correct_table
+from echocal.errors import DataError, UsageError
+from echocal.model import Model
+from echocal.observations.source import load
+from echocal.observations.text import Layout
+
+__all__ = ["correct_file", "correct_folder"]
+
+_TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
+
+
+def correct_file(
+    source: Path,
+    out: Path,
+    model: Model,
+    columns: Mapping[str, str] | None = None,
+    *,
+    layout: Layout | None = None,
+    **options: Any,
+) -> Corrected:
+    """Correct one file; fields of a text file that goes to a text file stay letter for letter.
+
+    Parameters
+    ----------
+    source, out : Path
+        Text or Parquet; `out` by its ending (.csv, .tsv, either with .gz, .parquet).
+    model : Model
+        What nature and device do.
+    columns : mapping of str to str, optional
+        What columns hold.
+    layout : Layout, optional
+        How a text file is written.
+    **options
+        As in `echocal.read_observations`.
+
+    Raises
+    ------
+    DataError
+        If a file cannot be read or written; there is no output then.
+    UsageError
+        If the ending of `out` is unknown, or `out` is `source`.
+    """
+    ending = _ending(out)
+    if out.exists() and out.samefile(source):
+        message = f"{out} is the input itself; choose another output"
+        raise UsageError(message)
+    layout = layout or Layout()
+    corrected = correct_table(load(source, layout), model, columns, **options)
+    results = corrected.table[list(RESULTS)]
+    if ending == ".parquet":
+        _replace(out, lambda path: _write_parquet(corrected.table, path))
+    else:
+        verbatim = load(source, layout, verbatim=True)
+        _replace(out, lambda path: _write_text(verbatim.join(results), path, ending, layout.decimal))
+    return corrected
+
+
+def correct_folder(
+    source: Path,
+    out: Path,
+    model: Model,
+    columns: Mapping[str, str] | None = None,
+    *,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+    **options: Any,
+) -> dict[Path, Corrected]:
+    """Correct every Parquet file of a folder into another folder, under the same names.
+
+    Parameters
+    ----------
+    progress : callable
+        Called with the files done and their total, after each.
+
+    Returns
+    -------
+    dict of Path to Corrected
+        By output file, without the tables.
+    """
+    files = sorted(source.rglob("*.parquet"))
+    if not files:
+        message = f"{source} has no .parquet file"
+        raise DataError(message)
+    if out.resolve() == source.resolve():
+        message = f"{out} is the input itself; choose another output"
+        raise UsageError(message)
+    done: dict[Path, Corrected] = {}
+    for file in files:
+        target = out / file.relative_to(source)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            result = correct_file(file, target, model, columns, **options)
+        except DataError as error:
+            message = f"{file}: {error} ({len(done)} of {len(files)} files are done)"
+            raise DataError(message) from None
+        done[target] = replace(result, table=result.table.iloc[:0])
+        progress(len(done), len(files))
+    return done
+
+
+def _ending(path: Path) -> str:
+    ending = next((ending for ending in (*_TEXTS, ".parquet") if path.name.lower().endswith(ending)), None)
+    if ending is None:
+        message = f"cannot write {path}; endings: {', '.join(_TEXTS)}, .parquet"
+        raise UsageError(message)
+    return ending
+
+
+def _replace(out: Path, write: Callable[[Path], None]) -> None:
+    """Write beside the file, then put it in place: a reader never sees half a file."""
+    unfinished = out.with_name(f"{out.name}.tmp")
+    try:
+        write(unfinished)
+        unfinished.replace(out)
+    except OSError as error:
+        message = f"{out} cannot be written: {error.strerror or error}"
+        raise DataError(message) from None
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _write_parquet(table: pd.DataFrame, path: Path) -> None:
+    table.astype({RESULTS[1]: "category"}).to_parquet(path, index=False)
+
+
+def _write_text(table: pd.DataFrame, path: Path, ending: str, decimal: str) -> None:
+    # a separator at the end of lines made columns without a name
+    names = ["" if str(name).startswith("Unnamed ") else str(name) for name in table.columns]
+    separator = "\t" if ending.startswith(".tsv") else ";" if decimal == "," else ","
+    compression: Literal["gzip"] | None = "gzip" if ending.endswith(".gz") else None
+    rounded = table.assign(**{RESULTS[0]: np.round(table[RESULTS[0]], 9)})  # to a nanometer
+    rounded.to_csv(path, index=False, header=names, sep=separator, decimal=decimal, compression=compression)

@@ -1,0 +1,119 @@
+"""Append a corrected distance and a reason code to a table."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from echocal.errors import DataError, DataWarning
+from echocal.model import Model
+from echocal.observations import read_observations
+from echocal.observations.correction import corrected_distance
+from echocal.observations.names import IGNORE
+from echocal.observations.plan import make, read_columns
+
+__all__ = ["RESULTS", "Corrected", "correct_table"]
+
+RESULTS = ("corrected_distance_m", "unusable")
+"""Names of the two columns that a correction appends."""
+
+_REFERENCES = ("reference_distance", "stand", "group", "order")
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A corrected table.
+
+    Attributes
+    ----------
+    table : pandas.DataFrame, shape (n, m + 2)
+        The table as it was, and ``corrected_distance_m`` [m] and ``unusable``, a reason code.
+    rows : int
+        Number of rows.
+    unusable : dict of str to int
+        Rows without a corrected distance, by reason code.
+    notes : tuple of str
+        What a person should know.
+    """
+
+    table: pd.DataFrame
+    rows: int
+    unusable: dict[str, int]
+    notes: tuple[str, ...]
+
+
+def correct_table(
+    table: pd.DataFrame,
+    model: Model,
+    columns: Mapping[str, str] | None = None,
+    *,
+    reading_speed: str | None = None,
+    **options: Any,
+) -> Corrected:
+    """Correct every row of a table, in its order.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame, shape (n, m)
+        Echoes; see `echocal.read_observations`.
+    model : Model
+        What nature and device do.
+    columns : mapping of str to str, optional
+        What columns hold.
+    reading_speed : str, optional
+        Speed that the firmware made readings with; default: the law of the model.
+    **options
+        As in `echocal.read_observations`.
+
+    Returns
+    -------
+    Corrected
+        As many rows as the table has; NaN and a reason code where a row could not be used.
+
+    Raises
+    ------
+    DataError
+        If the table cannot be read, lacks what the model needs, or was corrected before.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> import echocal
+    >>> from echocal.correct import correct_table
+    >>> device = echocal.Model("linear", {"fixed_delay": {"delay": 30e-6}})
+    >>> echoes = pd.DataFrame({"echo_us": [11680.0, 5860.0], "temperature_C": [20.0, 20.0]})
+    >>> correct_table(echoes, device).table["corrected_distance_m"].round(6).tolist()
+    [2.000305, 1.001011]
+    """
+    taken = [name for name in RESULTS if name in table.columns]
+    if taken:
+        message = f"the table already has a column '{taken[0]}': it was corrected before; rename or remove it"
+        raise DataError(message)
+    requests = read_columns(columns)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)  # the notes say the same
+        observations = read_observations(
+            table,
+            _without_references(list(table.columns), requests),
+            reading_speed=reading_speed or model.law,
+            **options,
+        )
+    distance = corrected_distance(observations, model)
+    reasons = np.where(observations.usable & np.isnan(distance), "no distance fits", observations.unusable)
+    codes, counts = np.unique(reasons[reasons != ""], return_counts=True)
+    return Corrected(
+        table.assign(**dict(zip(RESULTS, (distance, reasons), strict=True))),
+        len(table),
+        dict(zip(codes.tolist(), counts.tolist(), strict=True)),
+        observations.notes,
+    )
+
+
+def _without_references(names: list[str], requests: dict[str, str]) -> dict[str, str]:
+    """Requests that leave out what a correction has no use for: it must not cost a row."""
+    names = [str(name).strip() for name in names]
+    held = make(names, requests).assignments
+    return requests | {held[role].column: IGNORE for role in _REFERENCES if role in held}

@@ -1,0 +1,44 @@
+"""Distances from observations, by a law alone or by a model."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DataError
+from echocal.model import Model
+from echocal.observations.table import Observations
+
+__all__ = ["base_indication", "corrected_distance"]
+
+Column = NDArray[np.float64]
+
+
+def base_indication(observations: Observations, law: str) -> Column:
+    """Indication [m], shape (n,), that a law makes of the recorded echo times.
+
+    Where readings were turned into echo times with this law, these are the readings again.
+    """
+    return np.asarray(Model(law).distance(observations.echo_time, **_conditions(observations)))
+
+
+def corrected_distance(observations: Observations, model: Model) -> Column:
+    """Distance [m], shape (n,), by a model; NaN in unusable rows.
+
+    Effects of the firmware and of the indication count too: the model inverts the whole chain
+    from the indication of its own law, as it was fitted.
+
+    Raises
+    ------
+    DataError
+        If the model needs a condition that the table does not have.
+    """
+    indication = base_indication(observations, model.law)
+    try:
+        distance = np.asarray(model.correct(indication, **_conditions(observations)))
+    except DataError as error:
+        message = f'{error}; map a column with --column, or leave one out with --column "NAME=ignore"'
+        raise DataError(message) from None
+    return np.where(observations.usable, distance, np.nan)
+
+
+def _conditions(observations: Observations) -> dict[str, Column]:
+    return dict(observations.conditions)

@@ -1,0 +1,205 @@
+"""Verification: whether every error of indication stays within the maximum permissible error."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DataError, UsageError
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.observations.correction import base_indication, corrected_distance
+from echocal.sweep import Range, sweep
+
+__all__ = ["Verification", "verify", "verify_model"]
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Outcome of a verification (VIM 2.44) by simple acceptance, no guard band.
+
+    Attributes
+    ----------
+    passed : bool
+        Whether no error exceeds the maximum permissible error.
+    maximum_permissible_error : float
+        The bound (VIM 4.26) [m].
+    maximum_error : float
+        Error of indication with the largest magnitude, with its sign [m].
+    mean_error : float
+        Mean error [m]: the instrumental bias where conditions repeat.
+    rms_error : float
+        Root mean square error [m].
+    count : int
+        Errors that were examined.
+    exceeding : int
+        Errors that exceed the bound.
+    worst : dict of str to float
+        Where the maximum error is: the row (1 is the first), or the conditions [SI].
+    unusable : dict of str to int
+        Rows that could not be examined, by reason code.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> table = {"reading_mm": [1998, 2004], "distance_mm": [2000, 2000], "temperature_C": [20, 20]}
+    >>> echocal.verify(echocal.read_observations(table), maximum_permissible_error=3e-3).passed
+    False
+    """
+
+    passed: bool
+    maximum_permissible_error: float
+    maximum_error: float
+    mean_error: float
+    rms_error: float
+    count: int
+    exceeding: int
+    worst: dict[str, float]
+    unusable: dict[str, int]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, schema ``echocal.verification/1``; lengths in meters."""
+        return {"schema": "echocal.verification/1", **asdict(self)}
+
+
+def verify(
+    observations: Observations,
+    *,
+    maximum_permissible_error: float,
+    model: Model | None = None,
+    law: str = "linear",
+) -> Verification:
+    """Compare indications with reference distances, row by row.
+
+    Parameters
+    ----------
+    observations : Observations
+        Rows with a reference distance.
+    maximum_permissible_error : float
+        Bound for the magnitude of every error [m].
+    model : Model, optional
+        Correct indications with this model first.
+    law : str
+        Law that turns echo times into indications where the table has no readings, and no model
+        is given.
+
+    Returns
+    -------
+    Verification
+        Passed or failed, with the maximum error and its row.
+
+    Raises
+    ------
+    DataError
+        If there is no reference distance or no usable row.
+    UsageError
+        If the bound is not a positive length.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> table = {"echo_us": [11650, 11700], "distance_m": [2.0, 2.0], "temperature_C": [20, 20]}
+    >>> data = echocal.read_observations(table)
+    >>> result = echocal.verify(data, maximum_permissible_error=5e-3)
+    >>> result.passed, result.worst, round(result.maximum_error * 1e3, 2)
+    (False, {'row': 2}, 8.89)
+    """
+    observations.require("verification", reference_distance=True)
+    assert observations.reference_distance is not None  # required above
+    usable = np.flatnonzero(observations.usable)
+    indication = _indication(observations, model, law)
+    errors = (indication - observations.reference_distance)[usable]
+    return _judge(
+        errors,
+        maximum_permissible_error,
+        lambda position: {"row": int(usable[position]) + 1},
+        observations.unusable_counts,
+    )
+
+
+def verify_model(
+    model: Model,
+    *,
+    maximum_permissible_error: float,
+    temperature: Range,
+    distance: Range,
+    **conditions: Range,
+) -> Verification:
+    """Examine the error of a simulated device over every combination of conditions.
+
+    Parameters
+    ----------
+    model : Model
+        The device.
+    maximum_permissible_error : float
+        Bound for the magnitude of every error [m].
+    temperature, distance, **conditions : range
+        As in `echocal.sweep`.
+
+    Returns
+    -------
+    Verification
+        Passed or failed, with the maximum error and its conditions.
+
+    Raises
+    ------
+    UsageError
+        If the bound is not a positive length or a range is none.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> device = echocal.Model("linear", {"fixed_speed": {"weight": 1.0, "speed": 343.0}})
+    >>> result = echocal.verify_model(
+    ...     device, maximum_permissible_error=3e-3, temperature=(0, 50, 2), distance=2.0
+    ... )
+    >>> result.passed, result.worst
+    (False, {'temperature': 50.0, 'distance': 2.0})
+    """
+    grid = sweep(model, temperature=temperature, distance=distance, **conditions)
+    errors = grid.error.to_numpy()
+
+    def where(position: int) -> dict[str, float]:
+        index = np.unravel_index(position, errors.shape)
+        at = dict(zip(grid.error.dims, index, strict=True))
+        return {str(name): float(grid[name][at.get(name, ())]) for name in grid.coords}
+
+    return _judge(errors.ravel(), maximum_permissible_error, where, {})
+
+
+def _judge(
+    errors: NDArray[np.float64],
+    bound: float,
+    where: Callable[[int], dict[str, float]],
+    unusable: dict[str, int],
+) -> Verification:
+    if not 0 < bound < np.inf:
+        message = f"the maximum permissible error must be a positive length, got {bound} m"
+        raise UsageError(message)
+    if np.isnan(errors).any():
+        row = int(np.flatnonzero(np.isnan(errors))[0])
+        message = (
+            f"{np.isnan(errors).sum()} errors are not a number, first at {where(row)}: a condition is missing"
+        )
+        raise DataError(message)
+    worst = int(np.argmax(np.abs(errors)))
+    exceeding = int(np.sum(np.abs(errors) > bound))
+    return Verification(
+        passed=exceeding == 0,
+        maximum_permissible_error=bound,
+        maximum_error=float(errors[worst]),
+        mean_error=float(errors.mean()),
+        rms_error=float(np.sqrt(np.mean(errors**2))),
+        count=errors.size,
+        exceeding=exceeding,
+        worst=where(worst),
+        unusable=unusable,
+    )
+
+
+def _indication(observations: Observations, model: Model | None, law: str) -> NDArray[np.float64]:
+    if model is not None:
+        return corrected_distance(observations, model)
+    return base_indication(observations, law) if observations.reading is None else observations.reading
