@@ -32,17 +32,7 @@ pub fn minimax(points: Points<'_>, degree: usize) -> (Vec<f64>, f64) {
         let all: Vec<usize> = (0..count).collect();
         return (interpolate(points, &all, 0.0, degree), 0.0);
     }
-    // Chebyshev's extrema are where a smooth function's errors alternate.
-    let spread = |k: usize| {
-        let angle = std::f64::consts::PI * k as f64 / (degree + 1) as f64;
-        ((1.0 - angle.cos()) / 2.0 * (count - 1) as f64).round() as usize
-    };
-    let mut reference: Vec<usize> = (0..degree + 2).map(spread).collect();
-    for k in 1..reference.len() {
-        reference[k] = reference[k]
-            .max(reference[k - 1] + 1)
-            .min(count - (degree + 2 - k));
-    }
+    let mut reference = extrema(count, degree + 2);
     let mut best = (vec![0.0; degree + 1], f64::INFINITY);
     for _ in 0..EXCHANGES {
         let level = level(points, &reference);
@@ -65,6 +55,20 @@ pub fn minimax(points: Points<'_>, degree: usize) -> (Vec<f64>, f64) {
         reference = next.unwrap_or(reference);
     }
     best
+}
+
+/// `size` of `count` points, spread like the extrema of Chebyshev's polynomial: near where the errors of a smooth
+/// function alternate.
+fn extrema(count: usize, size: usize) -> Vec<usize> {
+    let spread = |k: usize| {
+        let angle = std::f64::consts::PI * k as f64 / (size - 1) as f64;
+        ((1.0 - angle.cos()) / 2.0 * (count - 1) as f64).round() as usize
+    };
+    let mut points: Vec<usize> = (0..size).map(spread).collect();
+    for k in 1..size {
+        points[k] = points[k].max(points[k - 1] + 1).min(count - (size - k));
+    }
+    points
 }
 
 /// The value of a polynomial.

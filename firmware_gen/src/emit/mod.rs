@@ -10,6 +10,7 @@ use crate::design::Design;
 use crate::device::{Axis, Device};
 use crate::error::Error;
 use crate::ir::{Range, Table};
+use crate::prove::Worst;
 use crate::reference::place;
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Serialize;
@@ -104,31 +105,10 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
 /// # Errors
 /// [`Error::Template`] if a template fails, a defect of this crate.
 pub fn emit(design: &Design, device: &Device, provenance: &Provenance) -> Result<Artifacts, Error> {
-    let axes: Vec<&Axis> = device.axes().collect();
-    let (locals, result) = c::statements(&design.program);
-    let read = |axis: &&&Axis| design.program.reads(&axis.name) || !outside(axis).is_empty();
-    let unused: Vec<&str> = axes
-        .iter()
-        .filter(|axis| !read(axis))
-        .map(|axis| axis.name.as_str())
-        .collect();
-    let worst = design.proof.bounded;
-    let far = design.proof.overall;
     let context = context! {
-        parameters => axes.iter().map(|axis| parameter(axis)).collect::<Vec<_>>(),
-        outside => axes.iter().flat_map(|axis| outside(axis)).collect::<Vec<_>>(),
-        unused, locals, result, provenance,
-        tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),
-        table_bytes => design.program.table_bytes(),
-        form => design.form.describe(),
-        asked_mm => (provenance.maximum_error * 1e12).round() / 1e9,
-        proven_mm => millimeters(worst.error),
-        worst => place(device, worst.row, worst.echo),
-        overall_mm => millimeters(far.error),
-        overall_worst => place(device, far.row, far.echo),
-        inputs => grouped(design.proof.inputs),
-        bounded_inputs => grouped(design.proof.bounded_inputs),
-        hash => format!("{:08x}", design.proof.hash),
+        provenance,
+        function => function_text(design, device),
+        proof => proof_text(design, device, provenance.maximum_error),
     };
     Ok(Artifacts {
         header: render(
@@ -144,6 +124,41 @@ pub fn emit(design: &Design, device: &Device, provenance: &Provenance) -> Result
         golden: golden::golden(design, device),
         report: report::report(design, device, provenance),
     })
+}
+
+/// The function: parameters, range checks, tables, statements.
+fn function_text(design: &Design, device: &Device) -> minijinja::Value {
+    let (locals, result) = c::statements(&design.program);
+    let read = |axis: &&Axis| design.program.reads(&axis.name) || !outside(axis).is_empty();
+    let unused = device
+        .axes()
+        .filter(|axis| !read(axis))
+        .map(|axis| axis.name.as_str());
+    context! {
+        parameters => device.axes().map(parameter).collect::<Vec<_>>(),
+        outside => device.axes().flat_map(outside).collect::<Vec<_>>(),
+        unused => unused.collect::<Vec<_>>(),
+        locals, result,
+        tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),
+        table_bytes => design.program.table_bytes(),
+        form => design.form.describe(),
+    }
+}
+
+/// What is proven, as the header states it.
+fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value {
+    let proof = &design.proof;
+    let input = |worst: Worst| place(device, worst.row, worst.echo);
+    context! {
+        asked_mm => (asked * 1e12).round() / 1e9,
+        proven_mm => millimeters(proof.bounded.error),
+        worst => input(proof.bounded),
+        overall_mm => millimeters(proof.overall.error),
+        overall_worst => input(proof.overall),
+        inputs => grouped(proof.inputs),
+        bounded_inputs => grouped(proof.bounded_inputs),
+        hash => format!("{:08x}", proof.hash),
+    }
 }
 
 /// An error in mm to four places, rounded up: what is stated must hold.

@@ -29,40 +29,24 @@ pub struct Provenance {
     pub maximum_distance: f64,
 }
 
-/// `report.json`.
+/// `report.json`: the keys in alphabetical order, so that equal reports are equal bytes.
 pub fn report(design: &Design, device: &Device, provenance: &Provenance) -> String {
-    let worst = |worst: Worst| {
-        let mut input = json!({ &device.echo.name: worst.echo });
-        for (axis, code) in device.conditions.iter().zip(device.codes(worst.row)) {
-            input[&axis.name] = json!(code);
-            input[&axis.quantity] = json!(axis.value(code));
-        }
-        input
-    };
     let proof = &design.proof;
     let report = json!({
         "schema": "echocal.firmware/1",
-        "echocal": provenance.version,
-        "command": provenance.command,
-        "target": provenance.target,
-        "prefer": provenance.prefer,
+        "provenance": provenance,
         "model_hash": provenance.model_hash,
-        "model": provenance.model,
+        "target": provenance.target,
         "assumptions": provenance.assumptions,
         "device": device,
-        "form": {
-            "name": design.form.name(),
-            "description": design.form.describe(),
-            "parameters": design.form.parameters(),
-            "tail": design.tail,
-        },
+        "form": form(design),
         "error_bound_m": provenance.maximum_error,
-        "error_proven_m": proof.bounded.error * 1e-6,
-        "worst_input": worst(proof.bounded),
         "maximum_distance_m": provenance.maximum_distance,
+        "error_proven_m": proof.bounded.error * 1e-6,
+        "worst_input": input(device, proof.bounded),
         "inputs_within": proof.bounded_inputs,
         "error_overall_m": proof.overall.error * 1e-6,
-        "worst_input_overall": worst(proof.overall),
+        "worst_input_overall": input(device, proof.overall),
         "inputs_checked": proof.inputs,
         "output_hash": format!("{:08x}", proof.hash),
         "overflow_free": true,
@@ -73,4 +57,23 @@ pub fn report(design: &Design, device: &Device, provenance: &Provenance) -> Stri
         "cycles": Value::Null,
     });
     serde_json::to_string_pretty(&report).map_or_else(|error| error.to_string(), |text| text + "\n")
+}
+
+fn form(design: &Design) -> Value {
+    json!({
+        "name": design.form.name(),
+        "description": design.form.describe(),
+        "parameters": design.form.parameters(),
+        "tail": design.tail,
+    })
+}
+
+/// The codes of an input, and the conditions they stand for.
+fn input(device: &Device, worst: Worst) -> Value {
+    let mut input = json!({ &device.echo.name: worst.echo });
+    for (axis, code) in device.conditions.iter().zip(device.codes(worst.row)) {
+        input[&axis.name] = json!(code);
+        input[&axis.quantity] = json!(axis.value(code));
+    }
+    input
 }

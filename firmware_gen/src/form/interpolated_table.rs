@@ -18,44 +18,10 @@ const PASSES: usize = 12;
 pub(super) const NAME: &str = "interpolated_table";
 
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
-    let codes = fit.target.len();
-    let largest = usize::BITS - codes.leading_zeros();
-    let table = |bits: u32| -> Box<dyn Form> {
-        let step = 1_usize << bits;
-        let count = (codes - 1) / step + 2;
-        let mut entries: Vec<f64> = (0..count)
-            .map(|entry| extend(&fit.target, entry * step))
-            .collect();
-        let sags: Vec<(f64, f64)> = (0..count - 1)
-            .map(|left| sag(fit, &entries, left, step))
-            .collect();
-        // Half of each cell's sag moves to its ends: the error is then shared by middle and ends.
-        let near = |entry: usize| {
-            let cells = [
-                entry.checked_sub(1),
-                Some(entry).filter(|cell| cell + 1 < count),
-            ];
-            let (sum, number) = cells
-                .iter()
-                .flatten()
-                .fold((0.0, 0.0), |(sum, n), cell| (sum + sags[*cell].0, n + 1.0));
-            sum / number / 2.0
-        };
-        let shifts: Vec<f64> = (0..count).map(near).collect();
-        entries
-            .iter_mut()
-            .zip(shifts)
-            .for_each(|(entry, shift)| *entry += shift);
-        let floor = sags
-            .iter()
-            .fold(0.0_f64, |worst, (_, spread)| worst.max(*spread));
-        Box::new(InterpolatedTable {
-            bits,
-            entries: entries.iter().map(|entry| entry.round() as i64).collect(),
-            floor,
-        })
-    };
-    (1..largest).map(table).collect()
+    let largest = usize::BITS - fit.target.len().leading_zeros();
+    (1..largest)
+        .map(|bits| Box::new(InterpolatedTable::new(fit, bits)) as _)
+        .collect()
 }
 
 /// The target at `index`, continued in a straight line past its end.
@@ -83,6 +49,34 @@ fn sag(fit: &Fit<'_>, entries: &[f64], left: usize, step: usize) -> (f64, f64) {
 }
 
 impl InterpolatedTable {
+    /// Entries on the target, moved so that the middle and the ends of a cell share its bulge.
+    fn new(fit: &Fit<'_>, bits: u32) -> Self {
+        let step = 1_usize << bits;
+        let count = (fit.target.len() - 1) / step + 2;
+        let entries: Vec<f64> = (0..count)
+            .map(|entry| extend(&fit.target, entry * step))
+            .collect();
+        let sags: Vec<(f64, f64)> = (0..count - 1)
+            .map(|left| sag(fit, &entries, left, step))
+            .collect();
+        let shift = |entry: usize| {
+            let cells = &sags[entry.saturating_sub(1)..(entry + 1).min(count - 1)];
+            cells.iter().map(|(bulge, _)| bulge).sum::<f64>() / cells.len() as f64 / 2.0
+        };
+        let shifted = entries
+            .iter()
+            .enumerate()
+            .map(|(k, entry)| (entry + shift(k)).round() as i64);
+        let floor = sags
+            .iter()
+            .fold(0.0_f64, |worst, (_, spread)| worst.max(*spread));
+        Self {
+            bits,
+            entries: shifted.collect(),
+            floor,
+        }
+    }
+
     /// The largest error over the cells that touch entry `entry`.
     fn error_near(&self, fit: &Fit<'_>, entry: usize) -> f64 {
         let step = 1_usize << self.bits;

@@ -67,15 +67,9 @@ impl<'a> Block<'a> {
         let inputs: Vec<i64> = std::iter::once(0)
             .chain(conditions.iter().copied())
             .collect();
-        for (index, node) in self
-            .program
-            .nodes
-            .iter()
-            .enumerate()
-            .filter(|(_, node)| !node.per_echo)
-        {
+        let steps = self.program.nodes.iter().enumerate();
+        for (index, _) in steps.filter(|(_, node)| !node.per_echo) {
             self.values[index] = self.program.step(index, &self.values, &inputs)?;
-            debug_assert!(!node.per_echo);
             self.lanes[index] = [self.values[index]; LANES];
         }
         Ok(())
@@ -95,28 +89,13 @@ impl<'a> Block<'a> {
         {
             let (before, from_here) = self.lanes.split_at_mut(index);
             let target = &mut from_here[0];
-            let lanes = |value: Value| &before[value.0];
-            match node.operation {
-                Operation::Input(_) => {
-                    target
-                        .iter_mut()
-                        .enumerate()
-                        .for_each(|(lane, value)| *value = (first + lane as i64).min(last));
-                }
-                Operation::Add(a, b) => zip(target, lanes(a), lanes(b), i64::wrapping_add),
-                Operation::Subtract(a, b) => zip(target, lanes(a), lanes(b), i64::wrapping_sub),
-                Operation::Multiply(a, b) => zip(target, lanes(a), lanes(b), i64::wrapping_mul),
-                Operation::ShiftRight(a, bits) => zip(target, lanes(a), lanes(a), |a, _| a >> bits),
-                Operation::LowBits(a, bits) => {
-                    zip(target, lanes(a), lanes(a), |a, _| a & ((1 << bits) - 1))
-                }
-                Operation::Constant(_) | Operation::Load(..) => {
-                    return Err(Overflow {
-                        node: index,
-                        ty: node.held,
-                        what: "a table indexed by the echo time".into(),
-                    });
-                }
+            let fault = |what: String| Overflow {
+                node: index,
+                ty: node.held,
+                what,
+            };
+            if !step(node.operation, target, before, first, last) {
+                return Err(fault("a table indexed by the echo time".into()));
             }
             let claim = node.claim();
             // The sign bit of either difference tells of a lane outside; `REACH` keeps the differences from wrapping.
@@ -124,15 +103,34 @@ impl<'a> Block<'a> {
                 seen | value.wrapping_sub(claim.minimum) | claim.maximum.wrapping_sub(*value)
             });
             if outside < 0 {
-                return Err(Overflow {
-                    node: index,
-                    ty: node.held,
-                    what: format!("an echo code in {first} .. {last}"),
-                });
+                return Err(fault(format!("an echo code in {first} .. {last}")));
             }
         }
         Ok(&self.lanes[self.program.result.0])
     }
+}
+
+/// One operation over all lanes; `false` if lanes cannot do it.
+fn step(operation: Operation, target: &mut Lanes, before: &[Lanes], first: i64, last: i64) -> bool {
+    let lanes = |value: Value| &before[value.0];
+    match operation {
+        Operation::Input(_) => {
+            let codes = (first..).map(|code| code.min(last));
+            target
+                .iter_mut()
+                .zip(codes)
+                .for_each(|(value, code)| *value = code);
+        }
+        Operation::Add(a, b) => zip(target, lanes(a), lanes(b), i64::wrapping_add),
+        Operation::Subtract(a, b) => zip(target, lanes(a), lanes(b), i64::wrapping_sub),
+        Operation::Multiply(a, b) => zip(target, lanes(a), lanes(b), i64::wrapping_mul),
+        Operation::ShiftRight(a, bits) => zip(target, lanes(a), lanes(a), |a, _| a >> bits),
+        Operation::LowBits(a, bits) => {
+            zip(target, lanes(a), lanes(a), |a, _| a & ((1 << bits) - 1))
+        }
+        Operation::Constant(_) | Operation::Load(..) => return false,
+    }
+    true
 }
 
 fn zip(target: &mut Lanes, a: &Lanes, b: &Lanes, operation: impl Fn(i64, i64) -> i64) {

@@ -4,15 +4,15 @@
 //! the constants are chosen one after the other from the top, each by a minimax fit to what is left once those above
 //! it are rounded and their products cut off, so the roundings make up for each other.
 
+mod fitting;
+
 use super::tail::plus;
 use super::{Fit, Form, warmth};
 use crate::ir::{Builder, Value};
-use crate::minimax::{Points, minimax};
+use fitting::{Remaining, Search};
 
 /// Highest degree that is proposed.
 const DEGREES: usize = 5;
-/// Points of a minimax fit: enough to see every bulge of a polynomial of this degree.
-const POINTS: usize = 256;
 /// Names of the stages in C.
 const NAMES: [&str; DEGREES + 1] = ["speed", "slope", "bend", "third", "fourth", "fifth"];
 
@@ -84,52 +84,6 @@ fn exp2(places: u32) -> f64 {
     f64::from(places).exp2()
 }
 
-/// What is left to fit once the stages above `degree` are settled.
-struct Remaining<'a> {
-    fit: &'a Fit<'a>,
-    /// Settled part of the factor at each code.
-    settled: Vec<f64>,
-}
-impl<'a> Remaining<'a> {
-    /// `cut` holds the cut-off product that enters stage `stage`, at each code.
-    fn new(fit: &'a Fit<'a>, cut: &[i64], stage: usize, places: u32) -> Self {
-        let power =
-            |(u, cut): (usize, &i64)| (u as f64).powi(stage as i32) * *cut as f64 / exp2(places);
-        Self {
-            fit,
-            settled: cut.iter().enumerate().map(power).collect(),
-        }
-    }
-
-    /// Coefficients in powers of the code, and the error that they leave [um].
-    fn solve(&self, degree: usize) -> (Vec<f64>, f64) {
-        let codes = self.settled.len();
-        let span = (codes - 1).max(1);
-        let count = codes.min(POINTS);
-        let picked: Vec<usize> = (0..count).map(|k| k * span / (count - 1).max(1)).collect();
-        let x: Vec<f64> = picked.iter().map(|&u| u as f64 / span as f64).collect();
-        let y: Vec<f64> = picked
-            .iter()
-            .map(|&u| self.fit.target[u] - self.settled[u])
-            .collect();
-        let weight: Vec<f64> = picked.iter().map(|&u| self.fit.weight[u]).collect();
-        let (mut coefficients, error) = minimax(
-            Points {
-                x: &x,
-                y: &y,
-                weight: &weight,
-            },
-            degree,
-        );
-        let mut scale = 1.0;
-        for coefficient in &mut coefficients {
-            *coefficient /= scale;
-            scale *= span as f64;
-        }
-        (coefficients, error)
-    }
-}
-
 impl Polynomial {
     fn degree(&self) -> usize {
         self.coefficients.len() - 1
@@ -180,81 +134,6 @@ impl Polynomial {
             negated: flipped,
         }
     }
-
-    /// The factors of `search` at this depth: settle `stage` given all above it, then go on below.
-    fn descend(
-        &mut self,
-        search: &mut Search<'_, '_>,
-        u: Value,
-        inner: Option<Inner>,
-        stage: usize,
-    ) {
-        let mark = search.builder.mark();
-        let entering = inner.map(|inner| self.cut(&mut search.builder, u, inner, stage));
-        let codes = search.fit.target.len();
-        let cut = match entering {
-            Some((Inner::Signed { value, negated }, lift)) => {
-                let sign = if negated { -1 } else { 1 };
-                search
-                    .builder
-                    .per_row(value)
-                    .iter()
-                    .map(|cut| sign * (cut - lift))
-                    .collect()
-            }
-            _ => vec![0; codes],
-        };
-        let remaining = Remaining::new(search.fit, &cut, stage, self.places[stage]);
-        if stage == 0 {
-            self.coefficients[0] = center(search.fit, &remaining.settled);
-            let factors: Vec<i64> = cut.iter().map(|cut| cut + self.coefficients[0]).collect();
-            let error = search.fit.error(&factors);
-            if error < search.best.0 {
-                search.best = (error, self.coefficients.clone());
-            }
-        } else {
-            let ideal = (remaining.solve(stage).0[stage] * exp2(self.places[stage])).round() as i64;
-            let reach = if inner.is_none() { 2 } else { 1 };
-            for coefficient in ideal - reach..=ideal + reach {
-                self.coefficients[stage] = coefficient;
-                let here = search.builder.mark();
-                let next = match entering {
-                    Some(entering) => self.stage(&mut search.builder, entering, stage),
-                    None => Inner::Number(coefficient),
-                };
-                self.descend(search, u, Some(next), stage - 1);
-                search.builder.rewind(here);
-            }
-        }
-        search.builder.rewind(mark);
-    }
-}
-
-/// A search for the constants that together leave the least error.
-struct Search<'a, 'b> {
-    fit: &'a Fit<'a>,
-    builder: Builder<'b>,
-    best: (f64, Vec<i64>),
-}
-
-/// The constant that leaves the least error beside `settled`.
-fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
-    let rests: Vec<f64> = fit
-        .target
-        .iter()
-        .zip(settled)
-        .map(|(target, settled)| target - settled)
-        .collect();
-    let x: Vec<f64> = (0..rests.len()).map(|u| u as f64).collect();
-    let (constant, _) = minimax(
-        Points {
-            x: &x,
-            y: &rests,
-            weight: &fit.weight,
-        },
-        0,
-    );
-    constant[0].round() as i64
 }
 
 impl Form for Polynomial {

@@ -1,0 +1,162 @@
+//! The search: which form, which format, at least cost within the error bound.
+
+mod search;
+
+use crate::device::Device;
+use crate::error::Error;
+use crate::form::{FORMS, Form, Tail};
+use crate::ir::Program;
+use crate::prove::Proof;
+use crate::reference::Reference;
+use crate::target::{Prefer, Target};
+use search::Search;
+use std::fmt;
+
+/// What is asked for.
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    /// The truth.
+    pub reference: &'a dyn Reference,
+    /// The inputs.
+    pub device: &'a Device,
+    /// Largest error allowed \[m\].
+    pub maximum_error: f64,
+    /// Distances up to this are bounded \[m\].
+    pub maximum_distance: f64,
+    /// Largest tables allowed, together \[byte\].
+    pub maximum_table: usize,
+    /// Where it is to run.
+    pub target: Target,
+    /// The only form to try; `None`: all of them.
+    pub form: Option<&'a str>,
+    /// What to save.
+    pub prefer: Prefer,
+    /// Threads for the proof.
+    pub threads: usize,
+}
+
+/// What was found, with its proof.
+#[derive(Debug)]
+pub struct Design {
+    /// How the speed factor comes about.
+    pub form: Box<dyn Form>,
+    /// How the distance follows from it.
+    pub tail: Tail,
+    /// The function.
+    pub program: Program,
+    /// What holds for it on every input.
+    pub proof: Proof,
+}
+
+/// Output for codes that the function does not accept: `INT32_MIN`.
+pub const OUT_OF_RANGE: i32 = i32::MIN;
+
+impl Design {
+    /// What the generated function returns for `inputs`, also for codes out of range.
+    #[must_use]
+    pub fn output(&self, device: &Device, inputs: &[i64]) -> i32 {
+        let mut codes = device.axes().zip(inputs);
+        let accepted = codes.all(|(axis, code)| axis.codes.contains(*code));
+        // The proof leaves no accepted input without an output that fits.
+        let output = accepted
+            .then(|| self.program.evaluate(inputs).ok())
+            .flatten();
+        output
+            .and_then(|output| i32::try_from(output).ok())
+            .unwrap_or(OUT_OF_RANGE)
+    }
+}
+
+/// The best that can be had when the bound cannot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reachable {
+    /// The bound that was asked for \[m\].
+    pub asked: f64,
+    /// The error that the best candidate was proven to have \[m\].
+    pub best: f64,
+    /// Where distances are bounded \[m\].
+    pub maximum_distance: f64,
+    /// The best candidate, in words.
+    pub form: String,
+}
+
+impl fmt::Display for Reachable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let asked = (self.asked * 1e12).round() / 1e9;
+        let best = self.best * 1e3;
+        // The way out must hold when it is typed: rounded up, not to nearest.
+        let enough = (best * 1e4).ceil() / 1e4;
+        write!(
+            f,
+            "an error of {asked} mm up to {} m cannot be met: the best reachable is {best:.4} mm ({}); ask for {enough} mm or more",
+            self.maximum_distance, self.form
+        )
+    }
+}
+
+/// What the caller hears of.
+pub enum Progress<'a> {
+    /// A candidate goes into the proof.
+    Candidate(&'a str),
+    /// So many inputs of it are checked.
+    Checked(u64),
+}
+
+/// How the caller listens; `false` stops.
+pub type Listen<'a> = &'a mut dyn FnMut(Progress<'_>) -> bool;
+
+/// Find the cheapest program that meets the bound on every input.
+///
+/// # Errors
+/// [`Error::Bound`] with the best reachable if none does; [`Error::Model`] if the model itself fails somewhere.
+pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error> {
+    check(&request)?;
+    let search = Search::new(request)?;
+    let mut candidates = search.candidates();
+    candidates.sort_by_key(|candidate| request.prefer.key(candidate.cost));
+    let bound = request.maximum_error * 1e6;
+    let mut failed = Vec::new();
+    for mut candidate in candidates {
+        if candidate.floor() <= bound
+            && search.refine(&mut candidate)
+            && candidate.screened <= bound
+        {
+            match search.prove(&candidate, listen) {
+                Ok(proof) if proof.bounded.error <= bound => return Ok(candidate.proven(proof)),
+                Ok(_) | Err(Error::Proof(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        failed.push(candidate);
+    }
+    search.unreachable(failed, listen)
+}
+
+fn check(request: &Request<'_>) -> Result<(), Error> {
+    for (what, value, unit) in [
+        ("error bound", request.maximum_error, "mm"),
+        ("largest bounded distance", request.maximum_distance, "m"),
+    ] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(Error::Request(format!(
+                "the {what} is {value} m: give a positive number [{unit}]"
+            )));
+        }
+    }
+    if let Some(form) = request.form
+        && !FORMS.iter().any(|(name, _)| *name == form)
+    {
+        let known: Vec<_> = FORMS.iter().map(|(name, _)| *name).collect();
+        return Err(Error::Request(format!(
+            "unknown form '{form}'; this version has {}",
+            known.join(", ")
+        )));
+    }
+    if request.device.conditions.len() != 1 {
+        let given = request.device.conditions.len();
+        return Err(Error::Request(format!(
+            "the device has {given} condition inputs; this version designs for one"
+        )));
+    }
+    Ok(())
+}

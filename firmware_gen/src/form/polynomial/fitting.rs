@@ -1,0 +1,137 @@
+//! Choosing the constants: from the top, each by a minimax fit to what those above it leave.
+
+use super::{Inner, Polynomial, exp2};
+use crate::form::Fit;
+use crate::ir::{Builder, Value};
+use crate::minimax::{Points, minimax};
+
+/// Points of a minimax fit: enough to see every bulge of a polynomial of this degree.
+const POINTS: usize = 256;
+
+/// What is left to fit once the stages above `degree` are settled.
+pub(super) struct Remaining<'a> {
+    fit: &'a Fit<'a>,
+    /// Settled part of the factor at each code.
+    settled: Vec<f64>,
+}
+impl<'a> Remaining<'a> {
+    /// `cut` holds the cut-off product that enters stage `stage`, at each code.
+    pub(super) fn new(fit: &'a Fit<'a>, cut: &[i64], stage: usize, places: u32) -> Self {
+        let power =
+            |(u, cut): (usize, &i64)| (u as f64).powi(stage as i32) * *cut as f64 / exp2(places);
+        Self {
+            fit,
+            settled: cut.iter().enumerate().map(power).collect(),
+        }
+    }
+
+    /// Coefficients in powers of the code, and the error that they leave [um].
+    pub(super) fn solve(&self, degree: usize) -> (Vec<f64>, f64) {
+        let codes = self.settled.len();
+        let span = (codes - 1).max(1);
+        let count = codes.min(POINTS);
+        let picked: Vec<usize> = (0..count).map(|k| k * span / (count - 1).max(1)).collect();
+        let x: Vec<f64> = picked.iter().map(|&u| u as f64 / span as f64).collect();
+        let y: Vec<f64> = picked
+            .iter()
+            .map(|&u| self.fit.target[u] - self.settled[u])
+            .collect();
+        let weight: Vec<f64> = picked.iter().map(|&u| self.fit.weight[u]).collect();
+        let (mut coefficients, error) = minimax(
+            Points {
+                x: &x,
+                y: &y,
+                weight: &weight,
+            },
+            degree,
+        );
+        let mut scale = 1.0;
+        for coefficient in &mut coefficients {
+            *coefficient /= scale;
+            scale *= span as f64;
+        }
+        (coefficients, error)
+    }
+}
+
+impl Polynomial {
+    /// Settle `stage` given all above it, then go on below.
+    pub(super) fn descend(
+        &mut self,
+        search: &mut Search<'_, '_>,
+        u: Value,
+        inner: Option<Inner>,
+        stage: usize,
+    ) {
+        let mark = search.builder.mark();
+        let entering = inner.map(|inner| self.cut(&mut search.builder, u, inner, stage));
+        let cut = search.values(entering);
+        let remaining = Remaining::new(search.fit, &cut, stage, self.places[stage]);
+        if stage == 0 {
+            self.coefficients[0] = center(search.fit, &remaining.settled);
+            search.consider(&cut, &self.coefficients);
+        } else {
+            let ideal = (remaining.solve(stage).0[stage] * exp2(self.places[stage])).round() as i64;
+            let reach = if inner.is_none() { 2 } else { 1 };
+            for coefficient in ideal - reach..=ideal + reach {
+                self.coefficients[stage] = coefficient;
+                let here = search.builder.mark();
+                let next = match entering {
+                    Some(entering) => self.stage(&mut search.builder, entering, stage),
+                    None => Inner::Number(coefficient),
+                };
+                self.descend(search, u, Some(next), stage - 1);
+                search.builder.rewind(here);
+            }
+        }
+        search.builder.rewind(mark);
+    }
+}
+
+/// A search for the constants that together leave the least error.
+pub(super) struct Search<'a, 'b> {
+    pub(super) fit: &'a Fit<'a>,
+    pub(super) builder: Builder<'b>,
+    pub(super) best: (f64, Vec<i64>),
+}
+
+impl Search<'_, '_> {
+    /// What enters a stage, with its sign, at each code; nothing enters the highest.
+    fn values(&self, entering: Option<(Inner, i64)>) -> Vec<i64> {
+        let Some((Inner::Signed { value, negated }, lift)) = entering else {
+            return vec![0; self.fit.target.len()];
+        };
+        let sign = if negated { -1 } else { 1 };
+        let cuts = self.builder.per_row(value).iter();
+        cuts.map(|cut| sign * (cut - lift)).collect()
+    }
+
+    /// Keep these coefficients if they leave less than the best so far.
+    fn consider(&mut self, cut: &[i64], coefficients: &[i64]) {
+        let factors: Vec<i64> = cut.iter().map(|cut| cut + coefficients[0]).collect();
+        let error = self.fit.error(&factors);
+        if error < self.best.0 {
+            self.best = (error, coefficients.to_vec());
+        }
+    }
+}
+
+/// The constant that leaves the least error beside `settled`.
+fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
+    let rests: Vec<f64> = fit
+        .target
+        .iter()
+        .zip(settled)
+        .map(|(target, settled)| target - settled)
+        .collect();
+    let x: Vec<f64> = (0..rests.len()).map(|u| u as f64).collect();
+    let (constant, _) = minimax(
+        Points {
+            x: &x,
+            y: &rests,
+            weight: &fit.weight,
+        },
+        0,
+    );
+    constant[0].round() as i64
+}

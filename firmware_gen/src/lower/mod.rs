@@ -1,0 +1,199 @@
+//! A model as the reference of a firmware: what the device does not measure is frozen, and what cannot do without is
+//! refused by name, with the error that leaving it out would cost.
+
+mod omission;
+mod reference;
+
+pub use omission::Omission;
+
+use crate::device::{Axis, Device};
+use crate::error::Error;
+use echocal_core::effects::{self, Firmware};
+use echocal_core::model::Term;
+use echocal_core::{Conditions, Model, Quantity};
+use omission::FIELD;
+
+/// Points at which a quantity, and the temperature, are tried.
+const STEPS: usize = 16;
+
+/// A model at the conditions that the device measures, the others frozen.
+#[derive(Clone, Debug)]
+pub struct Lowered {
+    model: Model,
+    parameters: Vec<f64>,
+    frozen: Conditions<f64>,
+    measured: Vec<Quantity>,
+    /// What is left out, with what it costs.
+    pub omissions: Vec<Omission>,
+}
+
+/// Lower `model` onto `device`; `frozen` holds the conditions assumed where nothing is measured, `accepted` the effects
+/// that may be left out. Costs are stated at `distance` \[m\].
+///
+/// # Errors
+/// [`Error::Refused`] if an effect needs what the device lacks and is not accepted.
+pub fn lower(
+    model: &Model,
+    device: &Device,
+    frozen: &Conditions<f64>,
+    accepted: &[String],
+    distance: f64,
+) -> Result<Lowered, Error> {
+    let base = Lowered::new(Model::new(model.law()), frozen, measured(device)?);
+    let mut kept = base.clone();
+    for term in model.terms() {
+        let Some((quantity, reason)) = lacking(term, &base.measured) else {
+            kept.extend(term)?;
+            continue;
+        };
+        let effect = Some(term.facts().id);
+        let assumed = quantity
+            .map(|quantity| frozen.get(quantity))
+            .filter(|value| value.is_finite());
+        let mut alone = base.clone();
+        alone.extend(term)?;
+        let settled = if assumed.is_some() {
+            &alone.model
+        } else {
+            &base.model
+        };
+        let left = alone.spread(settled, device, quantity, distance);
+        if assumed.is_some() {
+            kept.extend(term)?;
+        }
+        let omission = Omission {
+            effect,
+            quantity,
+            assumed,
+            reason,
+            left,
+        };
+        if left == 0.0 {
+            continue; // at neutral parameters nothing is lost
+        }
+        if !accepted.iter().any(|id| Some(id.as_str()) == effect) {
+            return Err(Error::Refused(Box::new(omission)));
+        }
+        kept.omissions.push(omission);
+    }
+    kept.state_law(device, distance);
+    Ok(kept)
+}
+
+/// The quantities that the device measures.
+fn measured(device: &Device) -> Result<Vec<Quantity>, Error> {
+    let find = |axis: &Axis| {
+        let unknown = || Error::Codes(format!("no influence quantity is called {}", axis.quantity));
+        Quantity::find(&axis.quantity).ok_or_else(unknown)
+    };
+    device.conditions.iter().map(find).collect()
+}
+
+/// What keeps an effect off the device: the quantity that it needs, or the reason that it gives.
+fn lacking(term: &Term, measured: &[Quantity]) -> Option<(Option<Quantity>, Option<&'static str>)> {
+    match term.facts().firmware {
+        Firmware::Folded => None,
+        Firmware::Needs(quantity) if measured.contains(&quantity) => None,
+        Firmware::Needs(quantity) => Some((Some(quantity), None)),
+        Firmware::Refused(reason) => Some((None, Some(reason))),
+    }
+}
+
+impl Lowered {
+    fn new(model: Model, frozen: &Conditions<f64>, measured: Vec<Quantity>) -> Self {
+        let parameters = model.parameters();
+        Self {
+            model,
+            parameters,
+            frozen: *frozen,
+            measured,
+            omissions: Vec::new(),
+        }
+    }
+
+    fn extend(&mut self, term: &Term) -> Result<(), Error> {
+        let facts = term.facts();
+        let values = facts.parameters.iter().zip(&term.parameters);
+        let values: Vec<_> = values
+            .map(|(parameter, value)| (parameter.name, *value))
+            .collect();
+        let extended = self.model.clone().with(facts.id, &values);
+        self.model = extended.map_err(|error| Error::Model(error.to_string()))?;
+        self.parameters = self.model.parameters();
+        Ok(())
+    }
+
+    fn at(&self, values: &[f64]) -> Conditions<f64> {
+        let pairs = self.measured.iter().zip(values);
+        pairs.fold(self.frozen, |at, (quantity, value)| {
+            at.with(*quantity, *value)
+        })
+    }
+
+    /// State what the law reads and the device does not measure.
+    fn state_law(&mut self, device: &Device, distance: f64) {
+        let reads = self.model.law().facts().reads;
+        for quantity in reads
+            .iter()
+            .filter(|quantity| !self.measured.contains(quantity))
+        {
+            let left = self.spread(&self.model, device, Some(*quantity), distance);
+            let (quantity, assumed) = (Some(*quantity), Some(self.frozen.get(*quantity)));
+            self.omissions.push(Omission {
+                effect: None,
+                quantity,
+                assumed,
+                reason: None,
+                left,
+            });
+        }
+    }
+
+    /// How far this model's distance is from `distance`, at the echo time of a `settled` model there, while `quantity`
+    /// runs over the field.
+    fn spread(
+        &self,
+        settled: &Model,
+        device: &Device,
+        quantity: Option<Quantity>,
+        distance: f64,
+    ) -> f64 {
+        let mut largest = 0.0_f64;
+        for row in (0..=STEPS).map(|step| (device.rows() - 1) * step / STEPS) {
+            let at = self.at(&device.values(row));
+            let time = settled.time_of_flight(distance, &at);
+            let mut take = |at: Conditions<f64>| {
+                largest = largest.max((self.model.distance(time, &at) - distance).abs());
+            };
+            let Some(quantity) = quantity else {
+                take(at);
+                continue;
+            };
+            let (_, low, high) = FIELD[quantity as usize];
+            for step in 0..=STEPS {
+                let value = (high - low).mul_add(step as f64 / STEPS as f64, low);
+                take(at.with(quantity, value));
+            }
+        }
+        largest
+    }
+}
+
+/// A model in words, a line for its law and one for each effect.
+#[must_use]
+pub fn describe(model: &Model) -> Vec<String> {
+    let effect = |term: &echocal_core::model::Term| {
+        let facts = effects::ALL[term.index];
+        let values = facts.parameters.iter().zip(&term.parameters);
+        let values = values.map(|(p, value)| format!("{} = {value} {}", p.name, p.unit));
+        format!(
+            "effect {}: {}",
+            facts.id,
+            values.collect::<Vec<_>>().join(", ")
+        )
+    };
+    let law = format!("law {}", model.law().text());
+    std::iter::once(law)
+        .chain(model.terms().iter().map(effect))
+        .collect()
+}

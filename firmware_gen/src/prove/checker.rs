@@ -1,0 +1,145 @@
+//! One thread of the proof: row after row, block after block.
+
+use super::{Claim, SEED, Worst, fold};
+use crate::error::Error;
+use crate::ir::{Block, LANES, Overflow, Program};
+use crate::reference::place;
+
+/// What holds for the echo times of one combination of conditions.
+pub(super) struct Row {
+    row: usize,
+    /// End of the bounded domain \[um\].
+    far: f64,
+    pub(super) bounded: Worst,
+    pub(super) overall: Worst,
+    pub(super) within: u64,
+    pub(super) hash: u32,
+}
+
+/// One thread's working memory.
+pub(super) struct Checker<'a> {
+    claim: Claim<'a>,
+    block: Block<'a>,
+    times: Vec<f64>,
+    truth: Vec<f64>,
+}
+
+impl<'a> Checker<'a> {
+    pub(super) fn new(program: &'a Program, claim: Claim<'a>) -> Result<Self, Error> {
+        let codes = claim.device.echo.codes;
+        let times: Vec<f64> = (codes.minimum..=codes.maximum)
+            .map(|code| claim.device.echo.value(code))
+            .collect();
+        let block = Block::new(program).map_err(|overflow| Error::Proof(overflow.to_string()))?;
+        Ok(Self {
+            claim,
+            block,
+            truth: vec![0.0; times.len()],
+            times,
+        })
+    }
+
+    pub(super) fn row(&mut self, row: usize) -> Result<Row, Error> {
+        let device = self.claim.device;
+        let fault = |echo: i64, what: &str| format!("{what} {}", place(device, row, echo));
+        let overflow = |overflow: Overflow| Error::Proof(fault(0, &format!("{overflow}, near")));
+        let values = device.values(row);
+        self.claim
+            .reference
+            .distances(&values, &self.times, &mut self.truth);
+        self.truth.iter_mut().for_each(|truth| *truth *= 1e6);
+        self.block
+            .set_conditions(&device.codes(row))
+            .map_err(overflow)?;
+        let mut result = Row::new(row, self.claim.maximum_distance * 1e6);
+        let mut before = i64::MIN;
+        let codes = device.echo.codes;
+        for (index, truth) in self.truth.chunks(LANES).enumerate() {
+            let first = codes.minimum + (index * LANES) as i64;
+            let lanes = self
+                .block
+                .evaluate(first, codes.maximum)
+                .map_err(overflow)?;
+            let outputs = &lanes[..truth.len()];
+            if let Some(fall) = falls(before, outputs) {
+                let what = "the output falls as the echo time grows, at";
+                return Err(Error::Proof(fault(first + fall as i64, what)));
+            }
+            before = outputs[outputs.len() - 1];
+            if !result.take(outputs, truth, first) {
+                return Err(Error::Model(fault(
+                    first,
+                    "the model gives no distance near",
+                )));
+            }
+        }
+        Ok(result)
+    }
+}
+
+/// |output - truth| \[um\]. Outputs fit `int32_t`; the conversion from 32 bits is the one that vectorizes.
+fn error(output: i64, truth: f64) -> f64 {
+    (f64::from(output as i32) - truth).abs()
+}
+
+impl Row {
+    fn new(row: usize, far: f64) -> Self {
+        let (bounded, overall) = (Worst::NONE, Worst::NONE);
+        Self {
+            row,
+            far,
+            bounded,
+            overall,
+            within: 0,
+            hash: SEED,
+        }
+    }
+
+    /// Take in one block of outputs and truths \[um\] that starts at the echo code `first`; `false` if a truth is not
+    /// finite.
+    fn take(&mut self, outputs: &[i64], truth: &[f64], first: i64) -> bool {
+        self.hash = outputs
+            .iter()
+            .fold(self.hash, |hash, output| fold(hash, *output as u32));
+        let (mut overall, mut bounded, mut finite) = (-1.0_f64, -1.0_f64, 0.0);
+        for (output, truth) in outputs.iter().zip(truth) {
+            let error = error(*output, *truth);
+            let inside = *truth <= self.far;
+            finite += truth * 0.0;
+            overall = overall.max(error);
+            bounded = bounded.max(if inside { error } else { -1.0 });
+            self.within += u64::from(inside);
+        }
+        let find = |largest: f64, limit: f64| {
+            let mut pairs = outputs.iter().zip(truth);
+            let found = pairs.position(|(o, t)| *t <= limit && error(*o, *t) >= largest);
+            let echo = first + found.unwrap_or(0) as i64;
+            Worst {
+                error: largest,
+                row: self.row,
+                echo,
+            }
+        };
+        if overall > self.overall.error {
+            self.overall = find(overall, f64::INFINITY);
+        }
+        if bounded > self.bounded.error {
+            self.bounded = find(bounded, self.far);
+        }
+        finite == 0.0
+    }
+}
+
+/// The first place at which `outputs` fall, continuing from `before`.
+fn falls(before: i64, outputs: &[i64]) -> Option<usize> {
+    let fell = outputs
+        .windows(2)
+        .fold(outputs[0] < before, |fell, pair| fell | (pair[1] < pair[0]));
+    let first = || {
+        outputs
+            .windows(2)
+            .position(|pair| pair[1] < pair[0])
+            .map_or(0, |position| position + 1)
+    };
+    fell.then(first)
+}

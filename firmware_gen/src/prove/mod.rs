@@ -1,0 +1,195 @@
+//! The proof: the twin against the model on every input that the function accepts.
+
+mod checker;
+
+use crate::device::Device;
+use crate::error::Error;
+use crate::ir::Program;
+use crate::reference::Reference;
+use checker::{Checker, Row};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+/// How often the caller hears about the progress.
+const TICK: Duration = Duration::from_millis(50);
+
+/// The input at which the error is largest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// |output - model| \[um\].
+    pub error: f64,
+    /// Combination of conditions, as [`Device::codes`] counts them.
+    pub row: usize,
+    /// Echo code.
+    pub echo: i64,
+}
+
+impl Worst {
+    const NONE: Self = Self {
+        error: -1.0,
+        row: 0,
+        echo: 0,
+    };
+
+    fn or(self, other: Self) -> Self {
+        if other.error > self.error {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// What holds for every input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proof {
+    /// Largest error where the model's distance is within the bounded domain.
+    pub bounded: Worst,
+    /// Largest error over all inputs.
+    pub overall: Worst,
+    /// Inputs that were checked.
+    pub inputs: u64,
+    /// Inputs within the bounded domain.
+    pub bounded_inputs: u64,
+    /// Hash of all outputs in order, see [`fold`].
+    pub hash: u32,
+}
+
+/// One step of the hash over outputs (FNV-1a with words for bytes): short enough to be repeated on any target.
+///
+/// Each row of echo times is folded from [`SEED`]; the rows' hashes are folded from [`SEED`] again.
+#[must_use]
+pub const fn fold(hash: u32, word: u32) -> u32 {
+    (hash ^ word).wrapping_mul(16_777_619)
+}
+
+/// Where the hash begins.
+pub const SEED: u32 = 2_166_136_261;
+
+/// What to prove a program against.
+#[derive(Clone, Copy)]
+pub struct Claim<'a> {
+    /// The inputs.
+    pub device: &'a Device,
+    /// The truth.
+    pub reference: &'a dyn Reference,
+    /// The bounded domain: distances up to this \[m\].
+    pub maximum_distance: f64,
+    /// Threads to use.
+    pub threads: usize,
+}
+
+type Message = Result<(usize, Row), Error>;
+
+/// What the threads share.
+#[derive(Default)]
+struct Work {
+    next: AtomicUsize,
+    done: AtomicU64,
+    stop: AtomicBool,
+}
+
+impl Work {
+    /// Check rows until none is left, or the caller said stop.
+    fn run(
+        &self,
+        program: &Program,
+        claim: Claim<'_>,
+        send: &mpsc::Sender<Message>,
+    ) -> Result<(), Error> {
+        let mut checker = Checker::new(program, claim)?;
+        loop {
+            let row = self.next.fetch_add(1, Ordering::Relaxed);
+            if row >= claim.device.rows() || self.stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            let result = checker.row(row)?;
+            self.done
+                .fetch_add(claim.device.echo.len() as u64, Ordering::Relaxed);
+            let _ = send.send(Ok((row, result)));
+        }
+    }
+
+    /// Take the rows as they come, and tell the caller now and then.
+    fn listen(
+        &self,
+        receive: &mpsc::Receiver<Message>,
+        rows: usize,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> Result<Vec<Option<Row>>, Error> {
+        let mut found: Vec<Option<Row>> = (0..rows).map(|_| None).collect();
+        let mut told = Instant::now();
+        let mut tell = || {
+            progress(self.done.load(Ordering::Relaxed))
+                .then_some(())
+                .ok_or(Error::Stopped)
+        };
+        loop {
+            match receive.recv_timeout(TICK) {
+                Ok(message) => {
+                    let (row, result) = message?;
+                    found[row] = Some(result);
+                }
+                Err(mpsc::RecvTimeoutError::Timeout) => {}
+                Err(mpsc::RecvTimeoutError::Disconnected) => return tell().map(|()| found),
+            }
+            if told.elapsed() >= TICK {
+                told = Instant::now();
+                tell()?;
+            }
+        }
+    }
+}
+
+/// Check `program` on every input. `progress` hears how many inputs are done and says whether to go on.
+///
+/// # Errors
+/// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, or
+/// `progress` said stop.
+pub fn prove(
+    program: &Program,
+    claim: Claim<'_>,
+    progress: &mut dyn FnMut(u64) -> bool,
+) -> Result<Proof, Error> {
+    let rows = claim.device.rows();
+    let work = &Work::default();
+    let (send, receive) = mpsc::channel();
+    let found = std::thread::scope(|scope| {
+        for _ in 0..claim.threads.clamp(1, rows) {
+            let send = send.clone();
+            scope.spawn(move || {
+                if let Err(error) = work.run(program, claim, &send) {
+                    let _ = send.send(Err(error));
+                }
+            });
+        }
+        drop(send);
+        let found = work.listen(&receive, rows, progress);
+        work.stop.store(true, Ordering::Relaxed);
+        found
+    })?;
+    gather(&found, claim.device)
+}
+
+/// The proof of all rows, in their order; a row without a result proves nothing.
+fn gather(found: &[Option<Row>], device: &Device) -> Result<Proof, Error> {
+    let mut proof = Proof {
+        bounded: Worst::NONE,
+        overall: Worst::NONE,
+        inputs: 0,
+        bounded_inputs: 0,
+        hash: SEED,
+    };
+    for row in found {
+        let row = row
+            .as_ref()
+            .ok_or_else(|| Error::Proof("a row was not checked".into()))?;
+        proof.bounded = proof.bounded.or(row.bounded);
+        proof.overall = proof.overall.or(row.overall);
+        proof.inputs += device.echo.len() as u64;
+        proof.bounded_inputs += row.within;
+        proof.hash = fold(proof.hash, row.hash);
+    }
+    Ok(proof)
+}
