@@ -1,6 +1,5 @@
 """Fixed-point C from a calibrated model, proven over every input."""
 
-import hashlib
 import json
 import os
 import shlex
@@ -14,7 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
 from echocal.conditions import columns
+from echocal.domain import warn_outside
+from echocal.errors import UsageError
 from echocal.model import Model
+from echocal.registry import find_effect
 
 __all__ = ["Firmware", "TemperatureCodes", "generate"]
 
@@ -86,11 +88,20 @@ class Firmware:
         -------
         list of Path
             The files.
+
+        Raises
+        ------
+        UsageError
+            If the directory cannot be written.
         """
         folder = Path(directory)
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in self.files.items():
-            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for name, text in self.files.items():
+                (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        except OSError as error:
+            message = f"cannot write firmware to {folder}: {error.strerror}"
+            raise UsageError(message) from None
         return [folder / name for name in self.files]
 
 
@@ -168,6 +179,7 @@ def generate(
     2001627
     """
     codes = temperature if isinstance(temperature, TemperatureCodes) else TemperatureCodes(*temperature)
+    air = _assumed(model, assume or {})
     wish = {
         "target": target,
         "prefer": prefer,
@@ -178,12 +190,13 @@ def generate(
         "maximum_distance": float(max_distance),
         "maximum_table": int(max_table_bytes),
         "threads": n_threads or os.cpu_count() or 1,
-        "accept": list(accept),
-        "assumed": _assumed(model, assume or {}),
-        "model_hash": _hash(model),
+        "accept": [find_effect(effect).id for effect in accept],
+        "assumed": air,
+        "model_hash": model.hash,
     }
     wish["command"] = _command(wish, model_name, assume or {})
     core = _core.design_firmware(model._core, wish, progress)
+    warn_outside([codes.low, codes.high], *air[1:4], law=model.law, stacklevel=2)
     files = {
         "echocal_correction.h": core.header,
         "echocal_correction.c": core.source,
@@ -197,13 +210,6 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     """Conditions where nothing is measured, in the order of the core."""
     _, (_, *values) = columns(0.0, {**model.air, **assume})
     return [float(value[0]) for value in values]
-
-
-def _hash(model: Model) -> str:
-    """Return what identifies the model: its law, effects and air."""
-    content = {"law": model.law, "effects": model.effects, "air": model.air}
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
-    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 
 
 def _number(value: float) -> str:

@@ -176,12 +176,22 @@ fn grouped(count: u64) -> String {
     digits.chars().enumerate().flat_map(comma).collect()
 }
 
+/// Text from outside, made safe inside a C comment: a file may be called `*/`.
+fn comment(text: String) -> String {
+    let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
+    let text: String = text.chars().map(visible).collect();
+    text.replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("??/", "?? /")
+}
+
 fn render(name: &str, template: &str, context: &minijinja::Value) -> Result<String, Error> {
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
     environment.set_keep_trailing_newline(true);
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.add_filter("comment", comment);
     environment
         .render_named_str(name, template, context)
         .map_err(|error| Error::Template(format!("{error:#}")))

@@ -128,6 +128,7 @@ impl Form for InterpolatedTable {
         let next = builder.add(cell, one);
         let high = builder.load(table, next);
         let rise = builder.subtract(high, low);
+        let rise = builder.name(rise, "rise", "its growth over the cell");
         let product = builder.multiply(within, rise);
         let lift = super::tail::floor_shift(builder, product, self.bits);
         builder.add(low, lift)

@@ -1,0 +1,137 @@
+"""``echocal firmware``: integer C from a model, proven over every input."""
+
+import sys
+import warnings
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
+from rich.table import Table
+
+from echocal.errors import DomainWarning, UsageError
+from echocal.firmware import Firmware, TemperatureCodes, generate
+from echocal.model import Model
+
+
+def option(description: str, *names: str, metavar: str | None = None) -> Any:
+    """Return an option with its help."""
+    return typer.Option(*names, help=description, metavar=metavar)
+
+
+def command(
+    model: Annotated[Path, typer.Argument(help="Model file, as from diagnose.", metavar="MODEL.json")],
+    out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
+    target: Annotated[str, option("What the C is for.")] = "c99",
+    temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
+    temperature_range: Annotated[str, option("LOW:HIGH accepted [degC].")] = "-20:60",
+    temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,
+    echo_max_us: Annotated[int, option("Longest echo time accepted [us].")] = 38_000,
+    max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
+    max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
+    prefer: Annotated[str, option("What to save: size or speed.")] = "size",
+    form: Annotated[str | None, option("The only form to try.")] = None,
+    accept: Annotated[list[str] | None, option("Effect that may be left out.", metavar="EFFECT")] = None,
+    assume: Annotated[list[str] | None, option("What is not measured.", metavar="NAME=VALUE")] = None,
+    max_table_bytes: Annotated[int, option("Largest tables allowed, together.")] = 1024,
+    threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
+    json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
+    quiet: Annotated[bool, option("Print nothing but errors.", "--quiet")] = False,
+) -> None:
+    """Turn a model into C that is proven over every input."""
+    console = Console(stderr=True, quiet=quiet)
+    low, high = _range(temperature_range)
+    bar = Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+    )
+    with warnings.catch_warnings(record=True) as warned, bar as progress:
+        warnings.simplefilter("always", DomainWarning)
+        task = progress.add_task("designing", total=None)
+        made = generate(
+            Model.load(model),
+            target,
+            temperature=TemperatureCodes(temperature_lsb, low, high, temperature_zero),
+            echo=echo_max_us,
+            max_error=max_error_mm * 1e-3,
+            max_distance=max_distance_m,
+            prefer=prefer,
+            form=form,
+            accept=accept or (),
+            assume=dict(_assignment(text) for text in assume or ()),
+            max_table_bytes=max_table_bytes,
+            n_threads=threads,
+            progress=lambda form, checked, total: progress.update(
+                task, description=f"proving: {form}", completed=checked, total=total
+            ),
+            model_name=model.name,
+        )
+    files = made.save(out)
+    if json == "-":
+        sys.stdout.write(made.files["report.json"])
+    elif json is not None:
+        _write(Path(json), made.files["report.json"])
+    console.print(_summary(made, files, [str(warning.message) for warning in warned]))
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        message = f"cannot write {path}: {error.strerror}"
+        raise UsageError(message) from None
+
+
+def _range(text: str) -> tuple[float, float]:
+    low, separator, high = text.partition(":")
+    try:
+        return float(low), float(high if separator else "missing")
+    except ValueError:
+        message = f"--temperature-range is '{text}': give LOW:HIGH, as in --temperature-range=-20:60"
+        raise UsageError(message) from None
+
+
+def _assignment(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        message = f"--assume is '{text}': give NAME=VALUE, such as --assume relative_humidity=0.5"
+        raise UsageError(message) from None
+
+
+def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
+    report = made.report
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style="dim")
+    table.add_column()
+    proven, asked = report["error_proven_m"] * 1e3, report["error_bound_m"] * 1e3
+    reach, worst = report["maximum_distance_m"], report["worst_input"]
+    table.add_row("form", f"{report['form']['description']}; {report['table_bytes']} bytes of tables")
+    table.add_row(
+        "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (asked for {asked:g} mm)"
+    )
+    table.add_row("worst at", f"echo {worst['echo_us']} us, {worst['temperature']:g} degC")
+    table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
+    table.add_row("", "no overflow; never falls as the echo time grows")
+    for line in report["assumptions"]:
+        table.add_row("assumed", escape(line))
+    for note in notes:
+        table.add_row("[yellow]note[/]", escape(note))
+    for path in files:
+        table.add_row("written", f"[cyan]{escape(str(path))}[/]")
+    return table

@@ -1,0 +1,102 @@
+"""``echocal firmware``: files, report, exit codes, one clear line for a mistake."""
+
+import json
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+from toolchain import build, hash_of_all
+
+from echocal import Model, firmware
+from echocal.cli import main
+from echocal.firmware import Firmware
+
+FAST = ("--temperature-lsb", "0.5", "--echo-max-us", "30000")
+
+
+@pytest.fixture
+def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "model.json"
+    Model("cramer", {"fixed_delay": {"delay": 31e-6}}, air={"relative_humidity": 0.3}).save(path)
+    return path
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["echocal", "firmware", *words])
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    return int(stopped.value.code or 0)
+
+
+def test_files_report_and_summary(
+    model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, str(model), *FAST, "--json", "-", "-o", "made") == 0
+    out, summary = capsys.readouterr()
+    report = json.loads(out)
+    assert report == json.loads(Path("made/report.json").read_text())
+    assert report["schema"] == "echocal.firmware/1"
+    assert report["model_hash"] == Model.load(model).hash
+    assert report["flash_bytes"] is None, "not measured, so not stated"
+    assert "mm at most, up to 4 m (asked for 0.5 mm)" in summary
+    assert "relative_humidity 0.3" in summary
+    names = ["echocal_correction.c", "echocal_correction.h", "echocal_golden.csv", "report.json"]
+    assert sorted(path.name for path in Path("made").iterdir()) == names
+
+
+def test_the_recorded_command_makes_the_same_files(
+    model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ("--temperature-zero", "0.25", "--assume", "pressure=90000", "--prefer", "speed", "--quiet")
+    assert run(monkeypatch, str(model), *FAST, *options, "--max-error-mm", "0.3", "-o", "first") == 0
+    assert capsys.readouterr() == ("", ""), "--quiet is quiet"
+    report = json.loads(Path("first/report.json").read_text())
+    command = shlex.split(report["provenance"]["command"])
+    assert command[:3] == ["echocal", "firmware", "model.json"]
+    assert run(monkeypatch, *command[2:], "-o", "second") == 0
+    for path in Path("first").iterdir():
+        assert path.read_bytes() == (Path("second") / path.name).read_bytes()
+
+
+def test_a_bound_out_of_reach_exits_with_4_and_one_line(
+    model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, str(model), *FAST, "--max-error-mm", "0.0001", "-o", "made") == 4
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.strip()]
+    assert len(lines) == 1, lines
+    assert "the best reachable is 0.00" in lines[0]
+    assert not Path("made").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--temperature-range=-20",), "give LOW:HIGH"),
+        (("--temperature-range=60:-20",), "low <= high"),
+        (("--assume", "relative_humidity"), "give NAME=VALUE"),
+        (("--target", "pdp11"), "unknown target 'pdp11'"),
+        (("--accept", "no_such_effect"), "unknown effect 'no_such_effect'"),
+        (("--json", "absent/folder/report.json"), "cannot write absent/folder/report.json: No such file"),
+        (("-o", "model.json"), "cannot write firmware to model.json: File exists"),
+    ],
+)
+def test_a_mistake_exits_with_2_and_one_line(
+    words: tuple[str, ...],
+    message: str,
+    model: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(monkeypatch, str(model), *FAST, "--quiet", "-o", "made", *words) == 2
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.strip()]
+    assert len(lines) == 1, lines
+    assert message in lines[0]
+
+
+def test_a_file_name_cannot_end_the_comment(tmp_path: Path) -> None:
+    made: Firmware = firmware.generate(
+        Model("linear"), temperature=(1.0, 0.0, 40.0), model_name="a*/ int x; /*??/ \n.json"
+    )
+    assert hash_of_all(build(made, tmp_path)) == made.report["output_hash"]

@@ -1,0 +1,39 @@
+"""Generated files as they were when last looked at: what a change of the generator does, is seen.
+
+After a change that is meant, run ``python tests/firmware/test_golden.py`` and read the difference.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from echocal import Model, firmware
+from echocal.firmware import Firmware
+
+GOLDEN = Path(__file__).parent / "golden"
+CASES = {
+    "dry_air": (Model("cramer"), {}),
+    "delay_and_zero": (
+        Model("ideal_gas", {"fixed_delay": {"delay": 31e-6}, "zero_error": {"offset": -4e-3}}),
+        {"max_error": 0.1e-3},
+    ),
+    "table": (Model("cramer"), {"form": "interpolated_table", "max_error": 0.2e-3}),
+}
+
+
+def make(name: str) -> Firmware:
+    model, request = CASES[name]
+    return firmware.generate(model, temperature=(0.5, -20.0, 60.0), **request)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_files_are_fresh(name: str) -> None:
+    made = make(name)
+    for file in made.files:
+        assert made.files[file] == (GOLDEN / name / file).read_text(), f"{name}/{file} has changed"
+    assert sorted(made.files) == sorted(path.name for path in (GOLDEN / name).iterdir())
+
+
+if __name__ == "__main__":
+    for case in CASES:
+        make(case).save(GOLDEN / case)
