@@ -24,8 +24,10 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     const uint16_t within = (uint16_t)(warmth & 15U);
     /* speed factor at the start of the cell */
     const uint16_t low = echocal_speed[cell];
+    /* its growth over the cell */
+    const uint16_t rise = (uint16_t)(echocal_speed[((uint16_t)(cell + 1U))] - low);
     /* half the speed of sound, 2^-8 um per echo code */
-    const uint16_t speed = (uint16_t)(low + ((uint16_t)(((uint16_t)(within * ((uint16_t)(echocal_speed[((uint16_t)(cell + 1U))] - low)))) >> 4)));
+    const uint16_t speed = (uint16_t)(low + ((uint16_t)(((uint16_t)(within * rise)) >> 4)));
     /* [um] */
     const uint32_t distance = ((uint32_t)echo_us * (uint32_t)speed) >> 8;
     return (int32_t)distance;
