@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from echocal import DataError
 from echocal.cli import app
 from echocal.study import run
 from echocal.study.document import render
@@ -57,3 +58,10 @@ def test_quiet_and_stdout() -> None:
     assert quiet.output.strip() == "30 reproduced, 13 not reproduced, 10 physically wrong"
     piped = CliRunner().invoke(app, ["study", "--quiet", "--json", "-"])
     assert json.loads(piped.stdout)["schema"] == "echocal.study/1"
+
+
+def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    result = CliRunner().invoke(app, ["study", "--quiet", "--out", str(tmp_path / "taken")])
+    assert isinstance(result.exception, DataError)
+    assert "taken cannot be written" in str(result.exception)

@@ -1,0 +1,77 @@
+"""``echocal calibrate``: parameters of a model from measured data."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from echocal.calibrate import Calibration, calibrate
+from echocal.cli.models import Effects, model_of
+from echocal.cli.tables import (
+    Columns,
+    Json,
+    Missing,
+    Quiet,
+    ReadingSpeed,
+    noted,
+    options_of,
+    read,
+    write_json,
+)
+
+STRONG = 0.95  # correlation from which two parameters are named
+
+
+def command(
+    data: Annotated[Path, typer.Argument(help="Table of echoes with reference distances.")],
+    fit: Annotated[
+        list[str], typer.Option(metavar="NAME", help="Parameter: zero_error.offset, fixed_delay, law.slope.")
+    ],
+    law: Annotated[str | None, typer.Option(help="Law or expression to begin with; default cramer.")] = None,
+    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file to begin with.")] = None,
+    effect: Effects = None,
+    loss: Annotated[
+        str, typer.Option(help="linear; soft_l1, huber or cauchy where rows may be wrong.")
+    ] = "linear",
+    column: Columns = None,
+    missing: Missing = None,
+    reading_speed: ReadingSpeed = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Estimate parameters by least squares, with standard uncertainties and correlations."""
+    start = model_of(law, model, effect)
+    with noted(quiet):
+        options = options_of(column, missing, None, reading_speed=reading_speed or start.law)
+        found = calibrate(read(data, quiet, **options), start, fit, loss=loss)
+    if out is not None:
+        found.model.save(out)
+    write_json(found.to_dict(), json)
+    if not quiet and json != "-":
+        _print(found, out)
+
+
+def _print(found: Calibration, out: Path | None) -> None:
+    console = Console()
+    table = Table("parameter", "value", "standard uncertainty", "unit")
+    for estimate in found:
+        table.add_row(
+            estimate.name, f"{estimate.value:.6g}", f"{estimate.standard_uncertainty:.2g}", estimate.unit
+        )
+    console.print(table)
+    used, total = found.rows["used"], found.rows["total"]
+    deviation = found.residual_standard_deviation * 1e3
+    console.print(f"{used} of {total} rows used; residual standard deviation {deviation:.3f} mm")
+    for i, first in enumerate(found.names):
+        for j, second in enumerate(found.names[:i]):
+            if abs(found.correlation[i, j]) > STRONG:
+                console.print(f"{second} and {first} are correlated: {found.correlation[i, j]:+.3f}")
+    for name in found.at_bounds:
+        console.print(f"{name} ended on a bound: its uncertainty means little", style="yellow")
+    if out is not None:
+        console.print(f"wrote {out}")
