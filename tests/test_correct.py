@@ -1,3 +1,4 @@
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,14 @@ def test_every_row_comes_out_in_order_with_its_reason() -> None:
     assert corrected.table["corrected_distance_m"].isna().tolist() == [False, True, True, True]
     assert corrected.unusable == {reason: 1 for reason in reasons if reason}
     pd.testing.assert_frame_equal(corrected.table[table.columns], table)
+
+
+def test_an_unusable_row_leaves_no_domain() -> None:
+    table = echoes(DEVICE, [1.0, 1.0], [20.0, 20.0])
+    table.loc[1, "temperature_C"] = 124.99
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert correct_table(table, DEVICE).unusable == {"temperature_C out of range": 1}
 
 
 def test_a_missing_reference_costs_no_row() -> None:

@@ -13,11 +13,12 @@ Column = NDArray[np.float64]
 
 
 def base_indication(observations: Observations, law: str) -> Column:
-    """Indication [m], shape (n,), that a law makes of the recorded echo times.
+    """Indication [m], shape (n,), that a law makes of the echo times; NaN in unusable rows.
 
     Where readings were turned into echo times with this law, these are the readings again.
     """
-    return np.asarray(Model(law).distance(observations.echo_time, **_conditions(observations)))
+    echo_time = np.where(observations.usable, observations.echo_time, np.nan)
+    return np.asarray(Model(law).distance(echo_time, **_conditions(observations)))
 
 
 def corrected_distance(observations: Observations, model: Model) -> Column:
@@ -37,8 +38,10 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
     except DataError as error:
         message = f'{error}; map a column with --column, or leave one out with --column "NAME=ignore"'
         raise DataError(message) from None
-    return np.where(observations.usable, distance, np.nan)
+    return distance
 
 
 def _conditions(observations: Observations) -> dict[str, Column]:
-    return dict(observations.conditions)
+    # what cannot be used must not raise a warning about domains either
+    usable = observations.usable
+    return {name: np.where(usable, values, np.nan) for name, values in observations.conditions.items()}
