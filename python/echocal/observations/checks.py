@@ -54,7 +54,8 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
     known = values[np.isfinite(values)]
     if form.label or column in trusted or not known.any():
         return
-    median = float(np.median(known))
+    possible = known[~impossible(known, assignment)[0]]  # single impossible rows are another matter
+    median = float(np.median(possible if 2 * len(possible) >= len(known) else known))
     if _within(unit, median, form.typical or form.physical):
         return
     others = _ordinary_as(median, form)
