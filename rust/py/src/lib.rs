@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod batch;
 mod domain;
 mod errors;
+mod evidence;
 mod firmware;
 mod model;
 mod registry;
@@ -19,6 +20,8 @@ mod _core {
     };
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
+    #[pymodule_export]
+    use super::evidence::products;
     #[pymodule_export]
     use super::firmware::{CoreFirmware, design_firmware};
     #[pymodule_export]
