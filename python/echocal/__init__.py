@@ -3,6 +3,7 @@
 from echocal import firmware
 from echocal._core import absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
+from echocal.diagnose import Diagnosis, diagnose
 from echocal.domain import DEPARTURES, departures
 from echocal.errors import (
     BoundError,
@@ -25,6 +26,7 @@ __all__ = [
     "Calibration",
     "DataError",
     "DataWarning",
+    "Diagnosis",
     "DomainWarning",
     "EchocalError",
     "Model",
@@ -36,6 +38,7 @@ __all__ = [
     "absorption",
     "calibrate",
     "departures",
+    "diagnose",
     "distance",
     "effects",
     "error",

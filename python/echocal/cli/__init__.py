@@ -9,7 +9,7 @@ from echocal.errors import EchocalError
 
 __all__ = ["COMMANDS", "app", "main"]
 
-COMMANDS = ("calibrate", "correct", "effects", "firmware", "study", "sweep", "verify")
+COMMANDS = ("calibrate", "correct", "diagnose", "effects", "firmware", "study", "sweep", "verify")
 """Every command: ``echocal NAME`` is ``command`` of ``echocal.cli.NAME``, a function or an app of its own."""
 
 app = typer.Typer(

@@ -1,0 +1,25 @@
+"""Name the cause: from a table of echoes to what the base simulation gets wrong."""
+
+from echocal.diagnose.engine import diagnose
+from echocal.diagnose.result import (
+    Cause,
+    Diagnosis,
+    Gain,
+    NextMeasurement,
+    Parameter,
+    Refuted,
+    Traces,
+    Unexplained,
+)
+
+__all__ = [
+    "Cause",
+    "Diagnosis",
+    "Gain",
+    "NextMeasurement",
+    "Parameter",
+    "Refuted",
+    "Traces",
+    "Unexplained",
+    "diagnose",
+]

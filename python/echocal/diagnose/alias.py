@@ -1,0 +1,91 @@
+"""Causes that these data cannot tell apart, from the geometry of their columns."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates import Variant
+
+__all__ = ["ENOUGH", "Geometry"]
+
+Matrix = NDArray[np.floating[Any]]
+
+ENOUGH = 1.0
+"""Expected log odds below which two causes count as one class."""
+
+_PLAUSIBLE = (
+    9.0  # prior standard deviations: three of the widest prior; a larger mimic tells itself by its size
+)
+
+
+class Geometry:
+    """Lengths and angles of the causes' columns, after whitening and removing levels.
+
+    Parameters
+    ----------
+    products : ndarray, shape (k, k)
+        Whitened products under the most probable noise.
+    variance : float
+        Variance of the innovations [m^2].
+    """
+
+    def __init__(self, products: Matrix, variance: float) -> None:
+        self.products = products / variance
+
+    def signal(self, variant: Variant, mean: Matrix | None = None) -> Matrix:
+        """Combination of columns that a cause adds, at its prior size or at the size found."""
+        combination = np.zeros(len(self.products))
+        if variant.offset is not None:
+            combination[variant.offset] = 1.0
+        size = np.ones(len(variant.free)) if mean is None else mean
+        if mean is not None or variant.offset is None:
+            combination[list(variant.free)] = size
+        return combination
+
+    def visibility(self, signal: Matrix) -> float:
+        """Signal over noise, summed over rows: ``snr sqrt(n)``."""
+        return float(np.sqrt(np.maximum(signal @ self.products @ signal, 0.0)))
+
+    def mimic(self, signal: Matrix, variants: Sequence[Variant]) -> tuple[float, float]:
+        """How well another cause imitates a signal.
+
+        Returns
+        -------
+        float
+            Log odds that remain against the best imitation; small: no telling apart.
+        float
+            Size that the imitation needs, in prior standard deviations.
+        """
+        return min((self._mimic(signal, v) for v in variants), default=(np.inf, np.inf))
+
+    def _mimic(self, signal: Matrix, variant: Variant) -> tuple[float, float]:
+        rest = signal if variant.offset is None else signal - self.signal(variant)
+        free = list(variant.free)
+        if not free:
+            return 0.5 * self.visibility(rest) ** 2, 1.0
+        among = self.products[np.ix_(free, free)]
+        size = np.linalg.lstsq(among, self.products[free] @ rest, rcond=1e-12)[0]
+        rest = rest - self._place(free, size)
+        return 0.5 * self.visibility(rest) ** 2, float(np.abs(size).max())
+
+    def _place(self, free: list[int], size: Matrix) -> Matrix:
+        placed = np.zeros(len(self.products))
+        placed[free] = size
+        return placed
+
+    def rivals(self, signal: Matrix, others: dict[str, list[Variant]]) -> list[str]:
+        """Causes of a plausible size that these data cannot tell from a signal."""
+        rivals = []
+        for cause, variants in others.items():
+            odds, size = self.mimic(signal, variants)
+            if odds < ENOUGH and size <= _PLAUSIBLE:
+                rivals.append(cause)
+        return rivals
+
+    def correlation(self, one: Variant, other: Variant) -> float:
+        """Cosine between the columns of two causes, after whitening and removing levels."""
+        a, b = self.signal(one), self.signal(other)
+        lengths = self.visibility(a) * self.visibility(b)
+        return float(a @ self.products @ b / lengths) if lengths > 0 else np.nan

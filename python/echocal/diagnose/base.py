@@ -1,0 +1,89 @@
+"""The base simulation that the measurement is compared with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.errors import ModelError
+from echocal.model import Model
+
+__all__ = ["Base", "parameter_names"]
+
+Column = NDArray[np.float64]
+Parameters = Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class Base:
+    """A base simulation: what the device's readings would be if nothing were wrong.
+
+    A base law that is a fixed speed describes a device, not the air: the base says that a reading
+    is the distance. The air then follows the linear law, and whether that matters is what the
+    effect ``fixed_speed`` answers, its speed being known.
+
+    Attributes
+    ----------
+    law : str
+        Law for the air on the path.
+    effects : mapping
+        Effects that the base accounts for already.
+    device_speed : float or None
+        Speed that the device converts every echo with [m/s]; None: the law's own.
+    """
+
+    law: str
+    effects: Parameters
+    device_speed: float | None = None
+
+    @classmethod
+    def of(cls, base: "str | Model") -> "Base":
+        """Read a law's name, an expression, a fixed speed or a model."""
+        if isinstance(base, Model):
+            return cls(base.law, base.effects)
+        law = Model(base).law
+        try:
+            return cls("linear", {}, float(law))
+        except ValueError:
+            return cls(law, {})
+
+    def indication(self, echo_time: Column, conditions: Mapping[str, Column]) -> Column:
+        """Reading [m] that belongs to an echo time [s]."""
+        law = self.law if self.device_speed is None else str(self.device_speed)
+        reading: Column = Model(law).distance(echo_time, **conditions)
+        return reading
+
+    def model(self, extra: Parameters | None = None) -> Model:
+        """Return the base extended by effects."""
+        return Model(self.law, {**self.effects, **(extra or {})})
+
+    def expected(self, distance: Column, conditions: Mapping[str, Column]) -> Column:
+        """Reading [m] that the base simulation predicts at a distance [m]."""
+        expected: Column = self.model().indicate(distance, **conditions)
+        return expected
+
+    def allows(self, facts: Mapping[str, Any]) -> bool:
+        """Whether an effect can extend this base."""
+        if facts["id"] in self.effects:
+            return False
+        try:
+            self.model({facts["id"]: {}})
+        except ModelError:
+            return False
+        return True
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in ``echocal.diagnosis/1``."""
+        effects = {id_: dict(parameters) for id_, parameters in self.effects.items()}
+        return {"law": self.law, "effects": effects, "device_speed": self.device_speed}
+
+
+def parameter_names(model: Model) -> list[tuple[str, str]]:
+    """Effect and parameter of each column of a model's Jacobian after the first."""
+    stages = ["air", "speed", "path", "flight", "transducer", "timer", "firmware", "indication"]
+    facts = [f for f in _core.effects() if f["id"] in model.effects]
+    facts.sort(key=lambda f: stages.index(f["stage"]))
+    return [(f["id"], p["name"]) for f in facts for p in f["parameters"]]

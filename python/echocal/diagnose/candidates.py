@@ -1,0 +1,200 @@
+"""Candidate causes as columns: what each would add to the readings of this table."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.base import Base, parameter_names
+from echocal.model import Model
+
+__all__ = ["UNKNOWN", "Candidates", "Scene", "Variant", "effect_candidates"]
+
+Column = NDArray[np.float64]
+Facts = Mapping[str, Any]
+
+UNKNOWN = "unknown"
+"""Id under which a smooth shape without a cause competes."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One linear form of a cause: a fixed column, free columns, or both.
+
+    Attributes
+    ----------
+    cause : str
+        Id of the effect, or `UNKNOWN`.
+    at : mapping of str to float
+        Parameters of the fixed column, or at which the free ones are linearized.
+    offset : int or None
+        Column that enters with coefficient one.
+    free : tuple of int
+        Columns with a coefficient to be found, in units of its prior standard deviation.
+    names, scales : tuple
+        Parameter and its prior standard deviation, per free column.
+    bounds : tuple of (float, float)
+        Bounds of each coefficient, in the same units.
+    weight : float
+        Probability among the variants of its cause.
+    against : str
+        For `UNKNOWN`, the column that the shape is a function of.
+    """
+
+    cause: str
+    at: Mapping[str, float] = field(default_factory=dict)
+    offset: int | None = None
+    free: tuple[int, ...] = ()
+    names: tuple[str, ...] = ()
+    scales: tuple[float, ...] = ()
+    bounds: tuple[tuple[float, float], ...] = ()
+    weight: float = 1.0
+    against: str = ""
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """Every column that it uses."""
+        return self.free if self.offset is None else (self.offset, *self.free)
+
+
+@dataclass
+class Candidates:
+    """Columns gathered so far, the variants that use them, and what was left out and why."""
+
+    columns: list[Column]
+    variants: list[Variant] = field(default_factory=list)
+    size_tangents: dict[str, tuple[int, float]] = field(default_factory=dict)
+    skipped: dict[str, str] = field(default_factory=dict)
+
+    def add(self, column: Column) -> int:
+        """Keep a column and return its position."""
+        self.columns.append(column)
+        return len(self.columns) - 1
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Where the candidates are evaluated.
+
+    Attributes
+    ----------
+    base : Base
+        The base simulation.
+    distance : ndarray, shape (n,)
+        Reference distance, or the level of each row's stretch [m].
+    conditions : mapping of str to ndarray
+        Recorded influence quantities.
+    relevel : callable
+        ``relevel(model)`` is every row's distance [m] if that model were right.
+    groups : ndarray of int, shape (n,), or None
+        Stretch of each row where the level is unknown; None where the distance is.
+    """
+
+    base: Base
+    distance: Column
+    conditions: Mapping[str, Column]
+    relevel: Callable[[Model], Column]
+    groups: NDArray[np.int64] | None
+
+    def shift(self, id_: str, at: Mapping[str, float]) -> Column:
+        """Change of the reading [m] if the effect were there with these parameters."""
+        model = self.base.model({id_: at})
+        true = self.relevel(model)
+        shift: Column = model.indicate(true, **self.conditions)
+        return shift - self.base.expected(self.distance, self.conditions)
+
+    def tangents(self, id_: str, at: Mapping[str, float]) -> dict[str, Column]:
+        """Derivative of the reading to each parameter of the effect."""
+        model = self.base.model({id_: at})
+        jacobian = model.jacobian(self.relevel(model), **self.conditions)
+        order = parameter_names(model)
+        own = {name: jacobian[:, 1 + i] for i, (term, name) in enumerate(order) if term == id_}
+        return {name: self._at_its_level(column, jacobian[:, 0]) for name, column in own.items()}
+
+    def _at_its_level(self, tangent: Column, slope: Column) -> Column:
+        """Part of a tangent that an unknown level cannot take up."""
+        if self.groups is None:
+            return tangent
+        taken = np.bincount(self.groups, tangent / slope) / np.bincount(self.groups)
+        return tangent - slope * taken[self.groups]
+
+
+def effect_candidates(found: Candidates, scene: Scene) -> None:
+    """Add the columns of every effect that the data could show.
+
+    A size that theory knows enters with coefficient one, at every value of its shape that the
+    trade uses and beside the shape's tangent; any other size enters by its tangent.
+    """
+    for facts in _core.effects():
+        reason = _why_not(facts, scene)
+        if reason:
+            found.skipped[facts["id"]] = reason
+            continue
+        sizes = [p for p in facts["parameters"] if p["role"] == "size"]
+        form = _known if all(p["known"] for p in sizes) else _free
+        variants = form(found, facts, scene)
+        finite = [v for v in variants if all(np.isfinite(found.columns[i]).all() for i in v.columns)]
+        if len(finite) < len(variants):
+            found.skipped[facts["id"]] = "not finite in these data"
+            continue
+        found.variants += [replace(v, weight=1 / len(finite)) for v in finite]
+
+
+def _why_not(facts: Facts, scene: Scene) -> str:
+    recorded = scene.conditions
+    missing = [name for name in facts["requires"] if name not in recorded]
+    superseded = [name for name in facts["excludes"] if name in recorded]
+    if not scene.base.allows(facts):
+        return "the base accounts for it"
+    if missing:
+        return f"not recorded: {', '.join(missing)}"
+    if superseded:
+        return f"recorded: {', '.join(superseded)}"
+    return ""
+
+
+def _known(found: Candidates, facts: Facts, scene: Scene) -> list[Variant]:
+    id_, shapes = facts["id"], [p for p in facts["parameters"] if p["role"] == "shape"]
+    sizes = {p["name"]: float(p["known"][0]) for p in facts["parameters"] if p["role"] == "size"}
+    speed = scene.base.device_speed
+    if id_ == "fixed_speed" and speed is not None:  # the base says which speed it is
+        at = {**sizes, "speed": speed}
+        return [Variant(id_, at, found.add(scene.shift(id_, at)))]
+    variants = [
+        Variant(id_, at := {**sizes, p["name"]: float(value)}, found.add(scene.shift(id_, at)))
+        for p in shapes
+        for value in p["known"]
+    ]
+    at = {**sizes, **{p["name"]: p["neutral"] for p in shapes}}
+    tangents = scene.tangents(id_, at)
+    whole = Variant(id_, at, found.add(scene.shift(id_, at)))
+    for name, size in sizes.items():
+        found.size_tangents[id_] = (found.add(tangents[name]), size)
+    variants.append(_freed(found, whole, shapes, tangents) if shapes else whole)
+    return variants
+
+
+def _free(found: Candidates, facts: Facts, scene: Scene) -> list[Variant]:
+    at = {p["name"]: p["neutral"] for p in facts["parameters"]}
+    sizes = [p for p in facts["parameters"] if p["role"] == "size"]
+    return [_freed(found, Variant(facts["id"], at), sizes, scene.tangents(facts["id"], at))]
+
+
+def _freed(
+    found: Candidates, variant: Variant, parameters: list[Facts], tangents: dict[str, Column]
+) -> Variant:
+    """Let parameters of a variant move around where they stand."""
+    scales = tuple(float(p["prior_scale"]) for p in parameters)
+    low_high = [
+        tuple((b - variant.at[p["name"]]) / p["prior_scale"] for b in p["bounds"]) for p in parameters
+    ]
+    return replace(
+        variant,
+        free=tuple(found.add(tangents[p["name"]] * p["prior_scale"]) for p in parameters),
+        names=tuple(p["name"] for p in parameters),
+        scales=scales,
+        bounds=tuple((low, high) for low, high in low_high),
+    )

@@ -1,0 +1,188 @@
+"""From weighed hypotheses to claims: what is named, with what, and what is refused."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.alias import Geometry
+from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
+from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.hypotheses import preferred
+
+__all__ = ["Claim", "Ranking", "alternatives", "claims", "effects_of", "free_size", "rank"]
+
+_POSSIBLE = 0.05  # probability from which on another cause is mentioned
+
+Parameters = dict[str, dict[str, float]]
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Probabilities over sets of causes.
+
+    Attributes
+    ----------
+    weighed : list of Weighed
+        Most probable first.
+    probability : ndarray
+        Of each of `weighed`; sums to one.
+    sets : list of (tuple of str, float)
+        Sets of ids (with ``unknown`` for a shape), most probable first; sums to one.
+    """
+
+    weighed: list[Weighed]
+    probability: NDArray[np.float64]
+    sets: list[tuple[tuple[str, ...], float]]
+
+    def of(self, causes: Sequence[str]) -> float:
+        """Probability that at least one of these is at work."""
+        return sum(p for ids, p in self.sets if set(ids) & set(causes))
+
+    def best(self) -> Weighed:
+        """Most probable hypothesis of the most probable set of effects, whatever shape beside it."""
+        effects: dict[tuple[str, ...], float] = {}
+        for ids, p in self.sets:
+            named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
+            effects[named] = effects.get(named, 0.0) + p
+        top = max(effects, key=lambda named: effects[named])
+        same = [w for w in self.weighed if _named(w.hypothesis) == top]
+        return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
+
+    def shapes(self) -> dict[str, float]:
+        """Probability of a shape against each column."""
+        against: dict[str, float] = {}
+        for weighed, p in zip(self.weighed, self.probability, strict=True):
+            for variant in weighed.hypothesis.variants:
+                if variant.cause == UNKNOWN:
+                    against[variant.against] = against.get(variant.against, 0.0) + float(p)
+        return against
+
+
+def _named(hypothesis: Hypothesis) -> tuple[str, ...]:
+    return tuple(sorted(id_ for id_ in hypothesis.causes if id_ != UNKNOWN))
+
+
+def rank(weighed: list[Weighed]) -> Ranking:
+    """Normalize, and add up the variants of each set of causes."""
+    log = np.array([w.log_posterior for w in weighed])
+    probability = np.exp(log - log.max())
+    probability /= probability.sum()
+    sets: dict[tuple[str, ...], float] = {}
+    for w, p in zip(weighed, probability, strict=True):
+        ids = tuple(sorted(w.hypothesis.causes))
+        sets[ids] = sets.get(ids, 0.0) + float(p)
+    ordered = sorted(sets.items(), key=lambda item: -item[1])
+    return Ranking(weighed, probability, ordered)
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside: identity is what matters
+class Claim:
+    """A cause of the most probable set, with those that it cannot be told from.
+
+    Attributes
+    ----------
+    variant : Variant
+    mean, deviation : ndarray
+        Coefficients of its free columns and their standard uncertainties, in prior units.
+    rivals : tuple of str
+    probability : float
+        Of the class: the cause or one of its rivals.
+    """
+
+    variant: Variant
+    mean: NDArray[np.floating[Any]]
+    deviation: NDArray[np.floating[Any]]
+    rivals: tuple[str, ...]
+    probability: float
+
+    @property
+    def cause(self) -> str:
+        """Id of the effect."""
+        return self.variant.cause
+
+
+def claims(ranking: Ranking, found: Candidates, shape: Geometry) -> list[Claim]:
+    """Claim the causes of the best hypothesis, each with its class."""
+    best = ranking.best()
+    others = _by_cause(found.variants)
+    made = []
+    first = 0
+    chosen = set(_named(best.hypothesis))
+    for variant in best.hypothesis.variants:
+        last = first + len(variant.free)
+        mean = best.mean[first:last]
+        deviation = np.sqrt(np.diag(best.covariance)[first:last])
+        first = last
+        if variant.cause == UNKNOWN:
+            continue
+        signal = shape.signal(variant, mean)
+        rivals = shape.rivals(signal, {c: v for c, v in others.items() if c not in chosen})
+        probability = ranking.of([variant.cause, *rivals])
+        made.append(Claim(variant, mean, deviation, tuple(sorted(rivals)), probability))
+    return sorted(made, key=lambda claim: -claim.probability)
+
+
+def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
+    """Causes of the credible set that might be at work alone, instead of the claims."""
+    taken = {id_ for claim in made for id_ in (claim.cause, *claim.rivals)}
+    found = []
+    for ids, probability in ranking.sets:
+        if len(ids) == 1 and probability >= _POSSIBLE and ids[0] not in {UNKNOWN, *taken}:
+            weighed = next(w for w in ranking.weighed if w.hypothesis.causes == ids)
+            deviation = np.sqrt(np.diag(weighed.covariance))
+            found.append(Claim(weighed.hypothesis.variants[0], weighed.mean, deviation, (), probability))
+    return found
+
+
+def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
+    causes: dict[str, list[Variant]] = {}
+    for variant in variants:
+        if variant.cause != UNKNOWN:
+            causes.setdefault(variant.cause, []).append(variant)
+    return causes
+
+
+def effects_of(weighed: Weighed, only: Sequence[str] | None = None) -> Parameters:
+    """Parameters of a model that has these causes (all of the hypothesis by default)."""
+    effects: Parameters = {}
+    first = 0
+    for variant in weighed.hypothesis.variants:
+        last = first + len(variant.free)
+        if variant.cause != UNKNOWN and (only is None or variant.cause in only):
+            effects[variant.cause] = parameters(variant, weighed.mean[first:last])
+        first = last
+    return effects
+
+
+def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, float]:
+    """Parameters of a cause; a mean outside a bound (the prior is cut off there) stands on it."""
+    values = dict(variant.at)
+    limits = zip(variant.names, mean, variant.scales, variant.bounds, strict=False)
+    for name, size, scale, (low, high) in limits:
+        values[name] = values.get(name, 0.0) + float(np.clip(size, low, high)) * scale
+    return values
+
+
+def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -> tuple[float, float]:
+    """Size that a known correction would have if theory did not fix it, and its uncertainty."""
+    column, _ = found.size_tangents[cause]
+    variants = [v for v in beside.variants if v.cause != cause]
+    free = Variant(cause, free=(column,), bounds=((-np.inf, np.inf),))
+    weighed = weigh(Hypothesis((free, *variants), 1.0), stack)
+    return float(weighed.mean[0]), float(np.sqrt(weighed.covariance[0, 0]))
+
+
+def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
+    """Drop one cause."""
+    return replace(hypothesis, variants=tuple(v for v in hypothesis.variants if v.cause != cause))
+
+
+def posterior_sets(ranking: Ranking, least: float = 1e-3) -> Mapping[tuple[str, ...], float]:
+    """Sets worth listing; the rest is shared by the last entry, so that the sum stays one."""
+    kept = {ids: p for ids, p in ranking.sets if p >= least}
+    top = next(iter(kept))
+    kept[top] += 1.0 - sum(kept.values())
+    return kept

@@ -1,0 +1,104 @@
+"""From a table to a diagnosis."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from echocal.diagnose.base import Base
+from echocal.diagnose.gain import Folds
+from echocal.diagnose.result import Diagnosis
+from echocal.diagnose.scene import prepare
+from echocal.diagnose.study import study
+from echocal.diagnose.verdict import conclude
+from echocal.diagnose.window import between, held_out
+from echocal.model import Model
+from echocal.observations import Observations, read_observations
+
+__all__ = ["diagnose"]
+
+
+def diagnose(
+    observations: Any,
+    *,
+    base: str | Model = "linear",
+    reference_distance: float | None = None,
+    constant_distance: bool = False,
+    columns: Mapping[str, str] | str | Path | None = None,
+    reading_speed: str | None = None,
+    missing: Collection[Any] | Mapping[str, Any] = (),
+    since: str | None = None,
+    until: str | None = None,
+    hold_out_after: str | float | None = None,
+    seed: int = 0,
+) -> Diagnosis:
+    """Name what a base simulation gets wrong about a table of echoes.
+
+    Every effect that the table could show, every pair and the best triples compete with
+    "nothing" and with smooth shapes that have no cause, by the evidence of their columns. Noise
+    with memory and an error per stand are reckoned with before anything is named. The gain is
+    measured on rows that no parameter was fitted to.
+
+    Parameters
+    ----------
+    observations : Observations, path, DataFrame, or mapping of str to array_like
+        What is no `Observations` yet goes through `echocal.read_observations`.
+    base : str or Model
+        The base simulation: a law (``"linear"``), an expression, a fixed speed (``"343"``: a
+        reading is taken for the distance), or a model.
+    reference_distance : float, optional
+        Distance of the target in every row [m], where the table has no column for it.
+    constant_distance : bool
+        The target never moved but its distance is not known: the level is found, stretch by
+        stretch.
+    columns, missing
+        Passed to `echocal.read_observations`.
+    reading_speed : str, optional
+        Speed that the device made its readings with; default: the base.
+    since, until : str, optional
+        Use only rows from and up to these times, ISO 8601; a date means its whole day.
+    hold_out_after : str or float, optional
+        Rows from this time on are held out from everything: ISO 8601, or seconds since the first
+        row. Default: folds take turns.
+    seed : int
+        Seed of the resampling behind the interval of the gain.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    DataError
+        If the table cannot be read or has too few usable rows.
+    UsageError
+        If a request contradicts itself or the table.
+
+    Examples
+    --------
+    A device that forgets the temperature, a meter and a half from a wall:
+
+    >>> import numpy as np
+    >>> import echocal
+    >>> temperature = np.linspace(0.0, 40.0, 60)
+    >>> noise = np.random.default_rng(1).normal(0.0, 1e-3, 60)
+    >>> reading = 1.5 * 343.0 / (331.4 + 0.6 * temperature) + noise
+    >>> table = {"reading_m": reading, "temperature_C": temperature}
+    >>> diagnosis = echocal.diagnose(table, reference_distance=1.5)
+    >>> diagnosis.verdict, diagnosis.causes[0].id
+    ('named', 'fixed_speed')
+    """
+    start = time.perf_counter()
+    simulated = Base.of(base)
+    if not isinstance(observations, Observations):
+        law = reading_speed or (
+            simulated.law if simulated.device_speed is None else str(simulated.device_speed)
+        )
+        observations = read_observations(observations, columns, reading_speed=law, missing=missing)
+    observations = between(observations, since, until)
+    table = prepare(observations, simulated, reference_distance, constant_distance)
+    folds = Folds.of(table, *held_out(observations, table, hold_out_after))
+    studied = study(table, simulated, folds, seed)
+    return conclude(studied, observations, start)

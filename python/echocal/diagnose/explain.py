@@ -1,0 +1,99 @@
+"""A diagnosis in plain sentences."""
+
+from echocal import _core
+from echocal.diagnose.result import Cause, Diagnosis, NextMeasurement
+from echocal.diagnose.sentences import quantity_text
+
+__all__ = ["explain", "parameter_text", "proposal_text"]
+
+_LEAD = {
+    "named": "The data name a cause.",
+    "ambiguous": "Something is wrong, and the data leave open which of several causes it is.",
+    "unknown": "Something is there that no cause of the catalogue explains.",
+    "nothing": "Nothing is found beyond noise.",
+}
+
+_READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
+
+
+def explain(diagnosis: Diagnosis) -> str:
+    """Plain sentences, one a line, that a user can check in the data."""
+    lines = [_LEAD[diagnosis.verdict], _rows(diagnosis)]
+    for cause in diagnosis.causes:
+        lines += _cause(cause)
+    if diagnosis.unexplained is not None:
+        lines.append(f"Not explained: {diagnosis.unexplained.description}.")
+    lines += _gain(diagnosis)
+    lines += [f"Note: {note}." for note in diagnosis.notes]
+    lines += [f"Next: {proposal_text(proposal)}." for proposal in diagnosis.next_measurements]
+    return "\n".join(lines)
+
+
+def _rows(diagnosis: Diagnosis) -> str:
+    rows = diagnosis.rows
+    text = f"{rows['used']} of {rows['total']} rows are used"
+    reasons = "; ".join(f"{count}: {reason}" for reason, count in rows["unusable"].items())
+    return f"{text}; left out, {reasons}." if reasons else f"{text}."
+
+
+def _cause(cause: Cause) -> list[str]:
+    facts = next(f for f in _core.effects() if f["id"] == cause.id)
+    sizes = ", ".join(
+        parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
+    )
+    lines = [
+        f"{'' if cause.in_model else 'Or else '}{cause.id} (probability {cause.probability:.3f}; {sizes}): "
+        f"{facts['sentence']}",
+        f"  You can check it: {cause.because}.",
+    ]
+    if cause.indistinguishable_from:
+        lines.append(f"  These data cannot tell it from {', '.join(cause.indistinguishable_from)}.")
+    return lines
+
+
+def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
+    """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
+    factor, shown = _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
+    if uncertainty == 0.0:
+        return f"{name} = {value * factor:g} {shown}".rstrip()
+    return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()
+
+
+def _gain(diagnosis: Diagnosis) -> list[str]:
+    gain = diagnosis.gain
+    if gain is None:
+        return []
+    low, high = (1e3 * end for end in gain.interval_95)
+    rungs = [f"{1e3 * rms:.2f} mm with {_joined(ids)}" for ids, rms in gain.ladder]
+    lines = [
+        f"On {gain.held_out_rows} rows that no parameter was fitted to ({gain.scheme}) the error is "
+        f"{', '.join(rungs)}."
+    ]
+    if diagnosis.causes:
+        lines.append(f"The extended model gains {low:.2f} to {high:.2f} mm over the base (95 %).")
+    if gain.fraction_of_reachable is not None:
+        lines.append(
+            f"That is {100 * gain.fraction_of_reachable:.0f} % of what every recorded column together could "
+            f"remove (floor {1e3 * gain.rms_floor_m:.2f} mm)."
+        )
+    return lines
+
+
+def proposal_text(proposal: NextMeasurement) -> str:
+    """What to measure, and what for, as a phrase."""
+    pair = " from ".join(proposal.separates)
+    side = proposal.conditions.get("side_measurement")
+    if side is not None:
+        return f"to tell {pair}: {side}"
+    places = zip(proposal.conditions["distance"], proposal.conditions["temperature"], strict=True)
+    where = " and at ".join(
+        f"{quantity_text('distance', d)}, {quantity_text('temperature', t)}" for d, t in places
+    )
+    return (
+        f"to tell {pair}: measure {sum(proposal.conditions['rows'])} rows, at {where} (the right one would "
+        f"then have a probability of about {proposal.expected_probability:.2f})"
+    )
+
+
+def _joined(ids: tuple[str, ...]) -> str:
+    return " + ".join(ids) if ids else "the base"

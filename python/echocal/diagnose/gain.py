@@ -1,0 +1,208 @@
+"""What a model gains on rows that its parameters never saw."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.noise import Noise, Sums
+from echocal.diagnose.result import Gain, Ladder
+from echocal.diagnose.scene import Table, levels
+from echocal.model import Model
+
+__all__ = ["Folds", "HeldOut", "errors", "fixed_speed_rms", "floor", "measure", "summarize", "worse"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Labels = NDArray[np.int64]
+
+_FOLDS = 5
+_PIECES = 40  # contiguous pieces of the held-out rows that are resampled
+_RESAMPLES = 2000
+
+
+@dataclass(frozen=True)
+class Folds:
+    """Which rows are held out together.
+
+    Attributes
+    ----------
+    blocks : ndarray of int, shape (n,)
+        Block of each row.
+    held : tuple of ndarray of bool, shape (blocks,)
+        Blocks held out, fold by fold.
+    fit : ndarray of bool, shape (blocks,)
+        Blocks that causes are chosen from: all, except what the user held out.
+    scheme : str
+        In words.
+    """
+
+    blocks: Labels
+    held: tuple[Mask, ...]
+    fit: Mask
+    scheme: str
+
+    @classmethod
+    def of(cls, table: Table, held_out: Mask | None, held_text: str = "") -> "Folds":
+        """Hold out what the user says; else stands in turn, or runs of rows in turn."""
+        if held_out is not None:
+            return cls(
+                held_out.astype(np.int64), (np.array([False, True]),), np.array([True, False]), held_text
+            )
+        stands = 1 + int(table.groups.max())
+        if table.reference is not None and stands >= _FOLDS:
+            blocks, by = table.groups % _FOLDS, "stand"
+        else:
+            blocks = np.arange(len(table)) * _FOLDS // len(table)
+            by = "time" if "elapsed_time" in table.conditions else "row order"
+        held = tuple(np.arange(_FOLDS) == fold for fold in range(_FOLDS))
+        return cls(
+            blocks.astype(np.int64), held, np.ones(_FOLDS, dtype=bool), f"blocked by {by}, {_FOLDS} folds"
+        )
+
+    @property
+    def judged(self) -> Mask:
+        """Blocks that some fold holds out."""
+        return np.asarray(np.any(self.held, axis=0))
+
+    def rows(self, held: Mask) -> Mask:
+        """Rows of the blocks in `held`."""
+        return held[self.blocks]
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Errors of one model on every row that some fold held out.
+
+    Attributes
+    ----------
+    error : ndarray, shape (n,)
+        Reading corrected by the model, less reference or level; NaN where never held out or where
+        no fitted row has the same level [m].
+    """
+
+    error: Column
+
+    @property
+    def rms(self) -> float:
+        """Root mean square [m]."""
+        return float(np.sqrt(np.nanmean(self.error**2)))
+
+
+def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> HeldOut:
+    """Fit on the blocks that each fold leaves, correct the rows that it holds out.
+
+    Parameters
+    ----------
+    table : Table
+    folds : Folds
+    fitted : callable
+        ``fitted(blocks)`` is the model fitted on these blocks.
+    """
+    error = np.full(len(table), np.nan)
+    for held in folds.held:
+        test = folds.rows(held)
+        error[test] = errors(table, fitted(folds.fit & ~held), ~test)[test]
+    return HeldOut(error)
+
+
+def errors(table: Table, model: Model, level_from: Mask) -> Column:
+    """Reading corrected by a model, less reference or less the mean level of some rows [m]."""
+    corrected: Column = model.correct(table.indication, **table.conditions)
+    if table.reference is not None:
+        return corrected - table.reference
+    return corrected - levels(corrected, table.groups, level_from, np.mean)
+
+
+def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
+    """Error of a device that converts every echo with the mean speed of the fitted rows [m]."""
+    error = np.full(len(table), np.nan)
+    for held in folds.held:
+        test = folds.rows(held)
+        reading = table.indication / speed * speed[~test].mean()
+        level = table.reference
+        if level is None:
+            level = levels(reading, table.groups, ~test, np.mean)
+        error[test] = (reading - level)[test]
+    return float(np.sqrt(np.nanmean(error**2)))
+
+
+def _pieces(judged: Mask) -> Labels:
+    """Contiguous pieces of the judged rows, -1 elsewhere."""
+    count = int(judged.sum())
+    pieces = np.full(len(judged), -1)
+    pieces[judged] = np.arange(count) * min(_PIECES, count) // max(count, 1)
+    return pieces
+
+
+def _by_piece(values: Column, pieces: Labels) -> Column:
+    return np.asarray(np.bincount(pieces[pieces >= 0], weights=values[pieces >= 0]), dtype=np.float64)
+
+
+def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
+    """95 % interval of the drop in RMS [m], from resampled contiguous pieces of rows."""
+    judged = np.isfinite(before.error) & np.isfinite(after.error)
+    pieces = _pieces(judged)
+    rows = np.bincount(pieces[judged])
+    squares = [_by_piece(held.error**2, pieces) for held in (before, after)]
+    drawn = np.random.default_rng(seed).integers(len(rows), size=(_RESAMPLES, len(rows)))
+    total = rows[drawn].sum(axis=1)
+    rms = [np.sqrt(square[drawn].sum(axis=1) / total) for square in squares]
+    low, high = np.percentile(rms[0] - rms[1], [2.5, 97.5])
+    return float(low), float(high)
+
+
+def worse(with_cause: HeldOut, without: HeldOut) -> bool:
+    """Whether rows never fitted speak against a cause: with it, they are further off."""
+    judged = np.isfinite(with_cause.error) & np.isfinite(without.error)
+    loss = with_cause.error[judged] ** 2 - without.error[judged] ** 2
+    return bool(loss.sum() > 0.0)
+
+
+def floor(sums: Sums, held: Mask, variance: float) -> float:
+    """Error that all columns together reach on the held-out rows, less what chance gives [m].
+
+    A ridge in units of the priors, three prior standard deviations wide; the residual is divided
+    by the rows less the effective number of coefficients.
+    """
+    white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
+    columns = slice(1, -1)
+    among, along, square = white[columns, columns], white[columns, -1], white[-1, -1]
+    values, vectors = np.linalg.eigh(among)
+    projected = (vectors.T @ along) ** 2
+    degrees = sums.degrees(held)
+    for _ in range(3):
+        ridge = variance / 9
+        kept = np.maximum(values, 0.0) + ridge
+        left = square - (projected * (values + 2 * ridge) / kept**2).sum()
+        used = (np.maximum(values, 0.0) / kept).sum()
+        variance = max(left, 1e-12 * square) / max(degrees - used, 1.0)
+    return float(np.sqrt(variance))
+
+
+def summarize(
+    rms_fixed: float | None,
+    ladder: Ladder,
+    before: HeldOut,
+    after: HeldOut,
+    rms_floor: float,
+    folds: Folds,
+    seed: int,
+) -> Gain:
+    """Put the figures together."""
+    judged = int((np.isfinite(before.error) & np.isfinite(after.error)).sum())
+    rms_floor = min(rms_floor, before.rms, after.rms)
+    reachable = before.rms**2 - rms_floor**2
+    worth = reachable > 0.02 * before.rms**2  # below, there is nothing to gain
+    return Gain(
+        rms_fixed_speed_m=rms_fixed,
+        ladder=ladder,
+        rms_before_m=before.rms,
+        rms_after_m=after.rms,
+        rms_floor_m=rms_floor,
+        held_out_rows=judged,
+        fraction_of_reachable=(before.rms**2 - after.rms**2) / reachable if worth else None,
+        interval_95=interval(before, after, seed),
+        scheme=folds.scheme,
+    )

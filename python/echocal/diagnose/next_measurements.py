@@ -1,0 +1,96 @@
+"""What to measure next: where causes that these data cannot separate would differ."""
+
+from collections.abc import Sequence
+from itertools import combinations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.base import parameter_names
+from echocal.diagnose.claims import Claim
+from echocal.diagnose.judge import Judgment
+from echocal.diagnose.result import NextMeasurement
+from echocal.diagnose.study import Study
+
+__all__ = ["propose"]
+
+_DISTANCES = (0.3, 1.0, 3.0)  # m: where any sensor of this kind reads
+_TEMPERATURES = (5.0, 20.0, 35.0)  # degC: a fridge, a room, a warm box
+_ROWS = 10  # rows proposed
+_WORTH = 0.75  # probability below which a proposal is not worth the work
+
+
+def propose(
+    study: Study, judgment: Judgment, others: Sequence[Claim], variance: float
+) -> tuple[NextMeasurement, ...]:
+    """Propose rows, or a side measurement, for every pair that cannot be separated.
+
+    Ten rows, shared by two conditions within the reach of a workshop; the probability is what
+    the right cause of the pair would then have, if the found size is right and both started
+    equal.
+    """
+    proposals = []
+    for claim in judgment.kept:
+        for rival in (*claim.rivals, *(other.cause for other in others)):
+            pair = (claim.cause, rival)
+            conditions, probability = _best(study, judgment, pair, variance)
+            if probability >= _WORTH:
+                proposals.append(NextMeasurement(conditions, pair, probability))
+            else:
+                side = {"side_measurement": _check(rival)}
+                proposals.append(NextMeasurement(side, pair, None))
+    return tuple(proposals)
+
+
+def _check(cause: str) -> str:
+    return str(next(f["check"] for f in _core.effects() if f["id"] == cause))
+
+
+def _best(
+    study: Study, judgment: Judgment, pair: tuple[str, str], variance: float
+) -> tuple[dict[str, list[float]], float]:
+    distance, temperature = (np.array(x) for x in zip(*product(_DISTANCES, _TEMPERATURES), strict=True))
+    signals = [_at(study, cause, distance, temperature) for cause in pair]
+    size = judgment.model.effects[pair[0]]
+    true = _scaled(signals[0], size, pair[0])
+    if true is None or signals[1] is None:
+        return {}, 0.0
+    best: tuple[dict[str, list[float]], float] = ({}, 0.0)
+    for chosen in combinations(range(len(distance)), 2):
+        rows = list(chosen)
+        mimic = np.array([next(iter(signals[1].values()))[rows]]).T
+        rest = true[rows] - mimic @ np.linalg.lstsq(mimic, true[rows], rcond=None)[0]
+        odds = 0.25 * _ROWS * float(rest @ rest) / variance
+        probability = 1.0 / (1.0 + np.exp(-odds))
+        if probability > best[1] + 1e-3:
+            where = {
+                "distance": distance[rows].tolist(),
+                "temperature": temperature[rows].tolist(),
+                "rows": [_ROWS // 2] * 2,
+            }
+            best = (where, float(probability))
+    return best
+
+
+def _at(
+    study: Study, cause: str, distance: NDArray[np.float64], temperature: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]] | None:
+    """Tangents of a cause under proposed conditions; None where it needs more than these."""
+    facts = next(f for f in _core.effects() if f["id"] == cause)
+    if not set(facts["requires"]) <= {"temperature"} or len(facts["parameters"]) != 1:
+        return None
+    model = study.base.model({cause: {}})
+    order = parameter_names(model)
+    jacobian = model.jacobian(distance, temperature=temperature)
+    name = facts["parameters"][0]["name"]
+    return {name: jacobian[:, 1 + order.index((cause, name))]}
+
+
+def _scaled(
+    tangents: dict[str, NDArray[np.float64]] | None, size: dict[str, float], cause: str
+) -> NDArray[np.float64] | None:
+    if tangents is None:
+        return None
+    ((name, tangent),) = tangents.items()
+    return tangent * size[name]

@@ -1,0 +1,126 @@
+"""What a person should know beside the verdict."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.candidates import UNKNOWN
+from echocal.diagnose.claims import Claim, Ranking, free_size, without
+from echocal.diagnose.evidence import Stack
+from echocal.diagnose.judge import Judgment
+from echocal.diagnose.result import Unexplained
+from echocal.diagnose.sentences import tendency
+from echocal.diagnose.study import Study
+from echocal.observations import Observations
+
+__all__ = ["because", "notes", "unexplained"]
+
+_TENSION = 3.0  # standard uncertainties between a size found and the size that theory fixes
+_SEEN = 0.5  # probability from which on a shape without a cause is reported
+
+
+def because(study: Study, claim: Claim, judgment: Judgment) -> str:
+    """One sentence on a cause that a user can check in the data."""
+    signal = study.signal(claim.variant, claim.mean)
+    beside = [c for c in judgment.kept if c is not claim] if claim in judgment.kept else []
+    others = sum((study.signal(c.variant, c.mean) for c in beside), start=np.zeros_like(signal))
+    return tendency(study.residual - others, signal, study.table.against())
+
+
+def unexplained(study: Study, ranking: Ranking) -> Unexplained | None:
+    """The shape that no cause accounts for, where one is more probable than not."""
+    shapes = ranking.shapes()
+    total = sum(shapes.values())
+    if total < _SEEN:
+        return None
+    against = max(shapes, key=lambda name: shapes[name])
+    for weighed in ranking.weighed:
+        first = 0
+        for variant in weighed.hypothesis.variants:
+            last = first + len(variant.free)
+            if variant.cause == UNKNOWN and variant.against == against:
+                signal = study.signal(variant, weighed.mean[first:last])
+                return _described(study, against, signal, total)
+            first = last
+    return None
+
+
+def _described(study: Study, against: str, signal: NDArray[np.float64], probability: float) -> Unexplained:
+    rms = float(np.std(signal))
+    label = against.replace("_", " ")
+    text = (
+        f"a smooth remainder of {1e3 * rms:.1f} mm (rms) that follows {label} and that no effect of the "
+        "catalogue accounts for; it is not part of the model"
+    )
+    return Unexplained(against, rms, min(probability, 1.0), text)
+
+
+def notes(study: Study, observations: Observations, judgment: Judgment, stack: Stack) -> tuple[str, ...]:
+    """Tension with theory, claims taken back, steps, and what could not be seen."""
+    said = list(observations.notes)
+    said += [_tension(study, cause, judgment, stack) for cause in study.found.size_tangents]
+    said += _temperature(judgment)
+    for refuted in judgment.refuted:
+        said.append(
+            f"{refuted.id} fits the rows it was fitted to (probability {refuted.probability:.2f}) but makes "
+            f"rows never fitted worse ({1e3 * refuted.rms_without_m:.2f} mm without it, "
+            f"{1e3 * refuted.rms_with_m:.2f} mm with it): not claimed"
+        )
+    if len(study.table.steps):
+        at = ", ".join(str(row + 1) for row in study.table.steps[:8])
+        more = ", ..." if len(study.table.steps) > 8 else ""
+        said.append(
+            f"the level jumps (first rows of the new stretches: {at}{more}): each stretch has its own level, "
+            "and a jump is not blamed on the air"
+        )
+    if study.table.reference is not None and np.ptp(study.table.reference) == 0:
+        said.append(
+            "there is one distance only: an error of the reference distance looks like zero_error, and "
+            "nothing in these data guards against it"
+        )
+    return tuple(text for text in said if text)
+
+
+def _tension(study: Study, cause: str, judgment: Judgment, stack: Stack) -> str:
+    """Whether a correction that theory is sure of has the size that theory gives it."""
+    facts = next(f for f in _core.effects() if f["id"] == cause)
+    if facts["supplies"] is None:  # a habit of devices, not a law of nature
+        return ""
+    claimed = cause in [c.cause for c in judgment.kept]
+    known = study.found.size_tangents[cause][1]
+    beside = without(judgment.weighed.hypothesis, cause)
+    plain, plain_u = free_size(cause, study.found, beside, stack.plain())
+    size, uncertainty = free_size(cause, study.found, beside, stack)
+    if max(plain_u, uncertainty) > 0.5 * abs(known):
+        return (
+            ""
+            if claimed
+            else f"these rows cannot show {cause} (its size left free: {size:.2f} +/- {uncertainty:.2f})"
+        )
+    odd = max(abs(plain - known) / plain_u, abs(size - known) / uncertainty) > _TENSION
+    if claimed and not odd:
+        return ""
+    found = (
+        f"left free, the size of {cause} is {plain:.2f} +/- {plain_u:.2f} by plain least squares and "
+        f"{size:.2f} +/- {uncertainty:.2f} with noise that remembers; theory says {known:g}"
+    )
+    if claimed:
+        return (
+            f"{found}: it is claimed with {known:g}, but something that goes with it is at work too, or the "
+            "recorded values are not those of the sound path"
+        )
+    return (
+        f"{cause} is not claimed. {found}: something of the opposite sign may hide it, or the recorded "
+        "values are not those of the sound path"
+    )
+
+
+def _temperature(judgment: Judgment) -> list[str]:
+    """What the base's law already does for the readings."""
+    fixed, before = judgment.gain.rms_fixed_speed_m, judgment.gain.rms_before_m
+    if fixed is None or before > 0.5 * fixed:
+        return []
+    return [
+        f"temperature is at work, and the base's law accounts for it: {1e3 * fixed:.2f} mm with one fixed "
+        f"speed, {1e3 * before:.2f} mm with the base"
+    ]

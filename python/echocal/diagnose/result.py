@@ -1,0 +1,268 @@
+"""What a diagnosis says, as data."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.model import Model
+
+__all__ = [
+    "Cause",
+    "Diagnosis",
+    "Gain",
+    "Ladder",
+    "NextMeasurement",
+    "Parameter",
+    "Refuted",
+    "Traces",
+    "Unexplained",
+    "Verdict",
+]
+
+SCHEMA = "echocal.diagnosis/1"
+Verdict = Literal["named", "ambiguous", "unknown", "nothing"]
+Column = NDArray[np.float64]
+Ladder = tuple[tuple[tuple[str, ...], float], ...]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a cause with its standard uncertainty (0 where theory fixes it)."""
+
+    name: str
+    value: float
+    standard_uncertainty: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause that the data speak for.
+
+    Attributes
+    ----------
+    id : str
+        Id in the registry.
+    kind : str
+        ``effect``, ``noise``, ``row`` or ``gross``.
+    probability : float
+        That this cause, or one of those it cannot be told from, is at work.
+    parameters : tuple of Parameter
+    indistinguishable_from : tuple of str
+        Causes that these data cannot tell it from.
+    because : str
+        A sentence that a user can check in the data.
+    in_model : bool
+        Whether the extended model has it. Where the verdict is ``ambiguous``, the most probable
+        causes stand in the model and those that might be at work instead of them do not.
+    """
+
+    id: str
+    kind: str
+    probability: float
+    parameters: tuple[Parameter, ...]
+    indistinguishable_from: tuple[str, ...]
+    because: str
+    in_model: bool = True
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """A cause that the fitted rows speak for and the rows never fitted speak against."""
+
+    id: str
+    probability: float
+    rms_with_m: float
+    rms_without_m: float
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """A shape that no cause of the catalogue accounts for."""
+
+    against: str
+    rms_m: float
+    probability: float
+    description: str
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What the extended model gains on rows that its parameters never saw.
+
+    Attributes
+    ----------
+    rms_fixed_speed_m : float or None
+        Error of a device that converts these echoes with one fixed speed [m]; None where the
+        readings are found to come from such a device already.
+    ladder : tuple of (tuple of str, float)
+        Error [m] as the causes join one by one, from the base alone to the extended model.
+    rms_before_m, rms_after_m : float
+        Error of the base simulation and of the extended model [m].
+    rms_floor_m : float
+        Error that every column together could reach on these rows, less what chance gives [m].
+    held_out_rows : int
+    fraction_of_reachable : float or None
+        Part of the mean square between base and floor that the model removes; None where the
+        base is at the floor.
+    interval_95 : tuple of float
+        Of ``rms_before_m - rms_after_m`` [m], from resampled blocks of rows.
+    scheme : str
+        How rows were held out.
+    """
+
+    rms_fixed_speed_m: float | None
+    ladder: Ladder
+    rms_before_m: float
+    rms_after_m: float
+    rms_floor_m: float
+    held_out_rows: int
+    fraction_of_reachable: float | None
+    interval_95: tuple[float, float]
+    scheme: str
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """Rows, or a side measurement, that would separate causes.
+
+    Attributes
+    ----------
+    conditions : mapping
+        Where to measure, or ``{"side_measurement": ...}``.
+    separates : tuple of str
+    expected_probability : float or None
+        Probability that the right one of the causes would then have; None for a side measurement.
+    """
+
+    conditions: Mapping[str, Any]
+    separates: tuple[str, ...]
+    expected_probability: float | None
+
+
+@dataclass(frozen=True)
+class Traces:
+    """Columns for plots, one entry per used row.
+
+    Attributes
+    ----------
+    row : ndarray of int
+        Position in the source.
+    before, after : ndarray
+        Reading less reference (or level) with the base and with the extended model [m].
+    held_out : ndarray of bool
+        Rows that no fit saw; all False where folds took turns.
+    against : mapping of str to ndarray
+        Recorded columns by name, in SI units.
+    """
+
+    row: NDArray[np.int64]
+    before: Column
+    after: Column
+    held_out: NDArray[np.bool_]
+    against: Mapping[str, Column]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the base simulation gets wrong, and how sure that is.
+
+    Attributes
+    ----------
+    verdict : str
+        ``named``: one class of causes that these data cannot separate holds at least 0.9.
+        ``ambiguous``: several may be at work. ``unknown``: something is there that no cause
+        explains. ``nothing``: nothing beyond noise.
+    causes : tuple of Cause
+    posterior : tuple of (tuple of str, float)
+        Probability of sets of causes; the empty set is "nothing", ``unknown`` a shape without a
+        cause.
+    credible_set : tuple of tuple of str
+        The smallest number of sets that hold at least 0.95.
+    unexplained : Unexplained or None
+    refuted : tuple of Refuted
+        Causes that fit and yet make rows never fitted worse.
+    gain : Gain or None
+    next_measurements : tuple of NextMeasurement
+    rows, base, noise : mapping
+        Rows used and left out; the base simulation; the most probable noise.
+    notes : tuple of str
+        What a person should know beside the verdict.
+    seconds : float
+    model : Model
+        The base extended by the causes that stand in the model.
+    traces : Traces
+        Columns for plots.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import echocal
+    >>> reading = 1.008 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+    >>> table = {"reading_m": reading, "temperature_C": np.full(40, 20.0)}
+    >>> diagnosis = echocal.diagnose(table, reference_distance=1.0)
+    >>> print(diagnosis.explain().splitlines()[1])
+    40 of 40 rows are used.
+    >>> diagnosis.to_dict()["schema"]
+    'echocal.diagnosis/1'
+    """
+
+    verdict: Verdict
+    causes: tuple[Cause, ...]
+    posterior: tuple[tuple[tuple[str, ...], float], ...]
+    credible_set: tuple[tuple[str, ...], ...]
+    unexplained: Unexplained | None
+    refuted: tuple[Refuted, ...]
+    gain: Gain | None
+    next_measurements: tuple[NextMeasurement, ...]
+    rows: Mapping[str, Any]
+    base: Mapping[str, Any]
+    noise: Mapping[str, float]
+    notes: tuple[str, ...]
+    seconds: float
+    model: Model = field(repr=False)
+    traces: Traces = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and numbers."""
+        return {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "causes": [_plain(cause) for cause in self.causes],
+            "posterior": [{"ids": list(ids), "probability": p} for ids, p in self.posterior],
+            "credible_set": [list(ids) for ids in self.credible_set],
+            "unexplained": None if self.unexplained is None else _plain(self.unexplained),
+            "refuted": [_plain(refuted) for refuted in self.refuted],
+            "gain": None if self.gain is None else _plain(self.gain),
+            "next_measurements": [_plain(measurement) for measurement in self.next_measurements],
+            "rows": _plain(self.rows),
+            "base": _plain(self.base),
+            "noise": _plain(self.noise),
+            "notes": list(self.notes),
+            "seconds": self.seconds,
+        }
+
+    def to_json(self, path: str | Path) -> None:
+        """Write `to_dict` to a file."""
+        Path(path).write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
+
+    def explain(self) -> str:
+        """Plain sentences that a user can check in the data."""
+        from echocal.diagnose.explain import explain
+
+        return explain(self)
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "__dataclass_fields__"):
+        return {name: _plain(getattr(value, name)) for name in value.__dataclass_fields__}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,129 @@
+"""Rows that cannot be what they seem, and stretches of constant level."""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+__all__ = ["far_rows", "level_steps", "series_starts"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_MAD_TO_SD = 1.4826  # of a normal distribution
+_HALF_WINDOW = 6  # rows on each side that vouch for a level
+_FAR = 20.0  # robust standard deviations that no sensor's noise reaches
+_FAR_RELATIVE = 0.02  # and part of the reading, below which a deviation may be physics
+_PER_KELVIN = 0.002  # part of the reading that a kelvin changes where nobody compensates
+_ANYHOW = 0.005  # and what else the air may do across a gap
+_GAP = 5.0  # usual intervals between rows
+_STEP = 7.0  # robust standard deviations of the difference of neighboring medians
+
+
+def _robust_sd(values: Column) -> float:
+    center = np.nanmedian(values)
+    return float(_MAD_TO_SD * np.nanmedian(np.abs(values - center)))
+
+
+def far_rows(indication: Column, expected: Column | None) -> Mask:
+    """Find rows far outside anything that noise or the air could do.
+
+    Parameters
+    ----------
+    indication : ndarray, shape (n,)
+        Readings [m], in the order recorded.
+    expected : ndarray, shape (n,), or None
+        Readings that the base simulation predicts [m]; None where the distance is not known, and
+        the neighbors are the only witnesses.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    if len(indication) <= 2 * _HALF_WINDOW:
+        return np.zeros(len(indication), dtype=bool)
+    if expected is None:
+        window = pd.Series(indication).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=1)
+        expected = window.median().to_numpy()
+    deviation = indication - expected
+    center = np.nanmedian(deviation)
+    limit = np.maximum(_FAR * _robust_sd(deviation), _FAR_RELATIVE * np.abs(expected))
+    return np.asarray(np.abs(deviation - center) > limit)
+
+
+def level_steps(indication: Column, elapsed: Column | None, temperature: Column | None) -> NDArray[np.int64]:
+    """Find rows at which the level jumps: a moved target, not the air.
+
+    A step stands out from how much neighboring medians differ anyhow, so a slow change, however
+    large, is none. Across a gap in time the air may change as much as it likes, so there only a
+    step that no air can make counts.
+
+    Parameters
+    ----------
+    indication : ndarray, shape (n,)
+        Readings [m], in the order recorded.
+    elapsed : ndarray, shape (n,), or None
+        Time of each row [s].
+    temperature : ndarray, shape (n,), or None
+        Air temperature [degC]; tells how much the air could have done across a gap.
+
+    Returns
+    -------
+    ndarray of int
+        First row of each new stretch, ascending.
+    """
+    size = 2 * _HALF_WINDOW + 1
+    if len(indication) < 4 * size:
+        return np.empty(0, dtype=np.int64)
+    jump = _jumps(indication, size)
+    limit = _STEP * _robust_sd(jump)
+    steps: list[int] = []
+    height = np.where(np.isnan(jump), 0.0, np.abs(jump))
+    for gap in np.flatnonzero(_gaps(elapsed)).tolist() if elapsed is not None else ():
+        near = slice(max(0, gap - size), gap + size)
+        warming = 100.0 if temperature is None else np.abs(_jumps(temperature, size)[near])
+        air = np.abs(indication[near]) * (_ANYHOW + _PER_KELVIN * warming)
+        height[near] = np.where(height[near] > air, height[near], 0.0)
+    while limit > 0.0 and height.max() > limit:
+        row = _sharpest(indication, int(height.argmax()), size)
+        steps.append(row)
+        height[max(0, row - 2 * size) : row + 2 * size] = 0.0
+    return np.array(sorted(steps), dtype=np.int64)
+
+
+def _jumps(values: Column, size: int) -> Column:
+    """Median of the `size` rows from each row on, less that of the rows before it; NaN at the ends."""
+    medians = pd.Series(values).rolling(size).median().to_numpy()
+    jumps = np.full(len(values), np.nan)
+    jumps[size:-size] = medians[2 * size - 1 : -1] - medians[size - 1 : -size - 1]
+    return jumps
+
+
+def _sharpest(indication: Column, near: int, size: int) -> int:
+    """Place a step between the two rows near `near` that split the window best."""
+    first = max(1, near - size)
+    rows = range(first, min(len(indication) - 1, near + size))
+    low, high = max(0, near - 2 * size), near + 2 * size
+
+    def cost(row: int) -> float:
+        left, right = indication[low:row], indication[row:high]
+        spread = np.abs(left - np.median(left)).sum() + np.abs(right - np.median(right)).sum()
+        return float(spread)
+
+    return min(rows, key=cost)
+
+
+def series_starts(elapsed: Column | None, breaks: Mask) -> Mask:
+    """Find rows whose noise owes nothing to the row before: after a gap or a break."""
+    starts = breaks.copy()
+    starts[:1] = True
+    return starts if elapsed is None else starts | _gaps(elapsed)
+
+
+def _gaps(elapsed: Column) -> Mask:
+    """Rows before which time stands still for long, or runs backward."""
+    gaps = np.zeros(len(elapsed), dtype=bool)
+    wait = np.diff(elapsed)
+    usual = np.nanmedian(wait) if len(wait) else 0.0
+    if usual > 0:
+        gaps[1:] = ~((wait >= 0) & (wait <= _GAP * usual))
+    return gaps

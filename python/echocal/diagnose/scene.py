@@ -1,0 +1,178 @@
+"""A table made ready: usable rows, their reading, level and blocks."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.base import Base
+from echocal.diagnose.rows import far_rows, level_steps, series_starts
+from echocal.errors import DataError, UsageError
+from echocal.model import Model
+from echocal.observations import Observations
+
+__all__ = ["Table", "prepare"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+FAR = "far from what its neighbors or the base simulation say"
+_FEWEST = 8  # rows below which nothing can be told
+
+
+@dataclass(frozen=True)
+class Table:
+    """Usable rows of a table.
+
+    Attributes
+    ----------
+    row : ndarray of int, shape (n,)
+        Position in the source.
+    indication : ndarray, shape (n,)
+        Reading [m] with the base's speed of sound.
+    reference : ndarray, shape (n,), or None
+        Reference distance [m]; None where only known to be constant.
+    conditions, extra : mapping of str to ndarray
+    groups : ndarray of int, shape (n,)
+        Stretch of constant level, or stand.
+    starts : ndarray of bool, shape (n,)
+        First rows of series.
+    steps : ndarray of int
+        Source rows at which the level jumps.
+    unusable : mapping of str to int
+        Rows left out, by reason.
+    """
+
+    row: Labels
+    indication: Column
+    reference: Column | None
+    conditions: Mapping[str, Column]
+    extra: Mapping[str, Column]
+    groups: Labels
+    starts: NDArray[np.bool_]
+    steps: Labels
+    unusable: Mapping[str, int]
+
+    def __len__(self) -> int:
+        return len(self.row)
+
+    def distance(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
+        """Distance of every row [m] if a model were right: the reference, or each group's median.
+
+        Parameters
+        ----------
+        model : Model
+        rows : ndarray of bool, optional
+            Rows that the medians are taken over.
+        """
+        if self.reference is not None:
+            return self.reference
+        corrected = model.correct(self.indication, **self.conditions)
+        return levels(
+            corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
+        )
+
+    def against(self) -> dict[str, Column]:
+        """Columns that a remainder may be a function of, by the name a person knows."""
+        columns = {"time" if name == "elapsed_time" else name: c for name, c in self.conditions.items()}
+        if "time" not in columns:
+            columns["row"] = self.row.astype(float)
+        if self.reference is not None:
+            columns["distance"] = self.reference
+        return {**columns, **self.extra}
+
+
+def levels(values: Column, groups: Labels, rows: NDArray[np.bool_], center: object) -> Column:
+    """Center of each group over `rows`, spread over all rows of the group; NaN for other groups."""
+    result = np.full(len(values), np.nan)
+    for group in np.unique(groups[rows]):
+        member = groups == group
+        result[member] = center(values[member & rows])  # type: ignore[operator]
+    return result
+
+
+def prepare(
+    observations: Observations,
+    base: Base,
+    reference_distance: float | None,
+    constant_distance: bool,
+) -> Table:
+    """Leave out what cannot be used, find far rows, stretches and series."""
+    if reference_distance is not None and constant_distance:
+        raise UsageError("give either a reference distance or constant_distance, not both")
+    reference = observations.reference_distance
+    if reference_distance is not None:
+        reference = np.full(len(observations), float(reference_distance))
+    if constant_distance:
+        reference = None
+    elif reference is None:
+        message = (
+            "the table has no reference distance: map a column to distance_m, give --reference-distance M, "
+            "or say --constant-distance where the target never moved"
+        )
+        raise UsageError(message)
+    reasons = observations.unusable.astype(object)
+    good = observations.usable.copy()
+    if reference is not None:
+        good &= np.isfinite(reference)
+    indication = np.full(len(observations), np.nan)
+    indication[good] = base.indication(
+        observations.echo_time[good], {k: v[good] for k, v in observations.conditions.items()}
+    )
+    odd = good & ~np.isfinite(indication)
+    reasons[odd] = "no reading can be computed"
+    reasons[~good & (observations.unusable == "")] = "no reference distance"
+    good &= ~odd
+    return _arrange(observations, indication, reference, good, reasons)
+
+
+def _arrange(
+    observations: Observations,
+    indication: Column,
+    reference: Column | None,
+    good: NDArray[np.bool_],
+    reasons: NDArray[np.object_],
+) -> Table:
+    kept = np.flatnonzero(good)
+    far = far_rows(indication[kept], None if reference is None else reference[kept])
+    reasons[kept[far]] = FAR
+    kept = kept[~far]
+    if len(kept) < _FEWEST:
+        message = f"{len(kept)} usable rows of {len(observations)}; a diagnosis needs at least {_FEWEST}"
+        raise DataError(message)
+    conditions = {name: column[kept] for name, column in observations.conditions.items()}
+    elapsed = conditions.get("elapsed_time")
+    moved = reference is None
+    steps = (
+        level_steps(indication[kept], elapsed, conditions.get("temperature"))
+        if moved
+        else np.empty(0, dtype=np.int64)
+    )
+    breaks = np.zeros(len(kept), dtype=bool)
+    breaks[steps] = True
+    groups = np.cumsum(breaks) if reference is None else _stands(observations, reference, kept)
+    breaks[1:] |= np.diff(groups) != 0
+    names, counts = np.unique(reasons[reasons != ""].astype(str), return_counts=True)
+    return Table(
+        row=kept,
+        indication=indication[kept],
+        reference=None if reference is None else reference[kept],
+        conditions=conditions,
+        extra={name: column[kept] for name, column in observations.extra.items()},
+        groups=groups.astype(np.int64),
+        starts=series_starts(elapsed, breaks),
+        steps=kept[steps],
+        unusable=dict(zip(names.tolist(), counts.tolist(), strict=True)),
+    )
+
+
+def _stands(observations: Observations, reference: Column, kept: Labels) -> Labels:
+    """Rows of one placement of the target: as recorded, else of one reference distance.
+
+    Where nearly every row has a distance of its own, an error per stand is noise like any other.
+    """
+    labels = observations.labels.get("stand")
+    source = reference[kept] if labels is None else labels[kept]
+    groups = np.unique(source, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    return groups if 1 + groups.max() <= len(kept) // 3 else np.zeros_like(groups)

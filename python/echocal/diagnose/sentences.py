@@ -1,0 +1,88 @@
+"""Sentences that a user can check in the data."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["quantity_text", "telling_column", "tendency"]
+
+Column = NDArray[np.float64]
+
+_SHOWN = {  # unit and factor in which people read a quantity
+    "temperature": ("degC", 1.0),
+    "relative_humidity": ("%", 100.0),
+    "pressure": ("hPa", 0.01),
+    "co2_mole_fraction": ("ppm", 1e6),
+    "elapsed_time": ("days", 1 / 86400),
+    "time": ("days", 1 / 86400),
+    "distance": ("m", 1.0),
+    "supply_voltage": ("V", 1.0),
+    "angle": ("deg", 180 / np.pi),
+    "wind_speed": ("m/s", 1.0),
+    "radiation": ("W/m2", 1.0),
+    "hour of day": ("h", 1.0),
+}
+
+
+_SAME = 1e-6  # m, far below what any sensor of this kind resolves
+
+
+def quantity_text(name: str, value: float) -> str:
+    """``18.3 degC``, ``64 %``: a value as people read it."""
+    unit, factor = _SHOWN.get(name, ("", 1.0))
+    return f"{value * factor:.3g} {unit}".strip()
+
+
+def shown(name: str, values: Column) -> tuple[Column, str]:
+    """Values as people read them, and the label of an axis."""
+    unit, factor = _SHOWN.get(name, ("", 1.0))
+    label = name.replace("_", " ")
+    return values * factor, f"{label} [{unit}]" if unit else label
+
+
+def telling_column(signal: Column, against: Mapping[str, Column]) -> str | None:
+    """Name of the column that a signal follows most closely, by rank correlation."""
+    best, name = 0.0, None
+    ranks = _ranks(signal)
+    if np.ptp(signal) < _SAME:
+        return None
+    for candidate, column in against.items():
+        if np.isfinite(column).all() and np.ptp(column) > 0:
+            strength = abs(float(np.corrcoef(ranks, _ranks(column))[0, 1]))
+            if strength > best + 0.02:  # a tie goes to the column that comes first
+                best, name = strength, candidate
+    return name
+
+
+def _ranks(values: Column) -> Column:
+    return np.unique(values, return_inverse=True)[1].astype(float)
+
+
+def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str:
+    """Compare what a cause predicts with what the base and the other causes leave.
+
+    Parameters
+    ----------
+    left : ndarray, shape (n,)
+        Reading less base less every other cause [m].
+    signal : ndarray, shape (n,)
+        What the cause adds [m].
+    against : mapping of str to ndarray
+        Recorded columns.
+    """
+    name = telling_column(signal, against)
+    if name is None:
+        return (
+            f"every reading is off by nearly the same: {1e3 * np.mean(left):+.2f} mm on average, "
+            f"{1e3 * np.mean(signal):+.2f} mm by this cause"
+        )
+    low, high = np.quantile(signal, [0.2, 0.8])
+    lowest, highest = signal <= low, signal >= high
+    found = 1e3 * (left[highest].mean() - left[lowest].mean())
+    predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
+    ends = [quantity_text(name, float(np.median(against[name][rows]))) for rows in (lowest, highest)]
+    return (
+        f"the fifth of the rows with {name.replace('_', ' ')} around {ends[1]} reads {found:+.2f} mm against "
+        f"the fifth around {ends[0]}, where this cause predicts {predicted:+.2f} mm"
+    )

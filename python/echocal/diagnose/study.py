@@ -1,0 +1,76 @@
+"""Everything between the rows and the verdict."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.base import Base
+from echocal.diagnose.candidates import Candidates, Scene, Variant, effect_candidates
+from echocal.diagnose.evidence import Stack
+from echocal.diagnose.gain import Folds
+from echocal.diagnose.noise import NOISES, Noise, Sums
+from echocal.diagnose.scene import Table
+from echocal.diagnose.unexplained import shape_candidates
+
+__all__ = ["Study", "study"]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A table, the columns of its candidates and the sums over its rows.
+
+    Attributes
+    ----------
+    table : Table
+    base : Base
+    found : Candidates
+    residual : ndarray, shape (n,)
+        Reading less what the base simulation predicts [m].
+    sums : Sums
+    folds : Folds
+    seed : int
+    """
+
+    table: Table
+    base: Base
+    found: Candidates
+    residual: NDArray[np.float64]
+    sums: Sums
+    folds: Folds
+    seed: int
+
+    def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+        """What a cause adds to every reading [m]."""
+        signal = np.zeros(len(self.table))
+        if variant.offset is not None:
+            signal = signal + self.found.columns[variant.offset]
+        for column, size in zip(variant.free, mean, strict=True):
+            signal = signal + size * self.found.columns[column]
+        return signal
+
+    @property
+    def noises(self) -> tuple[Noise, ...]:
+        """Noises that the table allows."""
+        stands = not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
+        return NOISES[stands]
+
+    def stack(self, blocks: NDArray[np.bool_]) -> Stack:
+        """Whitened products over some blocks, one per noise."""
+        whitened = [self.sums.whiten(noise, blocks) for noise in self.noises]
+        return Stack.of(whitened, self.sums.degrees(blocks))
+
+
+def study(table: Table, base: Base, folds: Folds, seed: int) -> Study:
+    """Build the columns and pass over them once."""
+    distance = table.distance(base.model())
+    known = table.reference is not None
+    found = Candidates([base.model().jacobian(distance, **table.conditions)[:, 0]])
+    groups = None if known else table.groups
+    effect_candidates(found, Scene(base, distance, table.conditions, table.distance, groups))
+    shape_candidates(found, table.against())
+    residual = table.indication - base.expected(distance, table.conditions)
+    columns = np.stack([*found.columns, residual])
+    sums = Sums.gather(columns, table.starts, folds.blocks, table.groups, flat_level=not known)
+    return Study(table, base, found, residual, sums, folds, seed)

@@ -1,0 +1,165 @@
+"""Plots of a diagnosis."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from echocal.diagnose import Diagnosis
+from echocal.diagnose.sentences import shown
+
+__all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
+
+_BEFORE, _AFTER, _FLOOR = "#b5530f", "#1f6f8b", "#8a8a8a"
+_BINS = 30
+
+
+def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
+    """Write ``residuals.png``, ``gain.png`` and ``posterior.png``.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    folder : path
+        Made where it is not there.
+
+    Returns
+    -------
+    list of Path
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
+        figures = {
+            "residuals": _residuals(diagnosis),
+            "gain": _single(diagnosis, plot_gain, (6.0, 2.8)),
+            "posterior": _single(diagnosis, plot_posterior, (6.0, 3.2)),
+        }
+        paths = []
+        for name, figure in figures.items():
+            paths.append(folder / f"{name}.png")
+            figure.savefig(paths[-1], dpi=150)
+    return paths
+
+
+def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Figure:
+    figure = Figure(figsize=size, layout="constrained")
+    plot(diagnosis, figure.add_subplot())  # type: ignore[operator]
+    return figure
+
+
+def _residuals(diagnosis: Diagnosis) -> Figure:
+    against = [name for name, column in diagnosis.traces.against.items() if _varies(column)]
+    rows = max(1, -(-len(against) // 2))
+    figure = Figure(figsize=(10.0, 2.6 * rows), layout="constrained")
+    axes = figure.subplots(rows, 2, squeeze=False).ravel()
+    for ax, name in zip(axes, against, strict=False):
+        plot_residuals(diagnosis, ax, name)
+    for ax in axes[len(against) :]:
+        ax.axis("off")
+    axes[0].legend(loc="best", frameon=False, markerscale=4)
+    return figure
+
+
+def _varies(column: NDArray[np.float64]) -> bool:
+    return bool(np.isfinite(column).all() and np.ptp(column) > 0)
+
+
+def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
+    """Residual against one column, before and after, with the means of thirty bins.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    ax : matplotlib.axes.Axes
+    against : str
+        A name in ``diagnosis.traces.against``.
+    """
+    traces = diagnosis.traces
+    values, label = shown(against, traces.against[against])
+    for residual, color, name in (
+        (traces.before, _BEFORE, "base"),
+        (traces.after, _AFTER, "extended model"),
+    ):
+        finite = np.isfinite(residual)
+        x, y = values[finite], 1e3 * residual[finite]
+        few = len(x) <= 200
+        ax.plot(
+            x, y, "o" if few else ",", color=color, alpha=0.9 if few else 0.35, markersize=4 if few else 1
+        )
+        ax.plot(*_binned(x, y), "-", color=color, linewidth=1.8, label=name)
+    middle = 1e3 * np.nanpercentile(np.concatenate([traces.before, traces.after]), [0.5, 99.5])
+    room = 0.25 * np.ptp(middle) + 1e-3
+    ax.set_ylim(middle[0] - room, middle[1] + room)
+    ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
+    ax.set(xlabel=label, ylabel="residual [mm]")
+
+
+def _binned(
+    x: NDArray[np.float64], y: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Means of bins with equally many rows, so that no line hangs on one row."""
+    order = np.argsort(x, kind="stable")
+    parts = np.array_split(order, min(_BINS, max(2, len(x) // 3)))
+    return np.array([x[p].mean() for p in parts]), np.array([y[p].mean() for p in parts])
+
+
+def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
+    """Error on rows never fitted, as the causes join.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    ax : matplotlib.axes.Axes
+    """
+    gain = diagnosis.gain
+    if gain is None:
+        ax.text(0.5, 0.5, "no rows were held out", ha="center", transform=ax.transAxes)
+        return
+    rungs = [
+        (" + ".join(ids) if ids else "base", rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder
+    ]
+    if gain.rms_fixed_speed_m is not None:
+        rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
+    names, values, colors = zip(*rungs, strict=True)
+    bars = ax.barh(range(len(names)), 1e3 * np.array(values), color=colors, height=0.6)
+    ax.bar_label(bars, fmt="%.2f mm", padding=3)
+    ax.axvline(1e3 * gain.rms_floor_m, color="0.3", linestyle=":", label="floor: every recorded column")
+    ax.set_yticks(range(len(names)), names)
+    ax.invert_yaxis()
+    ax.margins(x=0.18)
+    ax.set(xlabel="RMS error on rows never fitted [mm]", title=f"{gain.held_out_rows} rows, {gain.scheme}")
+    ax.legend(loc="lower right", frameon=False)
+
+
+def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
+    """Probability of the sets of causes; what cannot be told apart shares a color.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    ax : matplotlib.axes.Axes
+    """
+    entries = diagnosis.posterior[:8]
+    names = [" + ".join(ids) if ids else "nothing" for ids, _ in entries]
+    classes = {
+        id_: n
+        for n, cause in enumerate(diagnosis.causes)
+        for id_ in (cause.id, *cause.indistinguishable_from)
+    }
+    keys = [tuple(sorted({str(classes.get(id_, id_)) for id_ in ids})) for ids, _ in entries]
+    order = list(dict.fromkeys(keys))
+    palette = mpl.colormaps["tab10"]
+    bars = ax.barh(
+        range(len(names)),
+        [p for _, p in entries],
+        color=[palette(order.index(key) % 10) for key in keys],
+        height=0.6,
+    )
+    ax.bar_label(bars, fmt="%.3f", padding=3)
+    ax.set_yticks(range(len(names)), names)
+    ax.invert_yaxis()
+    ax.set(xlim=(0, 1.15), xlabel="probability (same color: these data cannot tell them apart)")

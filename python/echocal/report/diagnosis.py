@@ -1,0 +1,122 @@
+"""A diagnosis on the terminal."""
+
+from collections.abc import Iterator
+
+from rich.console import Console, Group, RenderableType
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from echocal import _core
+from echocal.diagnose import Cause, Diagnosis, Gain
+from echocal.diagnose.explain import parameter_text, proposal_text
+
+__all__ = ["print_diagnosis"]
+
+_STYLE = {
+    "named": "bold green",
+    "ambiguous": "bold yellow",
+    "unknown": "bold magenta",
+    "nothing": "bold cyan",
+}
+_LEAD = {
+    "named": "the data name {causes}",
+    "ambiguous": "several causes fit, and these data cannot choose",
+    "unknown": "something is there that no cause of the catalogue explains",
+    "nothing": "nothing is found beyond noise",
+}
+_WIDTH = 28  # characters of the longest bar
+
+
+def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
+    """Print a diagnosis for a person.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    console : rich.console.Console
+    """
+    console.print(Panel(Group(*_head(diagnosis)), title="diagnosis", title_align="left", expand=False))
+    for cause in diagnosis.causes:
+        console.print(_cause(cause))
+    if diagnosis.unexplained is not None:
+        console.print(Text.assemble(("not explained  ", "magenta"), diagnosis.unexplained.description))
+        console.print()
+    if diagnosis.gain is not None:
+        console.print(_gain(diagnosis.gain))
+    if len(diagnosis.posterior) > 1:
+        console.print(_posterior(diagnosis))
+    for label, lines in (
+        ("note", diagnosis.notes),
+        ("next", [proposal_text(proposal) for proposal in diagnosis.next_measurements]),
+    ):
+        for line in lines:
+            console.print(Text.assemble((f"{label}  ", "dim"), line))
+
+
+def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+    names = " and ".join(cause.id for cause in diagnosis.causes if cause.in_model)
+    lead = _LEAD[diagnosis.verdict].format(causes=names)
+    yield Text.assemble((diagnosis.verdict, _STYLE[diagnosis.verdict]), f": {lead}")
+    rows = diagnosis.rows
+    yield Text(
+        f"{rows['used']} of {rows['total']} rows used; base {diagnosis.base['law']}; "
+        f"{diagnosis.seconds:.2f} s"
+    )
+    for reason, count in rows["unusable"].items():
+        yield Text(f"  left out: {count} x {reason}", style="dim")
+
+
+def _cause(cause: Cause) -> RenderableType:
+    facts = next(f for f in _core.effects() if f["id"] == cause.id)
+    sizes = ", ".join(
+        parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
+    )
+    lines = [
+        Text.assemble(
+            "" if cause.in_model else "or else  ",
+            (cause.id, "bold"),
+            f"  {sizes}  ",
+            (f"probability {cause.probability:.3f}", "green"),
+        ),
+        Text(f"  {facts['sentence']}"),
+        Text(f"  check: {cause.because}", style="italic"),
+    ]
+    if cause.indistinguishable_from:
+        lines.append(
+            Text(f"  cannot be told from: {', '.join(cause.indistinguishable_from)}", style="yellow")
+        )
+    return Group(*lines, Text())
+
+
+def _gain(gain: Gain) -> RenderableType:
+    table = Table(
+        title=f"error on {gain.held_out_rows} rows never fitted ({gain.scheme})", title_justify="left"
+    )
+    table.add_column("model")
+    table.add_column("RMS [mm]", justify="right")
+    table.add_column("")
+    rungs = [(" + ".join(("base", *ids)), rms) for ids, rms in gain.ladder]
+    if gain.rms_fixed_speed_m is not None:
+        rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m))
+    rungs.append(("every recorded column (floor)", gain.rms_floor_m))
+    longest = max(rms for _, rms in rungs)
+    for name, rms in rungs:
+        bar = "━" * max(1, round(_WIDTH * rms / longest))
+        table.add_row(name, f"{1e3 * rms:.2f}", Text(bar, style="cyan"))
+    lines: list[RenderableType] = [table]
+    if len(gain.ladder) > 1:
+        low, high = (1e3 * end for end in gain.interval_95)
+        part = gain.fraction_of_reachable
+        reached = "" if part is None else f"; {100 * part:.0f} % of what can be reached"
+        lines.append(Text(f"gain {low:.2f} to {high:.2f} mm (95 %){reached}"))
+    return Group(*lines, Text())
+
+
+def _posterior(diagnosis: Diagnosis) -> RenderableType:
+    table = Table(title="how probable", title_justify="left", show_header=False)
+    for ids, probability in diagnosis.posterior[:6]:
+        bar = "━" * max(1, round(_WIDTH * probability))
+        name = " + ".join(ids) if ids else "nothing"
+        table.add_row(name, f"{probability:.3f}", Text(bar, style="green"))
+    return Group(table, Text())

@@ -1,0 +1,52 @@
+"""What cannot be told apart is said, from the data's own columns."""
+
+import numpy as np
+import pytest
+from hidden_effects.planting import EFFECTS, bench, noise, table
+
+import echocal
+
+ALIASES = {
+    "speed_intercept": "temperature_offset",
+    "speed_slope": "temperature_gain",
+    "temperature_offset": "speed_intercept",
+    "temperature_gain": "speed_slope",
+}
+
+
+@pytest.mark.parametrize("effect", ALIASES)
+def test_exact_aliases_under_the_linear_law(effect: str) -> None:
+    random = np.random.default_rng()
+    rows = bench(random)
+    data = table(rows, EFFECTS[effect](rows, 1.5) + noise(rows, random, sd=0.5e-3))
+    diagnosis = echocal.diagnose(data)
+    (cause,) = [c for c in diagnosis.causes if effect in (c.id, *c.indistinguishable_from)]
+    assert ALIASES[effect] in (cause.id, *cause.indistinguishable_from)
+    pair = {effect, ALIASES[effect]}
+    proposals = [p for p in diagnosis.next_measurements if pair == set(p.separates)]
+    assert all("side_measurement" in p.conditions for p in proposals)  # no row can ever separate them
+
+
+def test_one_distance_and_temperature_leave_one_big_class() -> None:
+    random = np.random.default_rng()
+    data = {
+        "distance_m": np.full(60, 2.0),
+        "temperature_C": 20.0 + random.normal(0, 0.2, 60),
+        "reading_m": 2.006 + random.normal(0, 1e-3, 60),
+    }
+    diagnosis = echocal.diagnose(data)
+    (cause,) = [c for c in diagnosis.causes if c.in_model]
+    together = {cause.id, *cause.indistinguishable_from}
+    assert {"fixed_delay", "zero_error", "clock_error", "speed_intercept", "temperature_offset"} <= together
+    separable = [p for p in diagnosis.next_measurements if p.expected_probability is not None]
+    assert any(min(p.conditions["distance"]) < 1.0 for p in separable)  # another distance tells most of them
+
+
+def test_an_unknown_level_takes_up_a_zero_error() -> None:
+    random = np.random.default_rng()
+    data = {
+        "temperature_C": 20.0 + 10 * np.sin(np.linspace(0, 20, 300)),
+        "reading_m": 2.02 + random.normal(0, 1e-3, 300),
+    }
+    diagnosis = echocal.diagnose(data, constant_distance=True)
+    assert diagnosis.verdict == "nothing"

@@ -1,0 +1,88 @@
+"""The sums, the whitening and the evidence against slow and obvious ways."""
+
+import numpy as np
+import pytest
+from scipy.linalg import toeplitz
+
+from echocal.diagnose.candidates import Variant
+from echocal.diagnose.evidence import Hypothesis, Stack, weigh
+from echocal.diagnose.noise import NOISES, Noise, Sums, Whitened
+
+
+def sums(columns: np.ndarray, groups: np.ndarray, *, flat_level: bool) -> Sums:
+    n = columns.shape[1]
+    starts = np.diff(groups, prepend=-1) != 0
+    return Sums.gather(columns, starts, np.arange(n) * 3 // n, groups, flat_level=flat_level)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])
+def test_whitening_is_generalized_least_squares(rho: float) -> None:
+    random = np.random.default_rng()
+    n = 60
+    columns = np.stack([np.ones(n), random.normal(size=n), random.normal(size=n)])
+    noise = Noise(0.0, rho, 0.0, 1.0)
+    whitened = sums(columns, np.zeros(n, dtype=int), flat_level=True).whiten(noise).products
+    covariance = toeplitz(rho ** np.arange(n)) / (1 - rho**2)
+    products = columns @ np.linalg.solve(covariance, columns.T)
+    expected = products - np.outer(products[0], products[0]) / products[0, 0]
+    np.testing.assert_allclose(whitened[1:, 1:], expected[1:, 1:], rtol=1e-9, atol=1e-9)
+
+
+def test_a_random_error_per_stand_is_its_covariance() -> None:
+    random = np.random.default_rng()
+    groups = np.repeat(np.arange(6), 10)
+    columns = np.stack([np.ones(60), random.normal(size=60), random.normal(size=60)])
+    whitened = sums(columns, groups, flat_level=False).whiten(Noise(0.0, 0.0, 2.0, 1.0))
+    covariance = np.eye(60) + 2.0 * (groups[:, None] == groups[None, :])
+    expected = columns @ np.linalg.solve(covariance, columns.T)
+    np.testing.assert_allclose(whitened.products, expected, rtol=1e-9, atol=1e-9)
+    assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])
+
+
+def test_blocks_add_up_whatever_is_held_out() -> None:
+    random = np.random.default_rng()
+    columns = random.normal(size=(3, 90))
+    columns[0] = 1.0
+    all_rows = sums(columns, np.zeros(90, dtype=int), flat_level=True)
+    last = all_rows.whiten(Noise(0.0, 0.0, 0.0, 1.0), np.array([False, False, True])).products
+    rows = columns[:, 60:] - columns[:, 60:].mean(axis=1, keepdims=True)
+    np.testing.assert_allclose(last[1:, 1:], (rows @ rows.T)[1:, 1:], rtol=1e-9, atol=1e-9)
+
+
+def test_evidence_is_the_integral_over_size_and_variance() -> None:
+    random = np.random.default_rng()
+    n = 40
+    x = random.normal(size=n)
+    y = 0.8 * x + random.normal(size=n)
+    products = np.stack([x, y]) @ np.stack([x, y]).T
+    stack = Stack.of([Whitened(products, 0.0, Noise(0.0, 0.0, 0.0, 1.0))], n)
+    unbounded = ((-np.inf, np.inf),)
+    one = weigh(Hypothesis((Variant("x", free=(0,), bounds=unbounded),), 1.0), stack)
+    none = weigh(Hypothesis((), 1.0), stack)
+
+    sigma = np.exp(np.linspace(-2.5, 2.5, 1001))[:, None]
+    size = np.linspace(-12, 12, 4001)[None, :]
+    square = products[1, 1] - 2 * size * products[0, 1] + size**2 * products[0, 0]
+    prior = sum(np.exp(-0.5 * (size / w) ** 2) / w for w in (1 / 3, 1.0, 3.0)) / 3 / np.sqrt(2 * np.pi)
+    likelihood = np.exp(-n * np.log(sigma) - 0.5 * square / sigma**2 + n)
+    with_x = (likelihood * prior).sum() * (size[0, 1] - size[0, 0])
+    without = np.exp(-n * np.log(sigma) - 0.5 * products[1, 1] / sigma**2 + n).sum()
+    # the Laplace approximation of the variance costs a little of one unit of log odds
+    assert one.log_evidence - none.log_evidence == pytest.approx(np.log(with_x / without), abs=0.25)
+
+
+def test_bounds_cut_the_prior_off() -> None:
+    products = np.array([[100.0, 80.0], [80.0, 100.0]])
+    stack = Stack.of([Whitened(products, 0.0, Noise(0.0, 0.0, 0.0, 1.0))], 100)
+    evidence = [
+        weigh(Hypothesis((Variant("x", free=(0,), bounds=(bounds,)),), 1.0), stack).log_evidence
+        for bounds in ((-np.inf, np.inf), (0.0, 10.0), (-10.0, 0.0))
+    ]
+    assert evidence[1] == pytest.approx(evidence[0] + np.log(2), abs=0.02)  # twice the prior density
+    assert evidence[2] < evidence[0] - 10  # the wrong sign
+
+
+def test_noises_have_a_prior_of_one() -> None:
+    for noises in NOISES.values():
+        assert sum(noise.prior for noise in noises) == pytest.approx(1.0)
+        assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in noises)

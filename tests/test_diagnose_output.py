@@ -1,0 +1,152 @@
+"""What comes out: JSON, sentences, command line, plots, and messages about bad requests."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+from hidden_effects.planting import EFFECTS, bench, noise, table
+
+import echocal
+from echocal.plots.diagnosis import save_diagnosis
+
+TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> echocal.Diagnosis:
+    random = np.random.default_rng()
+    rows = bench(random)
+    return echocal.diagnose(table(rows, EFFECTS["humidity"](rows, 1.0) + noise(rows, random)))
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "echocal", "diagnose", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+
+def test_json_is_complete_and_plain(diagnosis: echocal.Diagnosis) -> None:
+    data = json.loads(json.dumps(diagnosis.to_dict()))
+    assert data["schema"] == "echocal.diagnosis/1"
+    assert data["verdict"] in {"named", "ambiguous", "unknown", "nothing"}
+    cause = data["causes"][0]
+    assert {"id", "kind", "probability", "parameters", "indistinguishable_from", "because"} <= set(cause)
+    assert {"name", "value", "standard_uncertainty", "unit"} == set(cause["parameters"][0])
+    assert math.fsum(entry["probability"] for entry in data["posterior"]) == pytest.approx(1.0)
+    gain = data["gain"]
+    assert {"rms_before_m", "rms_after_m", "held_out_rows", "fraction_of_reachable", "scheme"} <= set(gain)
+    assert gain["interval_95"][0] <= gain["rms_before_m"] - gain["rms_after_m"] <= gain["interval_95"][1]
+    assert data["rows"]["used"] == data["rows"]["total"] == 400
+    assert data["base"]["law"] == "linear"
+    assert data["seconds"] > 0
+
+
+def test_the_credible_set_is_the_smallest_with_95_percent(diagnosis: echocal.Diagnosis) -> None:
+    posterior = dict(diagnosis.posterior)
+    shares = [posterior[ids] for ids in diagnosis.credible_set]
+    assert sum(shares) >= 0.95
+    assert sum(shares[:-1]) < 0.95
+    assert shares == sorted(shares, reverse=True)
+
+
+def test_same_data_same_answer() -> None:
+    first, second = (echocal.diagnose(TABLE).to_dict() for _ in range(2))
+    first.pop("seconds"), second.pop("seconds")
+    assert first == second
+
+
+def test_the_sentence_can_be_checked_in_the_data(diagnosis: echocal.Diagnosis) -> None:
+    text = diagnosis.explain()
+    assert "humidity" in text
+    assert diagnosis.causes[0].because in text
+    found, predicted = (float(part.split(" mm")[0]) for part in _figures(diagnosis.causes[0].because))
+    assert found == pytest.approx(predicted, abs=1.5)  # noise of 1.5 mm, fifths of 80 rows
+
+
+def _figures(sentence: str) -> tuple[str, str]:
+    _, _, rest = sentence.partition(" reads ")
+    found, _, rest = rest.partition(" against ")
+    return found, rest.partition("predicts ")[2]
+
+
+def test_the_model_corrects(diagnosis: echocal.Diagnosis) -> None:
+    assert set(diagnosis.model.effects) == {c.id for c in diagnosis.causes if c.in_model}
+    assert np.nanstd(diagnosis.traces.after) < np.nanstd(diagnosis.traces.before)
+
+
+def test_plots_are_pictures_of_something(diagnosis: echocal.Diagnosis, tmp_path: Path) -> None:
+    paths = save_diagnosis(diagnosis, tmp_path / "plots")
+    assert [path.name for path in paths] == ["residuals.png", "gain.png", "posterior.png"]
+    for path in paths:
+        picture = matplotlib.image.imread(path)
+        assert picture[..., :3].std() > 0.02
+
+
+def test_command_line_writes_what_it_is_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "diagnosis.json"
+    done = run(str(TABLE), "--json", str(out))
+    assert done.returncode == 0, done.stderr
+    assert "fixed_speed" in done.stdout
+    assert json.loads(out.read_text())["causes"][0]["id"] == "fixed_speed"
+
+
+def test_command_line_can_be_quiet_and_pipe() -> None:
+    quiet = run(str(TABLE), "--quiet")
+    assert (quiet.returncode, quiet.stdout) == (0, "")
+    piped = run(str(TABLE), "--json", "-")
+    assert json.loads(piped.stdout)["verdict"] == "named"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("--reference-distance", "2", "--constant-distance"), 2, "not both"),
+        (("--hold-out-after", "2022-07-20"), 2, "no column of times"),
+        (("--hold-out-after", "5"), 2, "no column of times"),
+        (("--column", "reading_m"), 2, "A=B"),
+        (("--base", "linaer"), 2, "linear"),
+        (("--missing", "reading_m=-9", "--missing", "7"), 2, "every code or for none"),
+    ],
+)
+def test_bad_requests_are_one_line(arguments: tuple[str, ...], code: int, words: str) -> None:
+    done = run(str(TABLE), *arguments)
+    assert done.returncode == code
+    assert words in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_table_without_reference_says_what_to_do() -> None:
+    data = {"reading_m": np.ones(20), "temperature_C": np.arange(20.0)}
+    with pytest.raises(echocal.UsageError, match="--constant-distance"):
+        echocal.diagnose(data)
+
+
+def test_too_few_rows() -> None:
+    data = {"reading_m": [1.0, 1.1], "temperature_C": [10.0, 20.0]}
+    with pytest.raises(echocal.DataError, match="at least 8"):
+        echocal.diagnose(data, reference_distance=1.0)
+
+
+def test_far_rows_are_left_out_and_counted() -> None:
+    random = np.random.default_rng()
+    temperature = np.linspace(0, 30, 200)
+    reading = 1.5 + random.normal(0, 1e-3, 200)
+    reading[[20, 90]] = 3.2, 0.4
+    diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, reference_distance=1.5)
+    assert diagnosis.rows["used"] == 198
+    assert sum(diagnosis.rows["unusable"].values()) == 2
+    assert diagnosis.verdict == "nothing"
+    assert len(diagnosis.traces.row) == 198
+
+
+def test_a_jump_of_the_level_is_a_step() -> None:
+    random = np.random.default_rng()
+    reading = 1.5 + random.normal(0, 1e-3, 300) + 0.02 * (np.arange(300) >= 170)
+    temperature = 20 + 5 * np.sin(np.arange(300) / 30)
+    diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, constant_distance=True)
+    assert diagnosis.rows["level_steps_at_rows"] == [170]
+    assert diagnosis.verdict == "nothing"

@@ -1,0 +1,95 @@
+"""A sonic ranger on a roof: distance constant but unknown, air recorded; see ../shared/data."""
+
+from pathlib import Path
+
+import pytest
+
+import echocal
+
+COLUMNS = {
+    "TIMESTAMP": "time",
+    "SR_U": "reading_m",
+    "Asp_temp_L": "temperature_C",
+    "Humidity_L": "humidity_percent",
+    "Pressure_L": "pressure_hPa",
+    "WindSpeed_S_L": "wind_m_s",
+    "SWUpper": "radiation_W_m2",
+    "Asp_temp_U": "ignore",
+    "Humidity_U": "ignore",
+    "Pressure_U": "ignore",
+}
+JULY = {"since": "2022-07-05", "until": "2022-08-03", "hold_out_after": "2022-07-20"}
+JUNE = {"since": "2022-06-09", "until": "2022-06-24"}
+
+
+@pytest.fixture(scope="module")
+def roof(shared: Path) -> Path:
+    return shared / "data" / "roof-sr50" / "roof_fixed_target_tidy.csv"
+
+
+def diagnose(roof: Path, **options: str | None) -> echocal.Diagnosis:
+    with pytest.warns(echocal.DataWarning):
+        return echocal.diagnose(roof, columns=COLUMNS, constant_distance=True, **options)  # type: ignore[arg-type]
+
+
+def ids(diagnosis: echocal.Diagnosis) -> set[str]:
+    return {cause.id for cause in diagnosis.causes}
+
+
+def test_july_names_humidity(roof: Path) -> None:
+    diagnosis = diagnose(roof, base="linear", reading_speed="331.4", **JULY)
+    assert diagnosis.verdict == "named"
+    humidity = next(cause for cause in diagnosis.causes if cause.id == "humidity")
+    assert humidity.probability >= 0.9
+    gain = diagnosis.gain
+    assert gain is not None
+    assert gain.rms_fixed_speed_m == pytest.approx(15e-3, abs=1e-3)
+    assert gain.rms_before_m == pytest.approx(2.5e-3, abs=0.15e-3)
+    assert gain.rms_after_m <= 2.05e-3
+    assert gain.interval_95[0] > 0
+
+
+def test_july_without_the_reading_speed_names_both(roof: Path) -> None:
+    diagnosis = diagnose(roof, base="linear", **JULY)
+    assert {"fixed_speed", "humidity"} <= ids(diagnosis)
+    gain = diagnosis.gain
+    assert gain is not None
+    assert gain.rms_before_m == pytest.approx(15e-3, abs=1e-3)
+    assert gain.rms_after_m <= 2.05e-3
+    speed = next(p for c in diagnosis.causes for p in c.parameters if p.name == "speed")
+    assert speed.standard_uncertainty > 3  # at an unknown distance nobody can tell which speed
+
+
+@pytest.mark.parametrize("base", ["linear", "331.4"])
+def test_june_finds_temperature_and_claims_no_humidity(roof: Path, base: str) -> None:
+    diagnosis = diagnose(roof, base=base, **JUNE)
+    assert "fixed_speed" in ids(diagnosis)
+    assert "humidity" not in ids(diagnosis)
+
+
+def test_june_with_temperature_accounted_for_claims_no_humidity(roof: Path) -> None:
+    diagnosis = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
+    assert "humidity" not in ids(diagnosis)
+    assert any("temperature is at work" in note for note in diagnosis.notes)
+
+
+def test_june_reports_the_step_and_does_not_blame_the_air(roof: Path) -> None:
+    diagnosis = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
+    assert len(diagnosis.rows["level_steps_at_rows"]) == 1  # 2022-06-24, 0.8 m
+    assert diagnosis.gain is not None
+    assert diagnosis.gain.rms_before_m < 3e-3
+
+
+def test_the_tension_of_the_humidity_term_is_told(roof: Path) -> None:
+    july = diagnose(roof, base="linear", reading_speed="331.4", since=JULY["since"], until=JULY["until"])
+    june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
+    for diagnosis, size in ((july, 1.4), (june, 0.0)):
+        (note,) = [note for note in diagnosis.notes if "theory says 1" in note]
+        plain = float(note.split("size of humidity is ")[1].split(" ")[0])
+        assert plain == pytest.approx(size, abs=0.15)
+
+
+def test_level_steps_before_june_are_steps(roof: Path) -> None:
+    diagnosis = diagnose(roof, base="linear", reading_speed="331.4", until="2022-06-06")
+    assert len(diagnosis.rows["level_steps_at_rows"]) >= 3
+    assert "humidity" not in {r.id for r in diagnosis.refuted}
