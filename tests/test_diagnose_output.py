@@ -150,3 +150,14 @@ def test_a_jump_of_the_level_is_a_step() -> None:
     diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, constant_distance=True)
     assert diagnosis.rows["level_steps_at_rows"] == [170]
     assert diagnosis.verdict == "nothing"
+
+
+def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
+    model = tmp_path / "model.json"
+    assert run(str(TABLE), "--model", str(model), "--quiet").returncode == 0
+    loaded = echocal.Model.load(model)
+    assert list(loaded.effects) == ["fixed_speed"]
+    assert loaded.standard_uncertainties["fixed_speed.weight"] == 0.0  # theory fixes it
+    assert loaded.standard_uncertainties["fixed_speed.speed"] == pytest.approx(0.12, abs=0.06)
+    again = run(str(TABLE), "--base", str(model), "--json", "-")
+    assert json.loads(again.stdout)["verdict"] == "nothing", again.stderr

@@ -10,12 +10,13 @@ from rich.console import Console
 
 from echocal.diagnose import Diagnosis, diagnose
 from echocal.errors import UsageError
+from echocal.model import Model
 from echocal.report import print_diagnosis
 
 
 def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes: CSV, TSV, Parquet.")],
-    base: Annotated[str, typer.Option(help="Law, expression, or fixed speed in m/s.")] = "linear",
+    base: Annotated[str, typer.Option(help="Law, expression, fixed speed in m/s, or model file.")] = "linear",
     column: Annotated[
         list[str] | None, typer.Option(metavar="A=B", help='What a column holds, e.g. "SR_U=reading_m".')
     ] = None,
@@ -40,6 +41,7 @@ def command(
         str | None,
         typer.Option(metavar="TIME", help="Hold out rows from this time on: ISO 8601, or seconds."),
     ] = None,
+    model: Annotated[Path | None, typer.Option(metavar="OUT.json", help="Write the extended model.")] = None,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
     json_: Annotated[
         str | None, typer.Option("--json", metavar="FILE", help="Write the diagnosis as JSON; - is stdout.")
@@ -50,7 +52,7 @@ def command(
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
     diagnosis = diagnose(
         data,
-        base=base,
+        base=Model.load(base) if base.endswith(".json") else base,
         reference_distance=reference_distance,
         constant_distance=constant_distance,
         columns=dict(_pair(text, "--column") for text in column or ()),
@@ -61,12 +63,14 @@ def command(
         hold_out_after=_time(hold_out_after),
         seed=seed,
     )
-    _write(diagnosis, plots, json_)
+    _write(diagnosis, model, plots, json_)
     if not quiet and json_ != "-":
         print_diagnosis(diagnosis, Console())
 
 
-def _write(diagnosis: Diagnosis, plots: Path | None, json_: str | None) -> None:
+def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, json_: str | None) -> None:
+    if model is not None:
+        diagnosis.model.save(model)
     if plots is not None:
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 

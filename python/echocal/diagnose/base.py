@@ -1,17 +1,17 @@
 """The base simulation that the measurement is compared with."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.errors import ModelError
 from echocal.model import Model
+from echocal.registry import Effect
 
-__all__ = ["Base", "parameter_names"]
+__all__ = ["Base"]
 
 Column = NDArray[np.float64]
 Parameters = Mapping[str, Mapping[str, float]]
@@ -31,46 +31,49 @@ class Base:
         Law for the air on the path.
     effects : mapping
         Effects that the base accounts for already.
+    air : mapping of str to float
+        Values that the base assumes where nothing was recorded.
     device_speed : float or None
         Speed that the device converts every echo with [m/s]; None: the law's own.
     """
 
     law: str
     effects: Parameters
+    air: Mapping[str, float] = field(default_factory=dict)
     device_speed: float | None = None
 
     @classmethod
     def of(cls, base: "str | Model") -> "Base":
         """Read a law's name, an expression, a fixed speed or a model."""
         if isinstance(base, Model):
-            return cls(base.law, base.effects)
+            return cls(base.law, base.effects, base.air)
         law = Model(base).law
         try:
-            return cls("linear", {}, float(law))
+            return cls("linear", {}, device_speed=float(law))
         except ValueError:
             return cls(law, {})
 
     def indication(self, echo_time: Column, conditions: Mapping[str, Column]) -> Column:
         """Reading [m] that belongs to an echo time [s]."""
         law = self.law if self.device_speed is None else str(self.device_speed)
-        reading: Column = Model(law).distance(echo_time, **conditions)
+        reading: Column = Model(law, air=self.air).distance(echo_time, **conditions)
         return reading
 
-    def model(self, extra: Parameters | None = None) -> Model:
-        """Return the base extended by effects."""
-        return Model(self.law, {**self.effects, **(extra or {})})
+    def model(self, extra: Parameters | None = None, **more: Any) -> Model:
+        """Return the base extended by effects; `more` goes to `Model`."""
+        return Model(self.law, {**self.effects, **(extra or {})}, air=self.air, **more)
 
     def expected(self, distance: Column, conditions: Mapping[str, Column]) -> Column:
         """Reading [m] that the base simulation predicts at a distance [m]."""
         expected: Column = self.model().indicate(distance, **conditions)
         return expected
 
-    def allows(self, facts: Mapping[str, Any]) -> bool:
+    def allows(self, effect: Effect) -> bool:
         """Whether an effect can extend this base."""
-        if facts["id"] in self.effects:
+        if effect.id in self.effects:
             return False
         try:
-            self.model({facts["id"]: {}})
+            self.model({effect.id: {}})
         except ModelError:
             return False
         return True
@@ -79,11 +82,3 @@ class Base:
         """As in ``echocal.diagnosis/1``."""
         effects = {id_: dict(parameters) for id_, parameters in self.effects.items()}
         return {"law": self.law, "effects": effects, "device_speed": self.device_speed}
-
-
-def parameter_names(model: Model) -> list[tuple[str, str]]:
-    """Effect and parameter of each column of a model's Jacobian after the first."""
-    stages = ["air", "speed", "path", "flight", "transducer", "timer", "firmware", "indication"]
-    facts = [f for f in _core.effects() if f["id"] in model.effects]
-    facts.sort(key=lambda f: stages.index(f["stage"]))
-    return [(f["id"], p["name"]) for f in facts for p in f["parameters"]]

@@ -2,19 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
-from echocal.diagnose.base import Base, parameter_names
+from echocal.diagnose.base import Base
 from echocal.model import Model
+from echocal.registry import Effect, Parameter, effects
 
 __all__ = ["UNKNOWN", "Candidates", "Scene", "Variant", "effect_candidates"]
 
 Column = NDArray[np.float64]
-Facts = Mapping[str, Any]
 
 UNKNOWN = "unknown"
 """Id under which a smooth shape without a cause competes."""
@@ -110,7 +108,7 @@ class Scene:
         """Derivative of the reading to each parameter of the effect."""
         model = self.base.model({id_: at})
         jacobian = model.jacobian(self.relevel(model), **self.conditions)
-        order = parameter_names(model)
+        order = [name.split(".") for name in model.parameter_names]
         own = {name: jacobian[:, 1 + i] for i, (term, name) in enumerate(order) if term == id_}
         return {name: self._at_its_level(column, jacobian[:, 0]) for name, column in own.items()}
 
@@ -128,26 +126,26 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
     A size that theory knows enters with coefficient one, at every value of its shape that the
     trade uses and beside the shape's tangent; any other size enters by its tangent.
     """
-    for facts in _core.effects():
-        reason = _why_not(facts, scene)
+    for effect in effects():
+        reason = _why_not(effect, scene)
         if reason:
-            found.skipped[facts["id"]] = reason
+            found.skipped[effect.id] = reason
             continue
-        sizes = [p for p in facts["parameters"] if p["role"] == "size"]
-        form = _known if all(p["known"] for p in sizes) else _free
-        variants = form(found, facts, scene)
+        sizes = [p for p in effect.parameters if p.role == "size"]
+        form = _known if all(p.known for p in sizes) else _free
+        variants = form(found, effect, scene)
         finite = [v for v in variants if all(np.isfinite(found.columns[i]).all() for i in v.columns)]
         if len(finite) < len(variants):
-            found.skipped[facts["id"]] = "not finite in these data"
+            found.skipped[effect.id] = "not finite in these data"
             continue
         found.variants += [replace(v, weight=1 / len(finite)) for v in finite]
 
 
-def _why_not(facts: Facts, scene: Scene) -> str:
+def _why_not(effect: Effect, scene: Scene) -> str:
     recorded = scene.conditions
-    missing = [name for name in facts["requires"] if name not in recorded]
-    superseded = [name for name in facts["excludes"] if name in recorded]
-    if not scene.base.allows(facts):
+    missing = [name for name in effect.requires if name not in recorded]
+    superseded = [name for name in effect.excludes if name in recorded]
+    if not scene.base.allows(effect):
         return "the base accounts for it"
     if missing:
         return f"not recorded: {', '.join(missing)}"
@@ -156,19 +154,19 @@ def _why_not(facts: Facts, scene: Scene) -> str:
     return ""
 
 
-def _known(found: Candidates, facts: Facts, scene: Scene) -> list[Variant]:
-    id_, shapes = facts["id"], [p for p in facts["parameters"] if p["role"] == "shape"]
-    sizes = {p["name"]: float(p["known"][0]) for p in facts["parameters"] if p["role"] == "size"}
+def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
+    id_, shapes = effect.id, [p for p in effect.parameters if p.role == "shape"]
+    sizes = {p.name: float(p.known[0]) for p in effect.parameters if p.role == "size"}
     speed = scene.base.device_speed
     if id_ == "fixed_speed" and speed is not None:  # the base says which speed it is
         at = {**sizes, "speed": speed}
         return [Variant(id_, at, found.add(scene.shift(id_, at)))]
     variants = [
-        Variant(id_, at := {**sizes, p["name"]: float(value)}, found.add(scene.shift(id_, at)))
+        Variant(id_, at := {**sizes, p.name: float(value)}, found.add(scene.shift(id_, at)))
         for p in shapes
-        for value in p["known"]
+        for value in p.known
     ]
-    at = {**sizes, **{p["name"]: p["neutral"] for p in shapes}}
+    at = {**sizes, **{p.name: p.neutral for p in shapes}}
     tangents = scene.tangents(id_, at)
     whole = Variant(id_, at, found.add(scene.shift(id_, at)))
     for name, size in sizes.items():
@@ -177,24 +175,22 @@ def _known(found: Candidates, facts: Facts, scene: Scene) -> list[Variant]:
     return variants
 
 
-def _free(found: Candidates, facts: Facts, scene: Scene) -> list[Variant]:
-    at = {p["name"]: p["neutral"] for p in facts["parameters"]}
-    sizes = [p for p in facts["parameters"] if p["role"] == "size"]
-    return [_freed(found, Variant(facts["id"], at), sizes, scene.tangents(facts["id"], at))]
+def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
+    at = {p.name: p.neutral for p in effect.parameters}
+    sizes = [p for p in effect.parameters if p.role == "size"]
+    return [_freed(found, Variant(effect.id, at), sizes, scene.tangents(effect.id, at))]
 
 
 def _freed(
-    found: Candidates, variant: Variant, parameters: list[Facts], tangents: dict[str, Column]
+    found: Candidates, variant: Variant, parameters: list[Parameter], tangents: dict[str, Column]
 ) -> Variant:
     """Let parameters of a variant move around where they stand."""
-    scales = tuple(float(p["prior_scale"]) for p in parameters)
-    low_high = [
-        tuple((b - variant.at[p["name"]]) / p["prior_scale"] for b in p["bounds"]) for p in parameters
-    ]
+    scales = tuple(float(p.prior_scale) for p in parameters)
+    low_high = [tuple((b - variant.at[p.name]) / p.prior_scale for b in p.bounds) for p in parameters]
     return replace(
         variant,
-        free=tuple(found.add(tangents[p["name"]] * p["prior_scale"]) for p in parameters),
-        names=tuple(p["name"] for p in parameters),
+        free=tuple(found.add(tangents[p.name] * p.prior_scale) for p in parameters),
+        names=tuple(p.name for p in parameters),
         scales=scales,
         bounds=tuple((low, high) for low, high in low_high),
     )

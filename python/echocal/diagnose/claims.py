@@ -12,7 +12,7 @@ from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.hypotheses import preferred
 
-__all__ = ["Claim", "Ranking", "alternatives", "claims", "effects_of", "free_size", "rank"]
+__all__ = ["Claim", "Ranking", "alternatives", "claims", "covariance_of", "effects_of", "free_size", "rank"]
 
 _POSSIBLE = 0.05  # probability from which on another cause is mentioned
 
@@ -155,6 +155,23 @@ def effects_of(weighed: Weighed, only: Sequence[str] | None = None) -> Parameter
             effects[variant.cause] = parameters(variant, weighed.mean[first:last])
         first = last
     return effects
+
+
+def covariance_of(weighed: Weighed, names: Sequence[str]) -> NDArray[np.float64]:
+    """Covariance of a model's parameters; zero where theory fixes one."""
+    entries: list[tuple[int, int, float]] = []  # parameter of the model, coefficient, scale
+    first = 0
+    for variant in weighed.hypothesis.variants:
+        for offset, (name, scale) in enumerate(zip(variant.names, variant.scales, strict=True)):
+            full = f"{variant.cause}.{name}"
+            if full in names:
+                entries.append((list(names).index(full), first + offset, scale))
+        first += len(variant.free)
+    covariance = np.zeros((len(names), len(names)))
+    for i, a, scale_a in entries:
+        for j, b, scale_b in entries:
+            covariance[i, j] = weighed.covariance[a, b] * scale_a * scale_b
+    return 0.5 * (covariance + covariance.T)
 
 
 def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, float]:

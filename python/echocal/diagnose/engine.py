@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from echocal.diagnose.scene import prepare
 from echocal.diagnose.study import study
 from echocal.diagnose.verdict import conclude
 from echocal.diagnose.window import between, held_out
+from echocal.errors import DomainWarning
 from echocal.model import Model
 from echocal.observations import Observations, read_observations
 
@@ -98,7 +100,7 @@ def diagnose(
         )
         observations = read_observations(observations, columns, reading_speed=law, missing=missing)
     observations = between(observations, since, until)
-    table = prepare(observations, simulated, reference_distance, constant_distance)
-    folds = Folds.of(table, *held_out(observations, table, hold_out_after))
-    studied = study(table, simulated, folds, seed)
-    return conclude(studied, observations, start)
+    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
+        table = prepare(observations, simulated, reference_distance, constant_distance)
+        folds = Folds.of(table, *held_out(observations, table, hold_out_after))
+        return conclude(study(table, simulated, folds, seed), observations, start)

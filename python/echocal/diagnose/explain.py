@@ -1,8 +1,8 @@
 """A diagnosis in plain sentences."""
 
-from echocal import _core
 from echocal.diagnose.result import Cause, Diagnosis, NextMeasurement
 from echocal.diagnose.sentences import quantity_text
+from echocal.registry import find_effect
 
 __all__ = ["explain", "parameter_text", "proposal_text"]
 
@@ -37,13 +37,12 @@ def _rows(diagnosis: Diagnosis) -> str:
 
 
 def _cause(cause: Cause) -> list[str]:
-    facts = next(f for f in _core.effects() if f["id"] == cause.id)
     sizes = ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
     lines = [
         f"{'' if cause.in_model else 'Or else '}{cause.id} (probability {cause.probability:.3f}; {sizes}): "
-        f"{facts['sentence']}",
+        f"{find_effect(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
     ]
     if cause.indistinguishable_from:

@@ -1,12 +1,12 @@
 """Claims before the rows that no fit saw."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.claims import Claim, effects_of, without
+from echocal.diagnose.claims import Claim, covariance_of, effects_of, without
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import HeldOut, fixed_speed_rms, floor, measure, summarize, worse
 from echocal.diagnose.noise import Noise
@@ -68,7 +68,13 @@ def judge(study: Study, best: Weighed, claimed: Sequence[Claim], noise: Noise) -
         study.folds,
         study.seed,
     )
-    model = study.base.model(effects_of(weighed, [c.cause for c in kept]))
+    effects = effects_of(weighed, [c.cause for c in kept])
+    names = study.base.model(effects).parameter_names
+    model = study.base.model(
+        effects,
+        covariance=covariance_of(weighed, names) if names else None,
+        provenance={"made_by": "echocal diagnose", "rows": len(study.table), "gain": asdict(gain)},
+    )
     return Judgment(tuple(kept), tuple(refuted), weighed, model, gain)
 
 

@@ -6,12 +6,11 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
-from echocal.diagnose.base import parameter_names
 from echocal.diagnose.claims import Claim
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.result import NextMeasurement
 from echocal.diagnose.study import Study
+from echocal.registry import find_effect
 
 __all__ = ["propose"]
 
@@ -44,7 +43,7 @@ def propose(
 
 
 def _check(cause: str) -> str:
-    return str(next(f["check"] for f in _core.effects() if f["id"] == cause))
+    return find_effect(cause).check
 
 
 def _best(
@@ -77,14 +76,13 @@ def _at(
     study: Study, cause: str, distance: NDArray[np.float64], temperature: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]] | None:
     """Tangents of a cause under proposed conditions; None where it needs more than these."""
-    facts = next(f for f in _core.effects() if f["id"] == cause)
-    if not set(facts["requires"]) <= {"temperature"} or len(facts["parameters"]) != 1:
+    effect = find_effect(cause)
+    if not set(effect.requires) <= {"temperature"} or len(effect.parameters) != 1:
         return None
     model = study.base.model({cause: {}})
-    order = parameter_names(model)
     jacobian = model.jacobian(distance, temperature=temperature)
-    name = facts["parameters"][0]["name"]
-    return {name: jacobian[:, 1 + order.index((cause, name))]}
+    name = effect.parameters[0].name
+    return {name: jacobian[:, 1 + model.parameter_names.index(f"{cause}.{name}")]}
 
 
 def _scaled(

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.claims import Claim, Ranking, free_size, without
 from echocal.diagnose.evidence import Stack
@@ -12,6 +11,7 @@ from echocal.diagnose.result import Unexplained
 from echocal.diagnose.sentences import tendency
 from echocal.diagnose.study import Study
 from echocal.observations import Observations
+from echocal.registry import find_effect
 
 __all__ = ["because", "notes", "unexplained"]
 
@@ -83,8 +83,7 @@ def notes(study: Study, observations: Observations, judgment: Judgment, stack: S
 
 def _tension(study: Study, cause: str, judgment: Judgment, stack: Stack) -> str:
     """Whether a correction that theory is sure of has the size that theory gives it."""
-    facts = next(f for f in _core.effects() if f["id"] == cause)
-    if facts["supplies"] is None:  # a habit of devices, not a law of nature
+    if find_effect(cause).supplies is None:  # a habit of devices, not a law of nature
         return ""
     claimed = cause in [c.cause for c in judgment.kept]
     known = study.found.size_tangents[cause][1]

@@ -1,11 +1,11 @@
 """The verdict, and everything that a person is told about it."""
 
 import time
+import warnings
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.alias import Geometry
 from echocal.diagnose.claims import Claim, Ranking, alternatives, claims, parameters, posterior_sets, rank
 from echocal.diagnose.gain import errors
@@ -15,7 +15,9 @@ from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
 from echocal.diagnose.study import Study
+from echocal.errors import DomainWarning
 from echocal.observations import Observations
+from echocal.registry import find_effect
 
 __all__ = ["conclude"]
 
@@ -37,6 +39,9 @@ def conclude(study: Study, observations: Observations, start: float) -> Diagnosi
     judgment = judge(study, best, believed or claimed, noise)
     remainder = unexplained(study, ranking)
     verdict = _verdict(ranking, judgment, remainder is not None)
+    with warnings.catch_warnings(action="always", record=True) as caught:
+        traces = _traces(study, judgment)
+    outside = dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning))
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     return Diagnosis(
         verdict=verdict,
@@ -60,10 +65,10 @@ def conclude(study: Study, observations: Observations, start: float) -> Diagnosi
             "moving_average": noise.memory,
             "stand_variance_ratio": noise.stand_ratio,
         },
-        notes=notes(study, observations, judgment, stack),
+        notes=(*notes(study, observations, judgment, stack), *outside),
         seconds=time.perf_counter() - start,
         model=judgment.model,
-        traces=_traces(study, judgment),
+        traces=traces,
     )
 
 
@@ -86,14 +91,13 @@ def _credible(ranking: Ranking) -> tuple[tuple[str, ...], ...]:
 
 
 def _cause(study: Study, claim: Claim, judgment: Judgment) -> Cause:
-    facts = next(f for f in _core.effects() if f["id"] == claim.cause)
     in_model = claim in judgment.kept
     value = judgment.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
     uncertainty = dict(zip(claim.variant.names, claim.deviation * claim.variant.scales, strict=False))
     values = tuple(
-        Parameter(p["name"], value[p["name"]], float(uncertainty.get(p["name"], 0.0)), p["unit"])
-        for p in facts["parameters"]
-        if p["name"] in value
+        Parameter(p.name, value[p.name], float(uncertainty.get(p.name, 0.0)), p.unit)
+        for p in find_effect(claim.cause).parameters
+        if p.name in value
     )
     text = because(study, claim, judgment)
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model)

@@ -7,9 +7,9 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from echocal import _core
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.explain import parameter_text, proposal_text
+from echocal.registry import find_effect
 
 __all__ = ["print_diagnosis"]
 
@@ -68,7 +68,6 @@ def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
 
 
 def _cause(cause: Cause) -> RenderableType:
-    facts = next(f for f in _core.effects() if f["id"] == cause.id)
     sizes = ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
@@ -79,7 +78,7 @@ def _cause(cause: Cause) -> RenderableType:
             f"  {sizes}  ",
             (f"probability {cause.probability:.3f}", "green"),
         ),
-        Text(f"  {facts['sentence']}"),
+        Text(f"  {find_effect(cause.id).sentence}"),
         Text(f"  check: {cause.because}", style="italic"),
     ]
     if cause.indistinguishable_from:
