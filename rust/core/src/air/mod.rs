@@ -79,21 +79,12 @@ pub struct LawFacts {
 }
 
 /// A law for the zero-frequency speed of sound \[m/s\].
-pub trait SpeedLaw: Copy + Send + Sync + 'static {
+pub trait SpeedLaw: Copy + Send + Sync {
     /// What is known about the law.
     const FACTS: LawFacts;
 
     /// Speed of sound \[m/s\].
     fn speed<S: Scalar>(&self, air: &Air<S>) -> S;
-}
-
-/// Something to do with a law whose type is known: compile a kernel for it.
-pub trait LawVisitor {
-    /// What comes of it.
-    type Output;
-
-    /// Does it.
-    fn visit<L: SpeedLaw>(self, law: L) -> Self::Output;
 }
 
 macro_rules! laws {
@@ -124,11 +115,6 @@ macro_rules! laws {
             #[inline(always)]
             pub fn speed_at_frequency<S: Scalar>(&self, air: &Air<S>, frequency: S) -> S {
                 dispersed(self.speed(air), air, frequency)
-            }
-
-            /// Calls the visitor with the law itself.
-            pub fn visit<V: LawVisitor>(&self, visitor: V) -> V::Output {
-                match self { $(Self::$law(law) => visitor.visit(*law)),+ }
             }
 
             fn named(id: &str) -> Option<Self> {

@@ -53,18 +53,26 @@ impl<S: Scalar> Relaxations<S> {
 
         let spread = one / (ratio * ratio * root); // (T/T0)^(-5/2)
         let inverse = one / kelvin;
-        let relaxation = |relaxing: S, weight: f64, temperature: f64| {
-            let excited = S::constant(weight) * (S::constant(-temperature) * inverse).exp();
-            let width = relaxing + frequency * frequency / relaxing;
-            Relaxation {
-                frequency: relaxing,
-                strength: spread * excited / width,
-            }
-        };
+        let common = [frequency, spread, inverse];
         Self {
-            oxygen: relaxation(oxygen, 0.012_75, 2_239.1),
-            nitrogen: relaxation(nitrogen, 0.106_8, 3_352.0),
+            oxygen: Relaxation::new(oxygen, 0.012_75, 2_239.1, common),
+            nitrogen: Relaxation::new(nitrogen, 0.106_8, 3_352.0, common),
             root,
+        }
+    }
+}
+
+impl<S: Scalar> Relaxation<S> {
+    /// A term of equation (5), of its relaxation frequency, weight and characteristic temperature;
+    /// `common` is the frequency, (T/T0)^(-5/2) and 1/T.
+    #[inline(always)]
+    fn new(relaxing: S, weight: f64, temperature: f64, common: [S; 3]) -> Self {
+        let [frequency, spread, inverse] = common;
+        let excited = S::constant(weight) * (S::constant(-temperature) * inverse).exp();
+        let width = relaxing + frequency * frequency / relaxing;
+        Self {
+            frequency: relaxing,
+            strength: spread * excited / width,
         }
     }
 }

@@ -76,6 +76,23 @@ run!(
     run_f32, run_f32_avx2, run_f32_avx512: f32, F32x8, F32x16
 );
 
+/// Evaluates a formula for one row.
+pub(super) fn evaluate<F: Formula<K>, const K: usize>(formula: &F, inputs: [f64; K]) -> f64 {
+    match active() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the instruction set is available, or a wider one that includes it.
+        InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe { evaluate_fma(formula, inputs) },
+        _ => formula.evaluate(inputs, &formula.parameters()),
+    }
+}
+
+/// Fused operations are one instruction each here, elsewhere a call.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn evaluate_fma<F: Formula<K>, const K: usize>(formula: &F, inputs: [f64; K]) -> f64 {
+    formula.evaluate(inputs, &formula.parameters())
+}
+
 type Buffer<T> = [MaybeUninit<T>; BLOCK];
 
 /// The rows in blocks; whatever is not side by side in memory passes through a buffer.
@@ -135,8 +152,11 @@ unsafe fn block<V: Vector, F: Formula<K>, const K: usize>(
         for source in sources {
             fetch_ahead::<V>(source.wrapping_add(row));
         }
-        // SAFETY: the caller guarantees `rows` readable elements, a multiple of the width.
-        let inputs = from_fn(|k| unsafe { V::load(sources[k].add(row)) });
+        let mut inputs = [V::constant(0.0); K];
+        for k in 0..K {
+            // SAFETY: the caller guarantees `rows` readable elements, a multiple of the width.
+            inputs[k] = unsafe { V::load(sources[k].add(row)) };
+        }
         let value = formula.evaluate(inputs, parameters);
         // SAFETY: the caller guarantees `rows` writable elements.
         unsafe { value.store(target.add(row)) };
@@ -163,10 +183,12 @@ fn fetch_ahead<V: Vector>(source: *const V::Element) {
 /// Copies rows side by side; the last one fills up to `padded`.
 #[inline(always)]
 unsafe fn gather<T: Copy>(column: Column, buffer: &mut Buffer<T>, count: usize, padded: usize) {
-    for (row, place) in buffer[..padded].iter_mut().enumerate() {
+    for (row, place) in buffer[..count].iter_mut().enumerate() {
         // SAFETY: the caller guarantees `count` rows.
-        *place = MaybeUninit::new(unsafe { *column.skip(row.min(count - 1)).start.cast() });
+        *place = MaybeUninit::new(unsafe { *column.skip(row).start.cast() });
     }
+    let last = buffer[count - 1];
+    buffer[count..padded].fill(last);
 }
 
 /// Copies rows from side by side to where they belong.

@@ -11,7 +11,7 @@ mod formulas;
 mod tests;
 mod threads;
 
-pub use formulas::{Output, absorption, error, of_law};
+pub use formulas::{Output, absorption, echo, speed_of_sound};
 pub use threads::available as available_threads;
 
 use crate::scalar::Scalar;
@@ -83,8 +83,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
     }
 
     fn evaluate(&self, inputs: &[f64]) -> f64 {
-        let inputs = core::array::from_fn(|index| inputs[index]);
-        self.0.evaluate(inputs, &self.0.parameters())
+        block::evaluate(&self.0, core::array::from_fn(|index| inputs[index]))
     }
 
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {

@@ -56,18 +56,16 @@ fn run_f32(kernel: &dyn Kernel, inputs: &[Vec<f64>]) -> Vec<f32> {
 
 fn kernels() -> Vec<(Box<dyn Kernel>, Inputs)> {
     let mut all: Vec<(_, Inputs)> = vec![(absorption(), &[1, 2, 3, 5])];
+    let fixed = Law::parse("343").unwrap();
     for law in Law::names()
         .into_iter()
         .map(|name| Law::parse(name).unwrap())
     {
-        let fixed = Law::parse("343").unwrap();
-        all.push((of_law(Output::SpeedOfSound, &law, false), &[1, 2, 3, 4]));
-        all.push((of_law(Output::SpeedOfSound, &law, true), &[1, 2, 3, 4, 5]));
-        all.push((error(&fixed, &law, false), &[0, 1, 2, 3, 4]));
-        all.push((error(&fixed, &law, true), &[0, 1, 2, 3, 4, 5]));
-        for output in [Output::TimeOfFlight, Output::Distance] {
-            all.push((of_law(output, &law, false), &[0, 1, 2, 3, 4]));
-            all.push((of_law(output, &law, true), &[0, 1, 2, 3, 4, 5]));
+        all.push((speed_of_sound(law, false), &[1, 2, 3, 4]));
+        all.push((speed_of_sound(law, true), &[1, 2, 3, 4, 5]));
+        for output in [Output::TimeOfFlight, Output::Distance, Output::Error(fixed)] {
+            all.push((echo(output, law, false), &[0, 1, 2, 3, 4]));
+            all.push((echo(output, law, true), &[0, 1, 2, 3, 4, 5]));
         }
     }
     all
@@ -75,7 +73,7 @@ fn kernels() -> Vec<(Box<dyn Kernel>, Inputs)> {
 
 fn distance() -> (Box<dyn Kernel>, Inputs) {
     let law = Law::parse("cramer").unwrap();
-    (of_law(Output::Distance, &law, false), &[0, 1, 2, 3, 4])
+    (echo(Output::Distance, law, false), &[0, 1, 2, 3, 4])
 }
 
 #[test]

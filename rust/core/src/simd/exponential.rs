@@ -37,10 +37,11 @@ pub(crate) fn exp64<F: Float>(x: F) -> F {
     let r = n.mul_add(k(-LN2.1), n.mul_add(k(-LN2.0), x));
     let square = r * r;
     let fourth = square * square;
-    let pair = |i: usize| k(Q[i + 1]).mul_add(r, k(Q[i]));
-    let low = pair(2).mul_add(square, pair(0));
-    let high = pair(6).mul_add(square, pair(4));
-    let q = pair(8).mul_add(fourth, high).mul_add(fourth, low);
+    let low = pair([Q[2], Q[3]], r).mul_add(square, pair([Q[0], Q[1]], r));
+    let high = pair([Q[6], Q[7]], r).mul_add(square, pair([Q[4], Q[5]], r));
+    let q = pair([Q[8], Q[9]], r)
+        .mul_add(fourth, high)
+        .mul_add(fourth, low);
     finish(rounded, q.mul_add(square, r))
 }
 
@@ -66,9 +67,16 @@ pub(crate) fn exp32<F: Float>(x: F) -> F {
     let n = rounded - k(ROUND);
     let r = n.mul_add(k(-LN2.1), n.mul_add(k(-LN2.0), x));
     let square = r * r;
-    let pair = |i: usize| k(Q[i + 1]).mul_add(r, k(Q[i]));
-    let q = k(Q[4]).mul_add(square, pair(2)).mul_add(square, pair(0));
+    let q = k(Q[4])
+        .mul_add(square, pair([Q[2], Q[3]], r))
+        .mul_add(square, pair([Q[0], Q[1]], r));
     finish(rounded, q.mul_add(square, r))
+}
+
+/// `low + high r`.
+#[inline(always)]
+fn pair<F: Float>([low, high]: [f64; 2], r: F) -> F {
+    F::constant(high).mul_add(r, F::constant(low))
 }
 
 /// `2^n (1 + rest)`, from twice `2^(n - 1)` so that n = 1024 does not overflow too early.

@@ -53,19 +53,24 @@ impl InstructionSet {
 }
 
 /// The level in use: the widest available unless one was forced.
+#[inline]
 pub(crate) fn active() -> InstructionSet {
-    let chosen = CHOSEN.load(Ordering::Relaxed);
-    let known = InstructionSet::ALL
+    match CHOSEN.load(Ordering::Relaxed) {
+        1 => InstructionSet::Baseline,
+        2 => InstructionSet::Avx2,
+        3 => InstructionSet::Avx512,
+        _ => choose(),
+    }
+}
+
+#[cold]
+fn choose() -> InstructionSet {
+    let available = InstructionSet::ALL
         .into_iter()
-        .find(|&set| set as u8 == chosen);
-    known.unwrap_or_else(|| {
-        let available = InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available());
-        let widest = available.max().unwrap_or(InstructionSet::Baseline);
-        CHOSEN.store(widest as u8, Ordering::Relaxed);
-        widest
-    })
+        .filter(|set| set.is_available());
+    let widest = available.max().unwrap_or(InstructionSet::Baseline);
+    CHOSEN.store(widest as u8, Ordering::Relaxed);
+    widest
 }
 
 /// Uses this level from now on, in the whole process; `None`: the widest available.

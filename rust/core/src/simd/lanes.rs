@@ -1,9 +1,11 @@
 //! Several vectors in flight at once.
+//!
+//! Plain loops, no closures: a closure does not inherit the instruction set of the function that it
+//! is written in, and would be called where an instruction should stand.
 #![allow(unsafe_code)]
 
 use super::Vector;
 use crate::scalar::Scalar;
-use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// `N` independent vectors, each operation done on all: it hides the latency of the units.
@@ -16,7 +18,11 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self(from_fn(|i| self.0[i].$method(other.0[i])))
+                let mut result = self;
+                for i in 0..N {
+                    result.0[i] = self.0[i].$method(other.0[i]);
+                }
+                result
             }
         }
     };
@@ -31,7 +37,11 @@ impl<V: Scalar, const N: usize> Neg for Lanes<V, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(from_fn(|i| -self.0[i]))
+        let mut result = self;
+        for i in 0..N {
+            result.0[i] = -self.0[i];
+        }
+        result
     }
 }
 
@@ -42,25 +52,43 @@ impl<V: Scalar, const N: usize> Scalar for Lanes<V, N> {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self(from_fn(|i| self.0[i].mul_add(factor.0[i], term.0[i])))
+        let mut result = self;
+        for i in 0..N {
+            result.0[i] = self.0[i].mul_add(factor.0[i], term.0[i]);
+        }
+        result
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self(from_fn(|i| self.0[i].sqrt()))
+        let mut result = self;
+        for i in 0..N {
+            result.0[i] = self.0[i].sqrt();
+        }
+        result
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        Self(from_fn(|i| self.0[i].exp()))
+        let mut result = self;
+        for i in 0..N {
+            result.0[i] = self.0[i].exp();
+        }
+        result
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Self(from_fn(|i| self.0[i].abs()))
+        let mut result = self;
+        for i in 0..N {
+            result.0[i] = self.0[i].abs();
+        }
+        result
     }
     #[inline(always)]
     fn select(condition: Self, chosen: Self, other: Self) -> Self {
-        Self(from_fn(|i| {
-            V::select(condition.0[i], chosen.0[i], other.0[i])
-        }))
+        let mut result = condition;
+        for i in 0..N {
+            result.0[i] = V::select(condition.0[i], chosen.0[i], other.0[i]);
+        }
+        result
     }
 }
 
@@ -70,15 +98,19 @@ impl<V: Vector, const N: usize> Vector for Lanes<V, N> {
 
     #[inline(always)]
     unsafe fn load(source: *const V::Element) -> Self {
-        // SAFETY: the caller guarantees N * V::WIDTH readable elements.
-        Self(from_fn(|i| unsafe { V::load(source.add(i * V::WIDTH)) }))
+        let mut result = Self([V::constant(0.0); N]);
+        for i in 0..N {
+            // SAFETY: the caller guarantees N * V::WIDTH readable elements.
+            result.0[i] = unsafe { V::load(source.add(i * V::WIDTH)) };
+        }
+        result
     }
 
     #[inline(always)]
     unsafe fn store(self, target: *mut V::Element) {
-        for (i, vector) in self.0.into_iter().enumerate() {
+        for i in 0..N {
             // SAFETY: the caller guarantees N * V::WIDTH writable elements.
-            unsafe { vector.store(target.add(i * V::WIDTH)) };
+            unsafe { self.0[i].store(target.add(i * V::WIDTH)) };
         }
     }
 }

@@ -28,7 +28,7 @@ macro_rules! vector {
         $(#[$doc:meta])* $name:ident($register:ty) of $width:literal $float:ident;
         $add:ident $sub:ident $mul:ident $div:ident $fma:ident $sqrt:ident $min:ident $max:ident
         $xor:ident $andnot:ident $splat:ident $load:ident $store:ident;
-        exp $exp:ident; select $select:expr; power $power:expr
+        exp $exp:ident; select($condition:ident, $chosen:ident, $other:ident) $select:block power($x:ident) $power:expr
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -72,9 +72,10 @@ macro_rules! vector {
                 Self(unsafe { $andnot($splat(-0.0), self.0) })
             }
             #[inline(always)]
-            fn select(condition: Self, chosen: Self, other: Self) -> Self {
+            fn select($condition: Self, $chosen: Self, $other: Self) -> Self {
+                let ($condition, $chosen, $other) = ($condition.0, $chosen.0, $other.0);
                 // SAFETY: the module's rule.
-                Self(unsafe { $select(condition.0, chosen.0, other.0) })
+                Self(unsafe { $select })
             }
         }
 
@@ -87,8 +88,9 @@ macro_rules! vector {
             }
             #[inline(always)]
             fn power_of_two(self) -> Self {
+                let $x = self.0;
                 // SAFETY: the module's rule.
-                Self(unsafe { $power(self.0) })
+                Self(unsafe { $power })
             }
         }
 
@@ -116,10 +118,10 @@ vector!(
     _mm256_min_pd _mm256_max_pd _mm256_xor_pd _mm256_andnot_pd _mm256_set1_pd _mm256_loadu_pd
     _mm256_storeu_pd;
     exp exp64;
-    select |condition, chosen, other| {
+    select(condition, chosen, other) {
         _mm256_blendv_pd(other, chosen, _mm256_cmp_pd::<_CMP_GE_OQ>(condition, _mm256_setzero_pd()))
-    };
-    power |x| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(x)))
+    }
+    power(x) _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(x)))
 );
 
 vector!(
@@ -129,10 +131,10 @@ vector!(
     _mm256_min_ps _mm256_max_ps _mm256_xor_ps _mm256_andnot_ps _mm256_set1_ps _mm256_loadu_ps
     _mm256_storeu_ps;
     exp exp32;
-    select |condition, chosen, other| {
+    select(condition, chosen, other) {
         _mm256_blendv_ps(other, chosen, _mm256_cmp_ps::<_CMP_GE_OQ>(condition, _mm256_setzero_ps()))
-    };
-    power |x| _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(x)))
+    }
+    power(x) _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(x)))
 );
 
 vector!(
@@ -142,11 +144,11 @@ vector!(
     _mm512_min_pd _mm512_max_pd _mm512_xor_pd _mm512_andnot_pd _mm512_set1_pd _mm512_loadu_pd
     _mm512_storeu_pd;
     exp exp64;
-    select |condition, chosen, other| {
+    select(condition, chosen, other) {
         let mask = _mm512_cmp_pd_mask::<_CMP_GE_OQ>(condition, _mm512_setzero_pd());
         _mm512_mask_blend_pd(mask, other, chosen)
-    };
-    power |x| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(x)))
+    }
+    power(x) _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(x)))
 );
 
 vector!(
@@ -156,9 +158,9 @@ vector!(
     _mm512_min_ps _mm512_max_ps _mm512_xor_ps _mm512_andnot_ps _mm512_set1_ps _mm512_loadu_ps
     _mm512_storeu_ps;
     exp exp32;
-    select |condition, chosen, other| {
+    select(condition, chosen, other) {
         let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(condition, _mm512_setzero_ps());
         _mm512_mask_blend_ps(mask, other, chosen)
-    };
-    power |x| _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(x)))
+    }
+    power(x) _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(x)))
 );

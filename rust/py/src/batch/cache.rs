@@ -4,10 +4,10 @@
 //! asks the module for an attribute of that name.
 
 use std::collections::HashMap;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, OnceLock, PoisonError};
 
 use echocal_core::Law;
-use echocal_core::batch::{Kernel, Output, absorption, error, of_law};
+use echocal_core::batch::{Kernel, Output, absorption, echo, speed_of_sound};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -49,17 +49,15 @@ impl Function {
     /// The kernel; `laws` is a law's text, or two of them with a bar between.
     fn kernel(self, laws: &str, at_frequency: bool) -> PyResult<Box<dyn Kernel>> {
         let parse = |text: &str| Law::parse(text).map_err(|e| to_python(&e));
+        let (reading, law) = laws.split_once('|').unwrap_or((laws, laws));
         let output = match self {
-            Self::SpeedOfSound => Output::SpeedOfSound,
+            Self::Absorption => return Ok(absorption()),
+            Self::SpeedOfSound => return Ok(speed_of_sound(parse(law)?, at_frequency)),
             Self::TimeOfFlight => Output::TimeOfFlight,
             Self::Distance => Output::Distance,
-            Self::Absorption => return Ok(absorption()),
-            Self::Error => {
-                let (reading, law) = laws.split_once('|').unwrap_or((laws, laws));
-                return Ok(error(&parse(reading)?, &parse(law)?, at_frequency));
-            }
+            Self::Error => Output::Error(parse(reading)?),
         };
-        Ok(of_law(output, &parse(laws)?, at_frequency))
+        Ok(echo(output, parse(law)?, at_frequency))
     }
 }
 
@@ -89,8 +87,25 @@ impl Entry {
 type Entries = HashMap<String, &'static Entry>;
 static ENTRIES: LazyLock<[Mutex<Entries>; 10]> = LazyLock::new(Default::default);
 
+/// Entries of the default law: a call with plain numbers has no time for a lock and a hash.
+static DEFAULTS: [OnceLock<&'static Entry>; 5] = [const { OnceLock::new() }; 5];
+
+/// The law that the functions take by default.
+pub const DEFAULT_LAW: &str = "cramer";
+
 /// The entry of a function with its laws; made at the first call.
 pub fn entry(function: Function, laws: &str, at_frequency: bool) -> PyResult<&'static Entry> {
+    if at_frequency || laws != DEFAULT_LAW {
+        return found(function, laws, at_frequency);
+    }
+    let place = &DEFAULTS[function as usize];
+    match place.get() {
+        Some(entry) => Ok(entry),
+        None => found(function, laws, at_frequency).map(|entry| *place.get_or_init(|| entry)),
+    }
+}
+
+fn found(function: Function, laws: &str, at_frequency: bool) -> PyResult<&'static Entry> {
     let place = &ENTRIES[2 * (function as usize) + usize::from(at_frequency)];
     let mut entries = place.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(entry) = entries.get(laws) {

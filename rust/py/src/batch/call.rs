@@ -5,9 +5,10 @@ use std::sync::OnceLock;
 use echocal_core::batch::available_threads;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyInt, PyTuple};
+use pyo3::types::{PyDict, PyFloat, PyTuple};
 
 use super::cache::Entry;
+use super::direct::direct;
 use super::ufunc::{MOST_INPUTS, with_threads};
 use crate::errors::raise;
 
@@ -40,12 +41,18 @@ pub fn call<'py>(
     inputs: &[Input<'_, 'py>],
     options: &Options<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    if options.out.is_none()
-        && options.condition.is_none()
-        && let Some(values) = numbers(inputs)
-    {
-        let value = entry.kernel().evaluate(&values[..inputs.len()]);
-        return Ok(PyFloat::new(py, value).into_any());
+    let kernel = entry.kernel();
+    if options.condition.is_none() {
+        if options.out.is_none()
+            && let Some(values) = numbers(inputs)
+        {
+            let value = kernel.evaluate(&values[..inputs.len()]);
+            return Ok(PyFloat::new(py, value).into_any());
+        }
+        let threads = threads(options.n_threads)?;
+        if let Some(result) = direct(py, kernel, inputs, options.out, threads) {
+            return Ok(result);
+        }
     }
     let inputs: Vec<_> = inputs
         .iter()
@@ -67,11 +74,10 @@ pub fn call<'py>(
 fn numbers(inputs: &[Input<'_, '_>]) -> Option<[f64; MOST_INPUTS]> {
     let mut values = [0.0; MOST_INPUTS];
     for (value, input) in values.iter_mut().zip(inputs) {
+        // NumPy's double is a float too; its single is not.
         *value = match input.given {
-            None => input.default,
             Some(given) if given.is_instance_of::<PyFloat>() => given.extract().ok()?,
-            Some(given) if given.is_exact_instance_of::<PyInt>() => given.extract().ok()?,
-            Some(_) => return None,
+            _ => input.number()?,
         };
     }
     Some(values)

@@ -2,6 +2,7 @@
 
 mod cache;
 mod call;
+mod direct;
 mod documentation;
 mod functions;
 mod module;
