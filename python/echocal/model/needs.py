@@ -14,6 +14,7 @@ from echocal.registry import find_effect
 __all__ = ["Needs", "assumed", "of"]
 
 AIR = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction")
+DEFAULTS = {name: quantity.default for name, quantity in QUANTITIES.items() if quantity.default is not None}
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,11 @@ class Needs:
         for law, effect in self.laws.items():
             # a parameter named as a quantity stands for it
             air = {**conditions, **(effects[effect] if effect else {})}
-            warn_outside(**{name: air[name] for name in AIR if name in air}, law=law, stacklevel=5)
+            values = [air[name] if name in air else DEFAULTS[name] for name in AIR]
+            row = [value for value in values if isinstance(value, float | int)]
+            if len(row) == len(AIR) and _core.departure(law, [*row, 0.0]) is None:
+                continue  # numbers alone, inside: the common case is fast
+            warn_outside(*values, law=law, stacklevel=5)
 
 
 def assumed(air: Mapping[str, float]) -> dict[str, float]:
