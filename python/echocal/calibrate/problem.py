@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from echocal.calibrate.form import Column, Columns, Form, Parameter
 from echocal.calibrate.losses import LOSSES
@@ -73,6 +72,8 @@ class Problem:
     def search(self, start: Column, loss: str, scale: float) -> Column:
         """Trust-region search within the bounds, from a start."""
         chosen: Any = "linear" if loss == "linear" else LOSSES[loss]
+        from scipy.optimize import least_squares  # takes long to import: only who fits waits for it
+
         found = least_squares(
             self.residuals,
             start,

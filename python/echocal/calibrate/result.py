@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
 
 from echocal.calibrate.form import Column, Form, Parameter
 from echocal.errors import UsageError
@@ -155,6 +154,8 @@ class Calibration:
         coverage : float
             Coverage probability.
         """
+        from scipy import stats  # takes long to import: only who asks for an interval waits for it
+
         factor = float(stats.t.ppf(0.5 + coverage / 2.0, self.degrees_of_freedom))
         return {
             e.name: (e.value - factor * e.standard_uncertainty, e.value + factor * e.standard_uncertainty)

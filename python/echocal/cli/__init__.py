@@ -2,17 +2,41 @@
 
 import sys
 from importlib import import_module
+from pathlib import Path
+from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
 from echocal.errors import EchocalError
 
 __all__ = ["COMMANDS", "app", "main"]
 
-COMMANDS = ("calibrate", "correct", "diagnose", "effects", "firmware", "study", "sweep", "verify")
+COMMANDS = tuple(sorted(file.stem for file in Path(__file__).parent.glob("[a-z]*.py")))
 """Every command: ``echocal NAME`` is ``command`` of ``echocal.cli.NAME``, a function or an app of its own."""
 
+
+class _Commands(TyperGroup):
+    """Loads a command's file when it is asked for: nobody waits for what another command imports."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(f"echocal.cli.{cmd_name}").command
+        if not isinstance(command, typer.Typer):
+            single = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+            single.command(cmd_name)(command)
+            command = single
+        loaded = typer.main.get_command(command)
+        loaded.name = cmd_name
+        return loaded
+
+
 app = typer.Typer(
+    cls=_Commands,
     name="echocal",
     help="Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction.",
     no_args_is_help=True,
@@ -21,12 +45,10 @@ app = typer.Typer(
     rich_markup_mode=None,  # help texts name units in brackets, which markup would swallow
 )
 
-for _name in COMMANDS:
-    _command = import_module(f"echocal.cli.{_name}").command
-    if isinstance(_command, typer.Typer):
-        app.add_typer(_command, name=_name)
-    else:
-        app.command(_name)(_command)
+
+@app.callback()
+def _all_commands() -> None:
+    """Without this, an app with no command of its own would be refused."""
 
 
 def main() -> None:

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.table import Table
 
 from echocal.calibrate import Calibration, calibrate
-from echocal.cli.models import Effects, model_of
-from echocal.cli.tables import (
+from echocal.cli._models import Effects, model_of
+from echocal.cli._tables import (
     Columns,
     Json,
     Missing,

@@ -7,8 +7,8 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from echocal.cli.models import Effects, model_of
-from echocal.cli.tables import (
+from echocal.cli._models import Effects, model_of
+from echocal.cli._tables import (
     Columns,
     Decimal,
     Encoding,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from echocal.cli.tables import Json, write_json
+from echocal.cli._tables import Json, write_json
 from echocal.errors import DataError
 
 

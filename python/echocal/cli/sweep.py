@@ -8,10 +8,11 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
-from echocal.cli.models import Effects, model_of
-from echocal.cli.tables import Json, Quiet, noted, write_json
+from echocal.cli._models import Effects, model_of
+from echocal.cli._tables import Json, Quiet, noted, write_json
 from echocal.errors import DataError, UsageError
-from echocal.sweep import Range, parse, parse_named, sweep, write
+from echocal.sweep import Range, parse, parse_named, sweep
+from echocal.sweep.files import write
 
 
 def command(

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from echocal.cli.tables import (
+from echocal.cli._tables import (
     Columns,
     Json,
     Missing,

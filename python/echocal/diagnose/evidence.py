@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp, ndtr
 
 from echocal.diagnose.candidates import Variant
 from echocal.diagnose.noise import Noise, Whitened
@@ -169,10 +168,12 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_size: bool = False) -> We
     half = 0.5 * stack.degrees
     if not hypothesis.free:
         score = stack.log_weight - half * np.log(square)
-        noise = np.exp(score - logsumexp(score))
+        noise = np.exp(score - np.logaddexp.reduce(score, axis=None))
         empty = np.empty(0)
         variance = float(noise @ square / stack.degrees)
-        return Weighed(hypothesis, float(logsumexp(score)), empty, np.empty((0, 0)), noise, variance)
+        return Weighed(
+            hypothesis, float(np.logaddexp.reduce(score, axis=None)), empty, np.empty((0, 0)), noise, variance
+        )
     least = _least_squares(square, along, among) / stack.degrees
     widths = _widths(hypothesis, _SIZES[-1:] if one_size else _SIZES)  # (c, p)
     precision = least[:, None, None] / widths**2
@@ -209,6 +210,8 @@ def _within_bounds(
     bounds = np.array([b for v in hypothesis.variants for b in v.bounds])
     if np.abs(bounds).min() > _FAR:
         return 0.0
+    from scipy.special import ndtr  # takes long to import
+
     sd = np.sqrt(np.einsum("hcpp->hcp", covariance))
     low, high = bounds.T
     inside = ndtr((high - mean) / sd) - ndtr((low - mean) / sd)
@@ -223,7 +226,7 @@ def _summarize(
     hypothesis: Hypothesis, score: Matrix, mean: Matrix, covariance: Matrix, variance: Matrix
 ) -> Weighed:
     """Average over noises and widths."""
-    total = float(logsumexp(score))
+    total = float(np.logaddexp.reduce(score, axis=None))
     share = np.exp(score - total)
     center = np.einsum("hc,hcp->p", share, mean)
     spread = mean - center

@@ -1,7 +1,6 @@
 """Rows that cannot be what they seem, and stretches of constant level."""
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 __all__ = ["far_rows", "level_steps", "series_starts"]
@@ -42,6 +41,8 @@ def far_rows(indication: Column, expected: Column | None) -> Mask:
     if len(indication) <= 2 * _HALF_WINDOW:
         return np.zeros(len(indication), dtype=bool)
     if expected is None:
+        import pandas as pd  # takes long to import
+
         window = pd.Series(indication).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=1)
         expected = window.median().to_numpy()
     deviation = indication - expected
@@ -92,6 +93,8 @@ def level_steps(indication: Column, elapsed: Column | None, temperature: Column 
 
 def _jumps(values: Column, size: int) -> Column:
     """Median of the `size` rows from each row on, less that of the rows before it; NaN at the ends."""
+    import pandas as pd  # takes long to import
+
     medians = pd.Series(values).rolling(size).median().to_numpy()
     jumps = np.full(len(values), np.nan)
     jumps[size:-size] = medians[2 * size - 1 : -1] - medians[size - 1 : -size - 1]

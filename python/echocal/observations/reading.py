@@ -6,12 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.errors import DataWarning
-from echocal.observations import plan
-from echocal.observations.assembly import Assembly
-from echocal.observations.numbers import Missing
-from echocal.observations.source import load
 from echocal.observations.table import Observations
-from echocal.observations.text import Layout
 
 __all__ = ["read_observations"]
 
@@ -89,6 +84,13 @@ def read_observations(
     >>> len(data), list(data.conditions), data.notes
     (3, ['temperature'], ())
     """
+    # pandas takes long to import: only who reads a table waits for it
+    from echocal.observations import plan
+    from echocal.observations.assembly import Assembly
+    from echocal.observations.numbers import Missing
+    from echocal.observations.source import load
+    from echocal.observations.text import Layout
+
     table = load(source, Layout(skip_lines, decimal, encoding))
     codes = Missing(missing)
     codes.refuse_unknown(table.columns)

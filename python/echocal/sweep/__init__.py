@@ -3,18 +3,20 @@
 import json
 import warnings
 from importlib.metadata import version
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
-from echocal.sweep.files import write
 from echocal.sweep.grid import Range, axis, parse, parse_named
 
-__all__ = ["Range", "parse", "parse_named", "sweep", "write"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Range", "parse", "parse_named", "sweep"]
 
 _LARGEST = 100_000_000
 _CF_UNITS = {"degC": "degC", "m/s": "m s-1", "W/m^2": "W m-2"}
@@ -35,7 +37,7 @@ _RESULTS = {
 
 def sweep(
     model: Model | str, *, temperature: Range, distance: Range = 2.0, **conditions: Range
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Simulate a device over every combination of conditions.
 
     Parameters
@@ -73,6 +75,8 @@ def sweep(
     >>> print(grid.indication.sel(distance=2.0).round(3).values)
     [2.07  1.98  1.898]
     """
+    import xarray as xr  # takes long to import: only who sweeps waits for it
+
     model = Model(model) if isinstance(model, str) else model
     unknown = sorted(set(conditions) - set(QUANTITIES))
     if unknown:
