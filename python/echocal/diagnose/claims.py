@@ -1,6 +1,6 @@
 """From weighed hypotheses to claims: what is named, with what, and what is refused."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -197,9 +197,8 @@ def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
     return replace(hypothesis, variants=tuple(v for v in hypothesis.variants if v.cause != cause))
 
 
-def posterior_sets(ranking: Ranking, least: float = 1e-3) -> Mapping[tuple[str, ...], float]:
-    """Sets worth listing; the rest is shared by the last entry, so that the sum stays one."""
+def posterior_sets(ranking: Ranking, least: float = 1e-6) -> dict[tuple[str, ...], float]:
+    """Every set worth a line, with probabilities that sum to one."""
     kept = {ids: p for ids, p in ranking.sets if p >= least}
-    top = next(iter(kept))
-    kept[top] += 1.0 - sum(kept.values())
-    return kept
+    total = sum(kept.values())
+    return {ids: p / total for ids, p in kept.items()}

@@ -55,7 +55,7 @@ def judge(study: Study, best: Weighed, claimed: Sequence[Claim], noise: Noise) -
         lesser = without(hypothesis, claim.cause)
         spared = _held_out(study, lesser, fewer, noise)
         if worse(after, spared):
-            refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms))
+            refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
             hypothesis, kept, after = lesser, fewer, spared
     weighed = _fit(study, hypothesis, study.folds.fit, noise)
     fixed = any(c.cause == "fixed_speed" for c in kept) or study.base.device_speed is not None

@@ -144,6 +144,12 @@ class Sums:
         total -= np.einsum("g,gi,gj->ij", shrink, groups, groups)
         return Whitened(total, float(log_weight - 0.5 * log_det), noise)
 
+    def mean_square_step(self) -> float:
+        """Mean square of the last column's change from row to row."""
+        present, previous, lagged, _ = self.blocks[0][:, :, -1, -1].sum(axis=1)
+        steps = self.rows.sum() - self.series.sum()
+        return float((present + previous - 2 * lagged) / max(steps, 1))
+
     def degrees(self, use: NDArray[np.bool_] | None = None) -> int:
         """Rows less unknown levels."""
         use = np.ones(len(self.rows), dtype=bool) if use is None else use

@@ -9,7 +9,7 @@ from echocal.diagnose.evidence import Stack
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.result import Unexplained
 from echocal.diagnose.sentences import tendency
-from echocal.diagnose.study import Study
+from echocal.diagnose.study import INVISIBLE, Study
 from echocal.observations import Observations
 from echocal.registry import find_effect
 
@@ -60,6 +60,9 @@ def notes(study: Study, observations: Observations, judgment: Judgment, stack: S
     said = list(observations.notes)
     said += [_tension(study, cause, judgment, stack) for cause in study.found.size_tangents]
     said += _temperature(judgment)
+    hidden = [cause for cause, reason in study.found.skipped.items() if reason == INVISIBLE]
+    if hidden:
+        said.append(f"whatever their size, these causes {INVISIBLE}: {', '.join(hidden)}")
     for refuted in judgment.refuted:
         said.append(
             f"{refuted.id} fits the rows it was fitted to (probability {refuted.probability:.2f}) but makes "

@@ -79,6 +79,7 @@ class Refuted:
     probability: float
     rms_with_m: float
     rms_without_m: float
+    indistinguishable_from: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

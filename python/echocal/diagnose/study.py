@@ -6,15 +6,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.alias import Geometry
 from echocal.diagnose.base import Base
-from echocal.diagnose.candidates import Candidates, Scene, Variant, effect_candidates
+from echocal.diagnose.candidates import UNKNOWN, Candidates, Scene, Variant, effect_candidates
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.gain import Folds
 from echocal.diagnose.noise import NOISES, Noise, Sums
 from echocal.diagnose.scene import Table
 from echocal.diagnose.unexplained import shape_candidates
 
-__all__ = ["Study", "study"]
+__all__ = ["INVISIBLE", "Study", "study"]
+
+INVISIBLE = "cannot show in these data"
+"""Why a cause was left out that no size would make visible."""
+
+_VISIBLE = 0.5  # signal over noise, summed over rows
 
 
 @dataclass(frozen=True)
@@ -73,4 +79,24 @@ def study(table: Table, base: Base, folds: Folds, seed: int) -> Study:
     residual = table.indication - base.expected(distance, table.conditions)
     columns = np.stack([*found.columns, residual])
     sums = Sums.gather(columns, table.starts, folds.blocks, table.groups, flat_level=not known)
+    _drop_invisible(found, sums)
     return Study(table, base, found, residual, sums, folds, seed)
+
+
+def _drop_invisible(found: Candidates, sums: Sums) -> None:
+    """Drop causes that could not show in these data even at three times their usual size.
+
+    Weighing them would only spread probability over causes that nobody can see.
+    """
+    used = np.ones(len(sums.rows), dtype=bool)
+    products = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), used).products
+    steps = sums.mean_square_step() / 2  # noise alone, whatever slow effects there are
+    shape = Geometry(products, max(min(steps, products[-1, -1] / sums.degrees()), np.finfo(float).tiny))
+    seen = [
+        v for v in found.variants if v.cause == UNKNOWN or shape.visibility(3 * shape.signal(v)) > _VISIBLE
+    ]
+    kept = {v.cause for v in seen}
+    for variant in found.variants:
+        if variant.cause not in kept:
+            found.skipped[variant.cause] = INVISIBLE
+    found.variants[:] = [v for v in found.variants if v.cause in kept]

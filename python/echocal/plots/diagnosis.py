@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from echocal.diagnose import Diagnosis
+from echocal.diagnose import Cause, Diagnosis, Refuted
 from echocal.diagnose.sentences import shown
 
 __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
@@ -36,7 +36,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
         figures = {
             "residuals": _residuals(diagnosis),
             "gain": _single(diagnosis, plot_gain, (6.0, 2.8)),
-            "posterior": _single(diagnosis, plot_posterior, (6.0, 3.2)),
+            "posterior": _single(diagnosis, plot_posterior, (8.0, 3.2)),
         }
         paths = []
         for name, figure in figures.items():
@@ -88,7 +88,7 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
         x, y = values[finite], 1e3 * residual[finite]
         few = len(x) <= 200
         ax.plot(
-            x, y, "o" if few else ",", color=color, alpha=0.9 if few else 0.35, markersize=4 if few else 1
+            x, y, "o" if few else ".", color=color, alpha=0.9 if few else 0.2, markersize=4 if few else 1.5
         )
         ax.plot(*_binned(x, y), "-", color=color, linewidth=1.8, label=name)
     middle = 1e3 * np.nanpercentile(np.concatenate([traces.before, traces.after]), [0.5, 99.5])
@@ -101,10 +101,13 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
 def _binned(
     x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Means of bins with equally many rows, so that no line hangs on one row."""
-    order = np.argsort(x, kind="stable")
-    parts = np.array_split(order, min(_BINS, max(2, len(x) // 3)))
-    return np.array([x[p].mean() for p in parts]), np.array([y[p].mean() for p in parts])
+    """Means of bins with about equally many rows, so that no line hangs on one row."""
+    edges = np.unique(np.quantile(x, np.linspace(0, 1, min(_BINS, max(2, len(x) // 3)) + 1)))
+    bins = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
+    rows = np.bincount(bins)
+    filled = rows > 0
+    means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]
+    return means[0], means[1]
 
 
 def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
@@ -119,9 +122,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     if gain is None:
         ax.text(0.5, 0.5, "no rows were held out", ha="center", transform=ax.transAxes)
         return
-    rungs = [
-        (" + ".join(ids) if ids else "base", rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder
-    ]
+    rungs = [(" + ".join(("base", *ids)), rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
     names, values, colors = zip(*rungs, strict=True)
@@ -131,7 +132,8 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.margins(x=0.18)
-    ax.set(xlabel="RMS error on rows never fitted [mm]", title=f"{gain.held_out_rows} rows, {gain.scheme}")
+    ax.set_xlabel("RMS error on rows never fitted [mm]")
+    ax.set_title(f"{gain.held_out_rows} rows, {gain.scheme}", fontsize=8, loc="left")
     ax.legend(loc="lower right", frameon=False)
 
 
@@ -145,11 +147,8 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     """
     entries = diagnosis.posterior[:8]
     names = [" + ".join(ids) if ids else "nothing" for ids, _ in entries]
-    classes = {
-        id_: n
-        for n, cause in enumerate(diagnosis.causes)
-        for id_ in (cause.id, *cause.indistinguishable_from)
-    }
+    claimed: list[Cause | Refuted] = [*diagnosis.causes, *diagnosis.refuted]
+    classes = {id_: n for n, cause in enumerate(claimed) for id_ in (cause.id, *cause.indistinguishable_from)}
     keys = [tuple(sorted({str(classes.get(id_, id_)) for id_ in ids})) for ids, _ in entries]
     order = list(dict.fromkeys(keys))
     palette = mpl.colormaps["tab10"]
@@ -162,4 +161,6 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.bar_label(bars, fmt="%.3f", padding=3)
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
-    ax.set(xlim=(0, 1.15), xlabel="probability (same color: these data cannot tell them apart)")
+    ax.set(xlim=(0, 1.15), xlabel="probability")
+    text = "sets of one color cannot be told apart by these data"
+    ax.set_title(text, fontsize=8, loc="right")
