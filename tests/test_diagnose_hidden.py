@@ -70,8 +70,8 @@ def test_the_gain_is_what_was_hidden(hunts: Hunts) -> None:
 
 @pytest.mark.parametrize("kind", ["normal", "heavy", "memory"])
 def test_noise_is_not_named(kind: str) -> None:
-    # measured while it was built: no name in 114 fresh tables; even at the upper 95 % bound of 0.03, four or more of ten
-    # have a probability below 2e-4
+    # measured while it was built: no name in 114 fresh tables; even at the upper 95 % bound of 0.03,
+    # four or more of ten have a probability below 2e-4
     random = rng(kind)
     alarms = []
     for _ in range(10):

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 from rich.console import Console
 
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.errors import UsageError
+from echocal.errors import DataWarning, UsageError
 from echocal.model import Model
 from echocal.report import print_diagnosis
 
@@ -50,19 +51,20 @@ def command(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing.")] = False,
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
-    diagnosis = diagnose(
-        data,
-        base=Model.load(base) if base.endswith(".json") else base,
-        reference_distance=reference_distance,
-        constant_distance=constant_distance,
-        columns=dict(_pair(text, "--column") for text in column or ()),
-        reading_speed=reading_speed,
-        missing=_codes(missing or []),
-        since=since,
-        until=until,
-        hold_out_after=_time(hold_out_after),
-        seed=seed,
-    )
+    with warnings.catch_warnings(action="ignore", category=DataWarning):  # they are among the notes
+        diagnosis = diagnose(
+            data,
+            base=Model.load(base) if base.endswith(".json") else base,
+            reference_distance=reference_distance,
+            constant_distance=constant_distance,
+            columns=dict(_pair(text, "--column") for text in column or ()),
+            reading_speed=reading_speed,
+            missing=_codes(missing or []),
+            since=since,
+            until=until,
+            hold_out_after=_time(hold_out_after),
+            seed=seed,
+        )
     _write(diagnosis, model, plots, json_)
     if not quiet and json_ != "-":
         print_diagnosis(diagnosis, Console())
