@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import csv
 import re
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -39,13 +38,6 @@ def reference() -> Columns:
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
 
-def speed(law: str, **conditions: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Speed of sound by a law [m/s], also where it is not meant to hold: that is measured here."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", echocal.DomainWarning)
-        return 2.0 / echocal.Model(law).time_of_flight(1.0, **conditions)
-
-
 def table(head: list[str], rows: list[list[str]]) -> str:
     lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
@@ -65,7 +57,8 @@ def deviations() -> str:
         cells = [f"`{facts['id']}`"]
         for rows_in in (~wet, wet):
             for name in ("speed_hapropssi_m_per_s", "speed_iapws_m_per_s"):
-                ppm = 1e6 * np.abs(speed(facts["id"], **air) / columns[name] - 1.0)
+                speed = echocal.speed_of_sound(**air, law=facts["id"])
+                ppm = 1e6 * np.abs(speed / columns[name] - 1.0)
                 cells.append(f"{ppm[rows_in].max():.0f}")
         rows.append(cells)
     head = ["law", "HAPropsSI, xw <= 0.06", "IAPWS, xw <= 0.06", "HAPropsSI, xw > 0.06", "IAPWS, xw > 0.06"]
@@ -78,16 +71,28 @@ def folk() -> str:
     for law in FOLK:
         cells = [f"`{law}`"]
         for temperature, humidity in CONDITIONS:
-            at = {"temperature": temperature, "relative_humidity": humidity}
-            truth = float(speed("virial", **at))
-            difference = float(speed(law, **at)) - truth
+            truth = echocal.speed_of_sound(temperature, humidity, law="virial")
+            difference = echocal.speed_of_sound(temperature, humidity, law=law) - truth
             cells.append(f"{difference:+.2f} ({1e3 * DISTANCE * difference / truth:+.1f})")
         rows.append(cells)
     head = [f"{t:.0f} degC, {'dry' if h == 0 else f'{100 * h:.0f} %'}" for t, h in CONDITIONS]
     return table(["formula", *head], rows)
 
 
-TABLES = {"deviations": deviations, "folk": folk}
+def dispersion() -> str:
+    """What sound gains at 40 kHz [m/s]."""
+    humidities = (0.0, 0.1, 0.3, 0.5, 0.7, 1.0)
+    rows = []
+    for temperature in (-20.0, 0.0, 10.0, 20.0, 30.0, 50.0):
+        still, moving = (
+            echocal.speed_of_sound(temperature, list(humidities), frequency=frequency, law="virial")
+            for frequency in (0.0, 40e3)
+        )
+        rows.append([f"{temperature:.0f} degC", *(f"{gain:+.3f}" for gain in moving - still)])
+    return table(["", *(f"{100 * humidity:.0f} %" for humidity in humidities)], rows)
+
+
+TABLES = {"deviations": deviations, "folk": folk, "dispersion": dispersion}
 
 
 def sections() -> Iterator[tuple[str, str]]:

@@ -19,6 +19,7 @@ macro_rules! law {
     () => {
         "law : str, default \"cramer\"
     Law for the speed of sound: a name of `laws()`, or an expression such as \"331.3+0.606*T\".
+    Outside its domain nothing is clamped and, for speed, nothing said: `departures` tells the rows.
 frequency : array_like, default 0.0
     Frequency of the sound [Hz]; at 0 the air does not disperse."
     };
