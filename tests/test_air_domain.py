@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import echocal
@@ -69,9 +69,17 @@ COLUMN = {
 }
 
 
+@settings(max_examples=500, deadline=None)
 @given(
     st.sampled_from(["linear", "ideal_gas", "cramer", "virial"]),
     st.lists(st.fixed_dictionaries(COLUMN), min_size=1, max_size=4),
+)
+@example(  # the dry row is the only one with a sound to disperse
+    "linear",
+    [
+        {"temperature": 0.0, "relative_humidity": 1.0, "pressure": 1e5, "frequency": 0.0},
+        {"temperature": 0.0, "relative_humidity": 0.0, "pressure": 1e5, "frequency": 40e3},
+    ],
 )
 def test_warns_exactly_where_the_mask_says(law: str, rows: list[dict[str, float]]) -> None:
     """The corners of the columns never clear a row that the mask would not."""

@@ -105,6 +105,8 @@ def warn_outside(
         return
     lowest = [float(np.fmin.reduce(value, axis=None)) for value in values]
     highest = [float(np.fmax.reduce(value, axis=None)) for value in values]
+    sound = values[4][values[4] != 0.0]  # at frequency zero nothing disperses
+    lowest[4] = float(np.fmin.reduce(sound, axis=None)) if sound.size else 0.0
     # water and frequency over pressure are largest where the pressure is lowest
     lowest[2], highest[2] = highest[2], lowest[2]
     if _core.departure(law, lowest) is None and _core.departure(law, highest) is None:
