@@ -1,0 +1,88 @@
+/*
+ * Calls a generated function in a simulated ATmega328P, one call for each accepted input:
+ *
+ *     avr_driver FIRMWARE.elf ECHO_LAST FIRST LAST STEP [HUMIDITY_FIRST HUMIDITY_LAST]
+ *
+ * Prints, for every STEP-th temperature code in FIRST .. LAST, its hash over all echo codes; then the fewest and the
+ * most cycles of a call, `call` and `ret` included, and the bytes of stack, return address included. The simulator is
+ * GPL-3: a companion of the tests, never part of what is shipped.
+ */
+#include <simavr/sim_avr.h>
+#include <simavr/sim_core.h>
+#include <simavr/sim_elf.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { LOW = 0x5D, HIGH = 0x5E, STACK_TOP = 0x8FF, ECHO = 24, TEMPERATURE = 22, HUMIDITY = 20, RESULT = 22 };
+enum { SLEEP = 1, ENOUGH = 1000000 }; /* cycles */
+
+static avr_t *avr;
+static avr_cycle_count_t fewest = ~(avr_cycle_count_t)0, most;
+static unsigned lowest = STACK_TOP;
+
+static unsigned pointer(void)
+{
+    return avr->data[LOW] | (unsigned)avr->data[HIGH] << 8;
+}
+
+static void put(int where, unsigned value)
+{
+    avr->data[where] = (uint8_t)value;
+    avr->data[where + 1] = (uint8_t)(value >> 8);
+}
+
+/* What the function returns, as it left it in r22 .. r25. */
+static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watch_stack)
+{
+    const avr_cycle_count_t before = avr->cycle;
+    put(LOW, STACK_TOP);
+    put(ECHO, echo);
+    put(TEMPERATURE, (unsigned)temperature);
+    put(HUMIDITY, humidity);
+    avr->pc = 0;
+    avr->state = cpu_Running;
+    while (avr->state == cpu_Running) {
+        /* Whole calls at once, unless the stack is watched after each instruction. */
+        avr->run_cycle_count = watch_stack ? 0 : ENOUGH;
+        avr->pc = avr_run_one(avr);
+        if (watch_stack && pointer() < lowest) {
+            lowest = pointer();
+        }
+    }
+    const avr_cycle_count_t spent = avr->cycle - before - SLEEP;
+    fewest = spent < fewest ? spent : fewest;
+    most = spent > most ? spent : most;
+    const uint8_t *result = avr->data + RESULT;
+    return result[0] | (uint32_t)result[1] << 8 | (uint32_t)result[2] << 16 | (uint32_t)result[3] << 24;
+}
+
+/* The hash of firmware_gen/src/prove/mod.rs over one row of echo codes. */
+static uint32_t row(unsigned last, int temperature, unsigned humidity, int watch_stack)
+{
+    uint32_t hash = 2166136261u;
+    for (unsigned echo = 0; echo <= last; echo++) {
+        hash = (hash ^ call(echo, temperature, humidity, watch_stack)) * 16777619u;
+    }
+    return hash;
+}
+
+int main(int count, char **words)
+{
+    elf_firmware_t firmware = {0};
+    if (count < 6 || elf_read_firmware(words[1], &firmware) != 0 || !(avr = avr_make_mcu_by_name("atmega328p"))) {
+        return 1;
+    }
+    avr_init(avr);
+    avr_load_firmware(avr, &firmware);
+    avr->log = LOG_NONE;
+    const unsigned echo_last = (unsigned)atoi(words[2]);
+    const int first = atoi(words[3]), last = atoi(words[4]), step = atoi(words[5]);
+    const unsigned dry = count > 7 ? (unsigned)atoi(words[6]) : 0, damp = count > 7 ? (unsigned)atoi(words[7]) : 0;
+    for (int code = first; code <= last; code += step) {
+        for (unsigned humidity = dry; humidity <= damp; humidity++) {
+            printf("%08x\n", row(echo_last, code, humidity, code == first && humidity == damp));
+        }
+    }
+    printf("%llu %llu %u\n", (unsigned long long)fewest, (unsigned long long)most, STACK_TOP - lowest);
+    return 0;
+}

@@ -1,0 +1,6 @@
+; One call of the generated function, at address 0: the simulator stops at `sleep`.
+.section .vectors, "ax"
+.global once
+once:
+    call echocal_distance_um
+    sleep
