@@ -12,6 +12,7 @@
 #include <simavr/sim_elf.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { LOW = 0x5D, HIGH = 0x5E, STACK_TOP = 0x8FF, ECHO = 24, TEMPERATURE = 22, HUMIDITY = 20, RESULT = 22 };
 enum { SLEEP = 1, ENOUGH = 1000000 }; /* cycles */
@@ -75,6 +76,8 @@ int main(int count, char **words)
     avr_init(avr);
     avr_load_firmware(avr, &firmware);
     avr->log = LOG_NONE;
+    /* What start-up code does: tables that are not in program memory are copied to the start of RAM. */
+    memcpy(avr->data + 0x100, avr->flash + firmware.flashsize - firmware.datasize, firmware.datasize);
     const unsigned echo_last = (unsigned)atoi(words[2]);
     const int first = atoi(words[3]), last = atoi(words[4]), step = atoi(words[5]);
     const unsigned dry = count > 7 ? (unsigned)atoi(words[6]) : 0, damp = count > 7 ? (unsigned)atoi(words[7]) : 0;
