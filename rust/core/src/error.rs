@@ -9,11 +9,15 @@ pub enum Error {
     UnknownLaw {
         /// The name as given.
         given: String,
+        /// The names that there are.
+        known: Vec<&'static str>,
     },
     /// No effect of this id in the registry.
     UnknownEffect {
         /// The id as given.
         given: String,
+        /// The ids that there are.
+        known: Vec<&'static str>,
     },
     /// The effect has no parameter of this name.
     UnknownParameter {
@@ -21,6 +25,8 @@ pub enum Error {
         effect: &'static str,
         /// The parameter's name as given.
         given: String,
+        /// The names that there are.
+        known: Vec<&'static str>,
     },
     /// A parameter lies outside its bounds.
     ParameterOutOfBounds {
@@ -61,26 +67,23 @@ pub enum Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::UnknownLaw { given } => write!(
+            Self::UnknownLaw { given, known } => write!(
                 f,
                 "unknown law '{given}'; use one of {} or a linear expression such as '331.3+0.606*T'",
-                crate::air::Law::names().join(", ")
+                known.join(", ")
             ),
-            Self::UnknownEffect { given } => write!(
-                f,
-                "unknown effect '{given}'; known: {}",
-                crate::effects::ids().join(", ")
-            ),
-            Self::UnknownParameter { effect, given } => {
-                let known = crate::effects::find(effect).map_or_else(Vec::new, |facts| {
-                    facts.parameters.iter().map(|p| p.name).collect()
-                });
-                write!(
-                    f,
-                    "effect '{effect}' has no parameter '{given}'; it has: {}",
-                    known.join(", ")
-                )
+            Self::UnknownEffect { given, known } => {
+                write!(f, "unknown effect '{given}'; known: {}", known.join(", "))
             }
+            Self::UnknownParameter {
+                effect,
+                given,
+                known,
+            } => write!(
+                f,
+                "effect '{effect}' has no parameter '{given}'; it has: {}",
+                known.join(", ")
+            ),
             Self::ParameterOutOfBounds {
                 effect,
                 parameter,

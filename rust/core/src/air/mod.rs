@@ -143,6 +143,7 @@ impl Law {
             .or_else(|| Linear::parse(text).map(Self::Linear))
             .ok_or_else(|| Error::UnknownLaw {
                 given: text.to_owned(),
+                known: Self::names(),
             })
     }
 

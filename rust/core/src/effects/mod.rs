@@ -66,12 +66,6 @@ pub fn ids() -> Vec<&'static str> {
     ALL.iter().map(|facts| facts.id).collect()
 }
 
-/// The effect of this id.
-#[must_use]
-pub fn find(id: &str) -> Option<&'static Facts> {
-    index_of(id).map(|index| ALL[index])
-}
-
 /// The position in [`ALL`] of the effect of this id.
 #[must_use]
 pub fn index_of(id: &str) -> Option<usize> {

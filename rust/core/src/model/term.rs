@@ -17,6 +17,7 @@ impl Term {
     pub(super) fn new(id: &str, parameters: &[(&str, f64)]) -> Result<Self, Error> {
         let index = effects::index_of(id).ok_or_else(|| Error::UnknownEffect {
             given: id.to_owned(),
+            known: effects::ids(),
         })?;
         let mut term = Self {
             index,
@@ -42,6 +43,7 @@ impl Term {
             .ok_or_else(|| Error::UnknownParameter {
                 effect: facts.id,
                 given: name.to_owned(),
+                known: facts.parameters.iter().map(|p| p.name).collect(),
             })?;
         let parameter = facts.parameters[position];
         if !(parameter.bounds.0..=parameter.bounds.1).contains(&value) {
