@@ -78,6 +78,23 @@ def test_the_model_corrects(diagnosis: echocal.Diagnosis) -> None:
     assert np.nanstd(diagnosis.traces.after) < np.nanstd(diagnosis.traces.before)
 
 
+def test_the_model_assumes_the_air_that_was_seen(diagnosis: echocal.Diagnosis) -> None:
+    seen = diagnosis.traces.against["relative_humidity"]
+    assert diagnosis.model.air == {"relative_humidity": pytest.approx(np.median(seen), rel=1e-5)}
+
+
+def test_recorded_air_replaces_the_base_air_and_only_it() -> None:
+    random = np.random.default_rng()
+    table = {
+        "reading_m": 1.5 + random.normal(0, 1e-3, 40),
+        "temperature_C": np.linspace(0, 30, 40),
+        "pressure_hPa": np.linspace(900, 1000, 40),
+    }
+    base = echocal.Model("cramer", air={"relative_humidity": 0.6, "pressure": 101325.0})
+    model = echocal.diagnose(table, base=base, reference_distance=1.5).model
+    assert model.air == {"relative_humidity": 0.6, "pressure": 95000.0}
+
+
 def test_plots_are_pictures_of_something(diagnosis: echocal.Diagnosis, tmp_path: Path) -> None:
     paths = save_diagnosis(diagnosis, tmp_path / "plots")
     assert [path.name for path in paths] == ["residuals.png", "gain.png", "posterior.png"]

@@ -145,12 +145,15 @@ def _why_not(effect: Effect, scene: Scene) -> str:
     recorded = scene.conditions
     missing = [name for name in effect.requires if name not in recorded]
     superseded = [name for name in effect.excludes if name in recorded]
+    assumed = [name for name in effect.excludes if name in scene.base.air]
     if not scene.base.allows(effect):
         return "the base accounts for it"
     if missing:
         return f"not recorded: {', '.join(missing)}"
     if superseded:
         return f"recorded: {', '.join(superseded)}"
+    if assumed:
+        return f"assumed by the base: {', '.join(assumed)}"
     return ""
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from echocal.diagnose.base import Base
+from echocal.diagnose.case import examine
 from echocal.diagnose.gain import Folds
 from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import prepare
-from echocal.diagnose.study import study
 from echocal.diagnose.verdict import conclude
 from echocal.diagnose.window import between, held_out
 from echocal.errors import DomainWarning
@@ -103,4 +103,4 @@ def diagnose(
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
         table = prepare(observations, simulated, reference_distance, constant_distance)
         folds = Folds.of(table, *held_out(observations, table, hold_out_after))
-        return conclude(study(table, simulated, folds, seed), observations, start)
+        return conclude(examine(table, simulated, folds, seed), observations, start)

@@ -6,10 +6,10 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.result import NextMeasurement
-from echocal.diagnose.study import Study
 from echocal.registry import find_effect
 
 __all__ = ["propose"]
@@ -21,7 +21,7 @@ _WORTH = 0.75  # probability below which a proposal is not worth the work
 
 
 def propose(
-    study: Study, judgment: Judgment, others: Sequence[Claim], variance: float
+    case: Case, judgment: Judgment, others: Sequence[Claim], variance: float
 ) -> tuple[NextMeasurement, ...]:
     """Propose rows, or a side measurement, for every pair that cannot be separated.
 
@@ -33,7 +33,7 @@ def propose(
     for claim in judgment.kept:
         for rival in (*claim.rivals, *(other.cause for other in others)):
             pair = (claim.cause, rival)
-            conditions, probability = _best(study, judgment, pair, variance)
+            conditions, probability = _best(case, judgment, pair, variance)
             if probability >= _WORTH:
                 proposals.append(NextMeasurement(conditions, pair, probability))
             else:
@@ -47,10 +47,10 @@ def _check(cause: str) -> str:
 
 
 def _best(
-    study: Study, judgment: Judgment, pair: tuple[str, str], variance: float
+    case: Case, judgment: Judgment, pair: tuple[str, str], variance: float
 ) -> tuple[dict[str, list[float]], float]:
     distance, temperature = (np.array(x) for x in zip(*product(_DISTANCES, _TEMPERATURES), strict=True))
-    signals = [_at(study, cause, distance, temperature) for cause in pair]
+    signals = [_at(case, cause, distance, temperature) for cause in pair]
     size = judgment.model.effects[pair[0]]
     true = _scaled(signals[0], size, pair[0])
     if true is None or signals[1] is None:
@@ -73,13 +73,13 @@ def _best(
 
 
 def _at(
-    study: Study, cause: str, distance: NDArray[np.float64], temperature: NDArray[np.float64]
+    case: Case, cause: str, distance: NDArray[np.float64], temperature: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]] | None:
     """Tangents of a cause under proposed conditions; None where it needs more than these."""
     effect = find_effect(cause)
     if not set(effect.requires) <= {"temperature"} or len(effect.parameters) != 1:
         return None
-    model = study.base.model({cause: {}})
+    model = case.base.model({cause: {}})
     jacobian = model.jacobian(distance, temperature=temperature)
     name = effect.parameters[0].name
     return {name: jacobian[:, 1 + model.parameter_names.index(f"{cause}.{name}")]}

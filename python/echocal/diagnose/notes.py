@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates import UNKNOWN
+from echocal.diagnose.case import INVISIBLE, Case
 from echocal.diagnose.claims import Claim, Ranking, free_size, without
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.result import Unexplained
 from echocal.diagnose.sentences import tendency
-from echocal.diagnose.study import INVISIBLE, Study
 from echocal.observations import Observations
 from echocal.registry import find_effect
 
@@ -19,15 +19,15 @@ _TENSION = 3.0  # standard uncertainties between a size found and the size that 
 _SEEN = 0.5  # probability from which on a shape without a cause is reported
 
 
-def because(study: Study, claim: Claim, judgment: Judgment) -> str:
+def because(case: Case, claim: Claim, judgment: Judgment) -> str:
     """One sentence on a cause that a user can check in the data."""
-    signal = study.signal(claim.variant, claim.mean)
+    signal = case.signal(claim.variant, claim.mean)
     beside = [c for c in judgment.kept if c is not claim] if claim in judgment.kept else []
-    others = sum((study.signal(c.variant, c.mean) for c in beside), start=np.zeros_like(signal))
-    return tendency(study.residual - others, signal, study.table.against())
+    others = sum((case.signal(c.variant, c.mean) for c in beside), start=np.zeros_like(signal))
+    return tendency(case.residual - others, signal, case.table.against())
 
 
-def unexplained(study: Study, ranking: Ranking) -> Unexplained | None:
+def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
     """The shape that no cause accounts for, where one is more probable than not."""
     shapes = ranking.shapes()
     total = sum(shapes.values())
@@ -39,13 +39,13 @@ def unexplained(study: Study, ranking: Ranking) -> Unexplained | None:
         for variant in weighed.hypothesis.variants:
             last = first + len(variant.free)
             if variant.cause == UNKNOWN and variant.against == against:
-                signal = study.signal(variant, weighed.mean[first:last])
-                return _described(study, against, signal, total)
+                signal = case.signal(variant, weighed.mean[first:last])
+                return _described(case, against, signal, total)
             first = last
     return None
 
 
-def _described(study: Study, against: str, signal: NDArray[np.float64], probability: float) -> Unexplained:
+def _described(case: Case, against: str, signal: NDArray[np.float64], probability: float) -> Unexplained:
     rms = float(np.std(signal))
     label = against.replace("_", " ")
     text = (
@@ -55,12 +55,12 @@ def _described(study: Study, against: str, signal: NDArray[np.float64], probabil
     return Unexplained(against, rms, min(probability, 1.0), text)
 
 
-def notes(study: Study, observations: Observations, judgment: Judgment, stack: Stack) -> tuple[str, ...]:
+def notes(case: Case, observations: Observations, judgment: Judgment, stack: Stack) -> tuple[str, ...]:
     """Tension with theory, claims taken back, steps, and what could not be seen."""
     said = list(observations.notes)
-    said += [_tension(study, cause, judgment, stack) for cause in study.found.size_tangents]
+    said += [_tension(case, cause, judgment, stack) for cause in case.found.size_tangents]
     said += _temperature(judgment)
-    hidden = [cause for cause, reason in study.found.skipped.items() if reason == INVISIBLE]
+    hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
     if hidden:
         said.append(f"whatever their size, these causes {INVISIBLE}: {', '.join(hidden)}")
     for refuted in judgment.refuted:
@@ -69,14 +69,14 @@ def notes(study: Study, observations: Observations, judgment: Judgment, stack: S
             f"rows never fitted worse ({1e3 * refuted.rms_without_m:.2f} mm without it, "
             f"{1e3 * refuted.rms_with_m:.2f} mm with it): not claimed"
         )
-    if len(study.table.steps):
-        at = ", ".join(str(row + 1) for row in study.table.steps[:8])
-        more = ", ..." if len(study.table.steps) > 8 else ""
+    if len(case.table.steps):
+        at = ", ".join(str(row + 1) for row in case.table.steps[:8])
+        more = ", ..." if len(case.table.steps) > 8 else ""
         said.append(
             f"the level jumps (first rows of the new stretches: {at}{more}): each stretch has its own level, "
             "and a jump is not blamed on the air"
         )
-    if study.table.reference is not None and np.ptp(study.table.reference) == 0:
+    if case.table.reference is not None and np.ptp(case.table.reference) == 0:
         said.append(
             "there is one distance only: an error of the reference distance looks like zero_error, and "
             "nothing in these data guards against it"
@@ -84,15 +84,15 @@ def notes(study: Study, observations: Observations, judgment: Judgment, stack: S
     return tuple(text for text in said if text)
 
 
-def _tension(study: Study, cause: str, judgment: Judgment, stack: Stack) -> str:
+def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
     """Whether a correction that theory is sure of has the size that theory gives it."""
     if find_effect(cause).supplies is None:  # a habit of devices, not a law of nature
         return ""
     claimed = cause in [c.cause for c in judgment.kept]
-    known = study.found.size_tangents[cause][1]
+    known = case.found.size_tangents[cause][1]
     beside = without(judgment.weighed.hypothesis, cause)
-    plain, plain_u = free_size(cause, study.found, beside, stack.plain())
-    size, uncertainty = free_size(cause, study.found, beside, stack)
+    plain, plain_u = free_size(cause, case.found, beside, stack.plain())
+    size, uncertainty = free_size(cause, case.found, beside, stack)
     if max(plain_u, uncertainty) > 0.5 * abs(known):
         return (
             ""

@@ -196,7 +196,8 @@ class Diagnosis:
         What a person should know beside the verdict.
     seconds : float
     model : Model
-        The base extended by the causes that stand in the model.
+        The base extended by the causes that stand in the model. Its ``air`` holds the median of the
+        recorded humidity, pressure and CO2: what it assumes where they are not given.
     traces : Traces
         Columns for plots.
 

@@ -73,6 +73,12 @@ class Table:
             corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
         )
 
+    def air(self) -> dict[str, float]:
+        """Median of each recorded quantity of the air but the temperature, which every device has."""
+        recorded = self.conditions.keys() & {"relative_humidity", "pressure", "co2_mole_fraction"}
+        medians = {name: float(np.median(self.conditions[name])) for name in sorted(recorded)}
+        return {name: float(f"{value:.6g}") for name, value in medians.items()}  # 63.4 % is 0.634
+
     def against(self) -> dict[str, Column]:
         """Columns that a remainder may be a function of, by the name a person knows."""
         columns = {"time" if name == "elapsed_time" else name: c for name, c in self.conditions.items()}

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.alias import Geometry
+from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim, Ranking, alternatives, claims, parameters, posterior_sets, rank
 from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
@@ -14,7 +15,6 @@ from echocal.diagnose.judge import Judgment, judge
 from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
-from echocal.diagnose.study import Study
 from echocal.errors import DomainWarning
 from echocal.observations import Observations
 from echocal.registry import find_effect
@@ -27,45 +27,45 @@ NAMED = 0.9
 _CREDIBLE = 0.95
 
 
-def conclude(study: Study, observations: Observations, start: float) -> Diagnosis:
+def conclude(case: Case, observations: Observations, start: float) -> Diagnosis:
     """Weigh, claim, judge, and say it."""
-    stack = study.stack(study.folds.fit)
-    weighed, carried = posterior(study.found, stack)
+    stack = case.stack(case.folds.fit)
+    weighed, carried = posterior(case.found, stack)
     ranking = rank(weighed)
     best = ranking.best()
     noise, products = carried.likeliest(best)
-    claimed = claims(ranking, study.found, Geometry(products, best.variance))
+    claimed = claims(ranking, case.found, Geometry(products, best.variance))
     believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
-    judgment = judge(study, best, believed or claimed, noise)
-    remainder = unexplained(study, ranking)
+    judgment = judge(case, best, believed or claimed, noise)
+    remainder = unexplained(case, ranking)
     verdict = _verdict(ranking, judgment, remainder is not None)
     with warnings.catch_warnings(action="always", record=True) as caught:
-        traces = _traces(study, judgment)
+        traces = _traces(case, judgment)
     outside = dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning))
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     return Diagnosis(
         verdict=verdict,
-        causes=tuple(_cause(study, claim, judgment) for claim in (*judgment.kept, *others)),
+        causes=tuple(_cause(case, claim, judgment) for claim in (*judgment.kept, *others)),
         posterior=tuple(posterior_sets(ranking).items()),
         credible_set=_credible(ranking),
         unexplained=remainder,
         refuted=judgment.refuted,
         gain=judgment.gain,
-        next_measurements=propose(study, judgment, others, best.variance),
+        next_measurements=propose(case, judgment, others, best.variance),
         rows={
             "total": len(observations),
-            "used": len(study.table),
-            "unusable": dict(study.table.unusable),
-            "level_steps_at_rows": study.table.steps.tolist(),
+            "used": len(case.table),
+            "unusable": dict(case.table.unusable),
+            "level_steps_at_rows": case.table.steps.tolist(),
         },
-        base=study.base.to_dict(),
+        base=case.base.to_dict(),
         noise={
             "standard_deviation_m": best.variance**0.5,
             "autoregression": noise.rho,
             "moving_average": noise.memory,
             "stand_variance_ratio": noise.stand_ratio,
         },
-        notes=(*notes(study, observations, judgment, stack), *outside),
+        notes=(*notes(case, observations, judgment, stack), *outside),
         seconds=time.perf_counter() - start,
         model=judgment.model,
         traces=traces,
@@ -90,7 +90,7 @@ def _credible(ranking: Ranking) -> tuple[tuple[str, ...], ...]:
     return tuple(chosen)
 
 
-def _cause(study: Study, claim: Claim, judgment: Judgment) -> Cause:
+def _cause(case: Case, claim: Claim, judgment: Judgment) -> Cause:
     in_model = claim in judgment.kept
     value = judgment.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
     uncertainty = dict(zip(claim.variant.names, claim.deviation * claim.variant.scales, strict=False))
@@ -99,16 +99,16 @@ def _cause(study: Study, claim: Claim, judgment: Judgment) -> Cause:
         for p in find_effect(claim.cause).parameters
         if p.name in value
     )
-    text = because(study, claim, judgment)
+    text = because(case, claim, judgment)
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model)
 
 
-def _traces(study: Study, judgment: Judgment) -> Traces:
-    table = study.table
-    fit: NDArray[np.bool_] = study.folds.fit[study.folds.blocks]
+def _traces(case: Case, judgment: Judgment) -> Traces:
+    table = case.table
+    fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
     return Traces(
         row=table.row,
-        before=errors(table, study.base.model(), fit),
+        before=errors(table, case.base.model(), fit),
         after=errors(table, judgment.model, fit),
         held_out=~fit,
         against=table.against(),

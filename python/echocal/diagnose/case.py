@@ -15,7 +15,7 @@ from echocal.diagnose.noise import NOISES, Noise, Sums
 from echocal.diagnose.scene import Table
 from echocal.diagnose.unexplained import shape_candidates
 
-__all__ = ["INVISIBLE", "Study", "study"]
+__all__ = ["INVISIBLE", "Case", "examine"]
 
 INVISIBLE = "cannot show in these data"
 """Why a cause was left out that no size would make visible."""
@@ -24,7 +24,7 @@ _VISIBLE = 0.5  # signal over noise, summed over rows
 
 
 @dataclass(frozen=True)
-class Study:
+class Case:
     """A table, the columns of its candidates and the sums over its rows.
 
     Attributes
@@ -68,7 +68,7 @@ class Study:
         return Stack.of(whitened, self.sums.degrees(blocks))
 
 
-def study(table: Table, base: Base, folds: Folds, seed: int) -> Study:
+def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     """Build the columns and pass over them once."""
     distance = table.distance(base.model())
     known = table.reference is not None
@@ -80,7 +80,7 @@ def study(table: Table, base: Base, folds: Folds, seed: int) -> Study:
     columns = np.stack([*found.columns, residual])
     sums = Sums.gather(columns, table.starts, folds.blocks, table.groups, flat_level=not known)
     _drop_invisible(found, sums)
-    return Study(table, base, found, residual, sums, folds, seed)
+    return Case(table, base, found, residual, sums, folds, seed)
 
 
 def _drop_invisible(found: Candidates, sums: Sums) -> None:
