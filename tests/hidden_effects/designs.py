@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 Column = NDArray[np.float64]
 DAY = 86400.0
@@ -37,15 +38,18 @@ class Rows:
         return frozenset(timed | stands | field)
 
 
+def remembering(n: int, keep: float, random: np.random.Generator) -> Column:
+    """Autoregression of first order with unit variance, stationary from the first row."""
+    shocks = random.normal(size=n)
+    shocks[1:] *= np.sqrt(1 - keep**2)
+    return np.asarray(lfilter([1.0], [1.0, -keep], shocks))
+
+
 def _surroundings(n: int, hours: Column, random: np.random.Generator) -> dict[str, Column]:
     """Quantities that a log may hold beside temperature and humidity; each walks slowly."""
 
     def walk(center: float, sd: float, memory: float) -> Column:
-        value = np.empty(n)
-        value[0], keep = random.normal(0, 1), np.exp(-1 / (memory * n))
-        for i in range(1, n):
-            value[i] = keep * value[i - 1] + np.sqrt(1 - keep**2) * random.normal()
-        return center + sd * value
+        return center + sd * remembering(n, np.exp(-1 / (memory * n)), random)
 
     sun = np.maximum(0.0, np.sin(2 * np.pi * (hours - 6) / 24))
     return {
@@ -90,11 +94,7 @@ def field(random: np.random.Generator, n: int = 5000) -> Rows:
     step = random.uniform(200.0, 900.0)
     seconds = np.arange(n) * step
     hours = seconds / 3600.0 % 24
-    keep = np.exp(-step / (1.5 * DAY))
-    weather = np.empty(n)
-    weather[0] = random.normal()
-    for i in range(1, n):
-        weather[i] = keep * weather[i - 1] + np.sqrt(1 - keep**2) * random.normal()
+    weather = remembering(n, np.exp(-step / (1.5 * DAY)), random)
     swing = random.uniform(4, 10) * np.sin(2 * np.pi * (hours - 9) / 24)
     temperature = random.uniform(8, 22) + swing + random.uniform(2, 5) * weather
     wet = 0.6 - 0.02 * swing - 0.08 * weather + random.normal(0, 0.06, n)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from hidden_effects import designs
 from hidden_effects.designs import Rows
 
 Column = NDArray[np.float64]
@@ -20,25 +21,15 @@ def heavy(rows: Rows, random: np.random.Generator) -> Column:
 
 
 def remembering(rows: Rows, random: np.random.Generator) -> Column:
-    """First-order autoregression, half of the power white."""
-    n, rho = len(rows), random.uniform(0.3, 0.95)
-    slow = np.empty(n)
-    slow[0] = random.normal()
-    for i in range(1, n):
-        slow[i] = rho * slow[i - 1] + np.sqrt(1 - rho**2) * random.normal()
+    """First-order autoregression, some of the power white."""
+    slow = designs.remembering(len(rows), random.uniform(0.3, 0.95), random)
     share = random.uniform(0.3, 1.0)
-    return SHOT * (np.sqrt(share) * slow + np.sqrt(1 - share) * random.normal(size=n))
+    return SHOT * (np.sqrt(share) * slow + np.sqrt(1 - share) * random.normal(size=len(rows)))
 
 
 def convection(rows: Rows, random: np.random.Generator) -> Column:
-    """Warm cells drift through the path: an Ornstein-Uhlenbeck process in time, growing with distance."""
-    n, memory = len(rows), random.uniform(2, 40) * np.median(np.diff(rows.seconds))
-    steps = np.diff(rows.seconds, prepend=rows.seconds[0] - memory)
-    cell = np.empty(n)
-    cell[0] = random.normal()
-    for i in range(1, n):
-        keep = np.exp(-steps[i] / memory)
-        cell[i] = keep * cell[i - 1] + np.sqrt(1 - keep**2) * random.normal()
+    """Warm cells drift through the path: memory of some rows, growing with distance, not stationary."""
+    cell = designs.remembering(len(rows), np.exp(-1 / random.uniform(2, 40)), random)
     return white(rows, random) * 0.8 + SHOT * 0.6 * cell * np.sqrt(rows.distance / 2)
 
 

@@ -36,6 +36,8 @@ def _facts(s: Summary) -> Iterator[str]:
     yield f"Seed {s['seed']}; cases: {cases}; median time of a case on a busy machine: {seconds}.\n"
     yield f"The engine knows {len(s['engine'])} causes: {', '.join(s['engine'])}."
     yield f"Of the catalogue it lacks {len(s['missing'])}: they are misses, and stand apart below.\n"
+    if s["unplanted"]:
+        yield f"It knows what nobody here can plant yet: {', '.join(s['unplanted'])}.\n"
 
 
 def _figure(figure: Summary | None) -> str:
@@ -95,7 +97,7 @@ def _tables(s: Summary) -> Iterator[str]:
     yield from _table(["cause", *columns], rows)
     yield "## Causes that the engine lacks\n"
     yield "What it says when they are there, one case each: the causes it puts into the model, or its"
-    yield "verdict (`refused`: the reader asks whether the unit is right); `!` marks a confident wrong name.\n"
+    yield "verdict; `refused`: the reader asks whether the unit is right; `!`: a confident wrong name.\n"
     lacking = [[id_, *(row.get(d, "-") for d in designs)] for id_, row in s["missing_causes"].items()]
     yield from _table(["cause", *designs], lacking)
     if s["errors"]:

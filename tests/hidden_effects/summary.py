@@ -26,6 +26,7 @@ def summarize(records: Sequence[Record], engine: Collection[str], seed: int) -> 
         "cases": {d: len(rs) for d, rs in by_design.items()},
         "engine": sorted(engine),
         "missing": sorted(set(CAUSES) - set(engine)),
+        "unplanted": sorted(set(engine) - set(CAUSES)),
         "targets": [_row(target, by_design) for target in TARGETS],
         "chance_error": {
             d: {s: round(chance_error(of(rs, "null", s)), 4) for s in SINGLES} for d, rs in by_design.items()

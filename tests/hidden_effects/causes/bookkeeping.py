@@ -46,7 +46,7 @@ def timeout(log: Log, _: float, random: Random) -> None:
 
 @cause("row", size="fixed", needs="distances")
 def blanking_distance(log: Log, _: float, random: Random) -> None:
-    near = log.rows.distance < np.quantile(log.rows.distance, 0.06)
+    near = log.rows.distance <= np.quantile(log.rows.distance, 0.06)
     log.reading[near] = random.uniform(0.5, 1.5) + random.normal(0, 0.02, near.sum())
 
 
