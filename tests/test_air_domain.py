@@ -46,7 +46,7 @@ def test_one_warning_with_both_sides() -> None:
     assert len(caught) == 1
     text = str(caught[0].message)
     assert "water_vapor_mole_fraction 0 .. 0.06: 2 of 1000 rows lie outside" in text
-    assert "first at row 812: 0.099" in text
+    assert "first at row 813 (row 1 is the first): 0.099" in text
     assert "'virial'" in text
     assert caught[0].filename == __file__
 

@@ -160,6 +160,18 @@ def test_far_rows_are_left_out_and_counted() -> None:
     assert len(diagnosis.traces.row) == 198
 
 
+def test_rows_outside_a_domain_are_rows_of_the_table() -> None:
+    random = np.random.default_rng()
+    temperature = np.linspace(0, 30, 60)
+    temperature[[1, 49]] = np.nan, 65.0
+    table = {"reading_m": 1.5 + random.normal(0, 1e-3, 60), "temperature_C": temperature}
+    table["humidity_percent"] = np.full(60, 10.0)
+    diagnosis = echocal.diagnose(table, base="cramer", reference_distance=1.5)
+    assert any("first at row 50 (row 1 is the first): 65" in note for note in diagnosis.notes), (
+        diagnosis.notes
+    )
+
+
 def test_a_jump_of_the_level_is_a_step() -> None:
     random = np.random.default_rng()
     reading = 1.5 + random.normal(0, 1e-3, 300) + 0.02 * (np.arange(300) >= 170)

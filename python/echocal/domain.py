@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.errors import DomainWarning, UsageError
 
-__all__ = ["DEPARTURES", "departures", "warn_outside"]
+__all__ = ["DEPARTURES", "departures", "describe", "warn_outside"]
 
 DEPARTURES: tuple[str, ...] = tuple(_core.departure_names())
 """What each code of `departures` says lies outside; empty for inside."""
@@ -91,7 +91,8 @@ def warn_outside(
 ) -> None:
     """Warn once if any row lies outside the law's domain; rows that are NaN are not counted.
 
-    Parameters are those of `departures`; `stacklevel` 1 names the caller, 2 its caller. Every
+    Parameters are those of `departures`; `stacklevel` 1 names the caller, 2 its caller. Rows count
+    from 1 in C order of the broadcast shape, as rows of tables do in every message. Every
     limit is monotone in each input, so two corners clear columns of any length without a pass over
     all combinations.
 
@@ -117,14 +118,36 @@ def warn_outside(
         return
     first = int(outside[0])
     row = [float(value.flat[first]) for value in np.broadcast_arrays(*values)]
+    where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
+    message = f"{describe(law, row, where)} (echocal.departures gives every row)"
+    warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
+
+
+def describe(law: str | None, row: list[float], where: str) -> str:
+    """Tell what a row outside the domain breaks, with both sides; empty if it lies inside.
+
+    Parameters
+    ----------
+    law : str or None
+        Name of a law; None is absorption.
+    row : list of float
+        Temperature [degC], relative humidity [1], pressure [Pa], CO2 mole fraction [1],
+        frequency [Hz].
+    where : str
+        What lies outside, for a reader who does not see the row.
+
+    Examples
+    --------
+    >>> from echocal.domain import describe
+    >>> describe("virial", [70.0, 0.0, 101325.0, 4e-4, 0.0], "outside at noon")
+    "law 'virial' holds for temperature -20 .. 60 degC: outside at noon: 70"
+    """
     finding = _core.departure(law, row)
-    assert finding is not None
+    if finding is None:
+        return ""
     name, value, low, high, unit = finding
     unit = "" if unit == "1" else f" {unit}"
-    message = (
-        f"{'absorption' if law is None else f'law {law!r}'} holds for {name} {low:g} .. {high:g}{unit}: "
-        f"{outside.size} of {codes.size} rows lie outside, first at row {first}: {value:g}"
-    )
-    if law == "cramer" and name == "water_vapor_mole_fraction":
-        message += "; law 'virial' holds there"
-    warnings.warn(message + " (echocal.departures gives every row)", DomainWarning, stacklevel=stacklevel + 1)
+    what = "absorption" if law is None else f"law {law!r}"
+    message = f"{what} holds for {name} {low:g} .. {high:g}{unit}: {where}: {value:g}"
+    wet = law == "cramer" and name == "water_vapor_mole_fraction"
+    return f"{message}; law 'virial' holds there" if wet else message

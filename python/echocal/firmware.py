@@ -3,6 +3,7 @@
 import json
 import os
 import shlex
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
 from echocal.conditions import columns
-from echocal.domain import warn_outside
-from echocal.errors import UsageError
+from echocal.domain import describe
+from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.registry import find_effect
 
@@ -196,7 +197,10 @@ def generate(
     }
     wish["command"] = _command(wish, model_name, assume or {})
     core = _core.design_firmware(model._core, wish, progress)
-    warn_outside([codes.low, codes.high], *air[1:4], law=model.law, stacklevel=2)
+    for end in (codes.low, codes.high):  # every limit is monotone in the temperature
+        outside = describe(model.law, [end, *air[1:4], 0.0], f"outside at {end:g} degC in the assumed air")
+        if outside:
+            warnings.warn(outside, DomainWarning, stacklevel=2)
     files = {
         "echocal_correction.h": core.header,
         "echocal_correction.c": core.source,

@@ -39,9 +39,6 @@ def conclude(case: Case, observations: Observations, start: float) -> Diagnosis:
     judgment = judge(case, best, believed or claimed, noise)
     remainder = unexplained(case, ranking)
     verdict = _verdict(ranking, judgment, remainder is not None)
-    with warnings.catch_warnings(action="always", record=True) as caught:
-        traces = _traces(case, judgment)
-    outside = dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning))
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     return Diagnosis(
         verdict=verdict,
@@ -65,10 +62,10 @@ def conclude(case: Case, observations: Observations, start: float) -> Diagnosis:
             "moving_average": noise.memory,
             "stand_variance_ratio": noise.stand_ratio,
         },
-        notes=(*notes(case, observations, judgment, stack), *outside),
+        notes=(*notes(case, observations, judgment, stack), *_outside(case, len(observations), judgment)),
         seconds=time.perf_counter() - start,
         model=judgment.model,
-        traces=traces,
+        traces=_traces(case, judgment),
     )
 
 
@@ -101,6 +98,20 @@ def _cause(case: Case, claim: Claim, judgment: Judgment) -> Cause:
     )
     text = because(case, claim, judgment)
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model)
+
+
+def _outside(case: Case, total: int, judgment: Judgment) -> list[str]:
+    """Where the extended model is used outside a law's domain, with row numbers of the source."""
+
+    def spread(column: NDArray[np.float64]) -> NDArray[np.float64]:
+        whole = np.full(total, np.nan)
+        whole[case.table.row] = column
+        return whole
+
+    recorded = {name: spread(column) for name, column in case.table.conditions.items()}
+    with warnings.catch_warnings(action="always", record=True) as caught:
+        judgment.model.speed_of_sound(1.0, **recorded)
+    return list(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning)))
 
 
 def _traces(case: Case, judgment: Judgment) -> Traces:
