@@ -26,6 +26,7 @@ from hidden_effects.page import page, reliability_plot  # noqa: E402
 from hidden_effects.summary import summarize  # noqa: E402
 
 PAGE = ROOT / "docs" / "diagnosis-benchmark.md"
+RESULTS = ROOT / "benches" / "diagnosis.json"
 COLORS = {"met": "green", "missed": "red", "open": "yellow"}
 Record = dict[str, Any]
 
@@ -62,7 +63,7 @@ def show(summary: Record, console: Console) -> None:
 def write(summary: Record) -> None:
     """Write the page, what it is made from, and its plot."""
     text = json.dumps(summary, indent=1) + "\n"
-    PAGE.with_suffix(".json").write_text(text, encoding="utf-8")
+    RESULTS.write_text(text, encoding="utf-8")
     PAGE.write_text(page(json.loads(text)), encoding="utf-8")
     reliability_plot(summary).savefig(PAGE.with_suffix(".png"), dpi=110)
 
@@ -73,17 +74,24 @@ def main(
     seed: Annotated[int | None, typer.Option(help="Default: a fresh one.")] = None,
     processes: Annotated[int, typer.Option(help="Processes at once, one thread each.")] = 1,
     records: Annotated[Path | None, typer.Option(help="Write every case here, as JSON.")] = None,
-    docs: Annotated[bool, typer.Option("--docs", help=f"Write {PAGE.name}, its JSON and its plot.")] = False,
+    read: Annotated[Path | None, typer.Option(help="Report on cases written before; ask nothing.")] = None,
+    docs: Annotated[
+        bool, typer.Option("--docs", help=f"Write docs/{PAGE.name}, its plot and {RESULTS.name}.")
+    ] = False,
 ) -> None:
     """Draw fresh cases, diagnose them, and report."""
     console = Console(width=140)
     chosen = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
-    console.print(f"seed {chosen}")
-    engine = known()
-    answers = run(menu(designs.split(","), cases, engine, chosen), processes, console)
+    if read:
+        outcome = json.loads(read.read_text())
+    else:
+        console.print(f"seed {chosen}")
+        engine = sorted(known())
+        answers = run(menu(designs.split(","), cases, engine, chosen), processes, console)
+        outcome = {"seed": chosen, "engine": engine, "records": answers}
     if records:
-        records.write_text(json.dumps(answers, indent=1) + "\n", encoding="utf-8")
-    summary = summarize(answers, engine, chosen)
+        records.write_text(json.dumps(outcome, indent=1) + "\n", encoding="utf-8")
+    summary = summarize(outcome["records"], outcome["engine"], outcome["seed"])
     show(summary, console)
     if docs:
         write(summary)

@@ -1,5 +1,8 @@
 """The judge is judged: its physics against others', its scores on answers made up, its page."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from CoolProp.CoolProp import PropsSI
@@ -9,8 +12,11 @@ from hidden_effects.answers import _judged
 from hidden_effects.cases import Case, Spec, build
 from hidden_effects.causes import CAUSES
 from hidden_effects.menu import SHARES, fits, menu
-from hidden_effects.score import calibration_error, chance_error, part
+from hidden_effects.page import page
+from hidden_effects.score import beyond_chance, calibration_error, part
 from hidden_effects.targets import verdict
+
+ROOT = Path(__file__).parents[1]
 
 
 def hidden(*causes: str, design: str = "b", stratum: str = "wild", noise: str = "normal") -> Case:
@@ -101,13 +107,12 @@ def test_noise_that_is_there_may_be_named() -> None:
     assert not _judged(remembering, answer([], 0.97))["alarm"]
 
 
-def test_perfect_probabilities_have_the_error_of_chance() -> None:
+def test_perfect_probabilities_have_no_error_beyond_chance() -> None:
     random = np.random.default_rng()
     sure = random.uniform(0.3, 1.0, 4000)
     records = [{"top_probability": p, "strict": bool(random.random() < p)} for p in sure]
-    # a bin's part has a standard deviation of at most 0.5 / sqrt(500): 0.06 is far outside
-    assert calibration_error(records) < 0.06
-    assert chance_error(records, 20) < 0.06
+    # a bin's part has a standard deviation of at most 0.5 / sqrt(500): 0.05 is far outside
+    assert beyond_chance(records, 40).value < 0.05
     assert calibration_error([{**r, "strict": False} for r in records]) > 0.5
 
 
@@ -124,3 +129,9 @@ def test_a_menu_has_every_stratum_in_its_share() -> None:
     for stratum, share in SHARES.items():
         assert sum(s.stratum == stratum and s.design == "b" for s in specs) == round(100 * share)
     assert menu("ab", 100, {"zero_error", "fixed_delay", "speed_slope"}, 5) == specs
+
+
+def test_the_page_is_fresh() -> None:
+    summary = json.loads((ROOT / "benches" / "diagnosis.json").read_text())
+    shown = (ROOT / "docs" / "diagnosis-benchmark.md").read_text()
+    assert shown == page(summary), "run python benches/diagnosis.py --docs"

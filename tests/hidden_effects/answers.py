@@ -69,6 +69,7 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
         "covered": bool(credible & truth),
         "credible_sets": len(credible),
         "named": named,
+        "refuted": [refuted["id"] for refuted in answer.get("refuted", [])],
         "says_unknown": answer["unexplained"] is not None or answer["verdict"] == "unknown",
         "confident_wrong": _wrong(case, answer["causes"]),
         "strict_counts": _counts(case, believed, exact=True),

@@ -62,15 +62,21 @@ def calibration_error(records: Sequence[Record]) -> float:
     return sum(abs(p - right) * n for p, right, n in reliability(records)) / len(records)
 
 
-def chance_error(records: Sequence[Record], draws: int = 200) -> float:
-    """Calibration error that perfect probabilities would show at this number of cases."""
+def beyond_chance(records: Sequence[Record], draws: int = 400) -> Figure:
+    """Calibration error less that of perfect probabilities at this number of cases."""
+    if not records:
+        return NONE
     random = np.random.default_rng(0)
     p = np.array([r["top_probability"] for r in records])
     lucky = [
         [{**r, "strict": hit} for r, hit in zip(records, random.random(len(p)) < p, strict=True)]
         for _ in range(draws)
     ]
-    return float(np.mean([calibration_error(drawn) for drawn in lucky]))
+    chance = [calibration_error(drawn) for drawn in lucky]
+    low, high = np.percentile(chance, [2.5, 97.5])
+    error = calibration_error(records)
+    rest = [max(0.0, float(error - x)) for x in (np.mean(chance), high, low)]
+    return Figure(rest[0], rest[1], rest[2], len(records))
 
 
 def gain(where: str) -> Callable[[Sequence[Record]], float]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hidden_effects.causes import CAUSES
-from hidden_effects.score import Record, chance_error, part, reliability
+from hidden_effects.score import Record, part, reliability
 from hidden_effects.targets import SINGLES, TARGETS, of, verdict
 
 SCHEMA = "echocal.diagnosis-benchmark/1"
@@ -28,9 +28,6 @@ def summarize(records: Sequence[Record], engine: Collection[str], seed: int) -> 
         "missing": sorted(set(CAUSES) - set(engine)),
         "unplanted": sorted(set(engine) - set(CAUSES)),
         "targets": [_row(target, by_design) for target in TARGETS],
-        "chance_error": {
-            d: {s: round(chance_error(of(rs, "null", s)), 4) for s in SINGLES} for d, rs in by_design.items()
-        },
         "nulls": _nulls(by_design),
         "by_cause": _by_cause(answered),
         "missing_causes": _missing(records),
@@ -77,7 +74,7 @@ def _by_cause(records: Sequence[Record]) -> dict[str, dict[str, Any]]:
     """Detected, right and unknown, by cause, over all designs."""
     rows: dict[str, dict[str, Any]] = {}
     for id_ in CAUSES:
-        same = [r for r in of(records, *SINGLES, "power5", "power8", "other") if r["causes"] == (id_,)]
+        same = [r for r in of(records, *SINGLES, "power5", "power8", "other") if tuple(r["causes"]) == (id_,)]
         found = [r for r in same if r["verdict"] != "nothing"]
         if same:
             rows[id_] = {

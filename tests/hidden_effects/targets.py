@@ -9,7 +9,7 @@ from hidden_effects.score import (
     NONE,
     Figure,
     Record,
-    calibration_error,
+    beyond_chance,
     f1,
     gain,
     mean,
@@ -62,7 +62,7 @@ def _power(stratum: str) -> Measure:
 
 
 def _ece(*strata: str) -> Measure:
-    return lambda rs: resampled(of(rs, "null", *strata), calibration_error)
+    return lambda rs: beyond_chance(of(rs, "null", *strata))
 
 
 def _gained(where: str) -> Measure:
