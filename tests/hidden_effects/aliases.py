@@ -18,6 +18,9 @@ EXACT = (
 SAME_DIRECTION = 0.99
 """Cosine between two columns from which on a design cannot be asked to tell them apart."""
 
+EITHER_SIGN = frozenset({"fixed_delay"})
+"""Planted with one sign, but of either sign in the field: firmware may subtract too long a delay."""
+
 
 @cache
 def label(id_: str) -> str:
@@ -52,4 +55,5 @@ def same_class(case: Case, truth: str, named: str) -> bool:
     cosine = float(np.mean(column * other) / (strength * scale))
     if fixed:  # no size can make up for another strength
         return cosine >= SAME_DIRECTION and 0.8 < scale / strength < 1.25
-    return (cosine if CAUSES[named].size == "positive" else abs(cosine)) >= SAME_DIRECTION
+    one_sign = CAUSES[named].size == "positive" and named not in EITHER_SIGN
+    return (cosine if one_sign else abs(cosine)) >= SAME_DIRECTION
