@@ -12,6 +12,7 @@ import pytest
 from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
+from echocal.diagnose.sentences import tendency
 from echocal.plots.diagnosis import save_diagnosis
 
 TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
@@ -65,6 +66,14 @@ def test_the_sentence_can_be_checked_in_the_data(diagnosis: echocal.Diagnosis) -
     assert diagnosis.causes[0].because in text
     found, predicted = (float(part.split(" mm")[0]) for part in _figures(diagnosis.causes[0].because))
     assert found == pytest.approx(predicted, abs=1.5)  # noise of 1.5 mm, fifths of 80 rows
+
+
+def test_a_shift_that_hardly_varies_is_told_as_a_shift() -> None:
+    temperature = np.linspace(0.0, 40.0, 50)
+    delay = 79e-6 * (331.4 + 0.6 * temperature) / 2  # 13.1 to 14.0 mm
+    text = tendency(delay, delay, {"temperature": temperature})
+    assert text.startswith("every reading is off by nearly the same: +13.56 mm")
+    assert tendency(10 * temperature, 10 * temperature, {"temperature": temperature}).startswith("the fifth")
 
 
 def _figures(sentence: str) -> tuple[str, str]:

@@ -165,6 +165,19 @@ def test_figure_shows_what_changes() -> None:
     plt.close("all")
 
 
+def test_colors_and_dashes_are_explained_and_only_what_matters_is_drawn() -> None:
+    grid = echocal.sweep(
+        "cramer", temperature=(0, 40, 5), distance=[0.5, 1, 2, 4], relative_humidity=[0.0, 0.3, 0.6]
+    )
+    speed, time = sweep_figure(grid).axes
+    texts = [[text.get_text() for text in ax.get_legend().get_texts()] for ax in (speed, time)]
+    humidity = [f"relative humidity {value:g}" for value in (0, 0.3, 0.6)]
+    assert texts == [humidity, [f"true distance {value:g} m" for value in (0.5, 1, 2, 4)] + humidity]
+    assert (len(speed.lines), len(time.lines)) == (3, 12)
+    assert len({(str(line.get_color()), line.get_linestyle()) for line in time.lines}) == 12
+    plt.close("all")
+
+
 def test_leaving_the_domain_is_said_once() -> None:
     with pytest.warns(echocal.DomainWarning, match="water_vapor_mole_fraction") as caught:
         echocal.sweep("cramer", temperature=(0, 50, 10), relative_humidity=1.0)

@@ -21,6 +21,7 @@ from echocal.cli._tables import (
     read,
     write_json,
 )
+from echocal.diagnose.sentences import quantity_text
 from echocal.model import Model
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
@@ -75,7 +76,7 @@ def command(
 def _print(result: Verification) -> None:
     verdict = "[bold green]passed[/]" if result.passed else "[bold red]failed[/]"
     table = Table(show_header=False, title=f"verification {verdict}")
-    place = ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in result.worst.items())
+    place = ", ".join(_shown(name, value) for name, value in result.worst.items())
     table.add_row("maximum permissible error", f"{result.maximum_permissible_error * 1e3:g} mm")
     table.add_row("maximum error", f"{result.maximum_error * 1e3:+.3f} mm at {place}")
     table.add_row("mean error", f"{result.mean_error * 1e3:+.3f} mm")
@@ -84,3 +85,7 @@ def _print(result: Verification) -> None:
     for reason, count in result.unusable.items():
         table.add_row("not examined", f"{count} rows: {reason}")
     Console().print(table)
+
+
+def _shown(name: str, value: float) -> str:
+    return f"row {value:.0f}" if name == "row" else f"{name.replace('_', ' ')} {quantity_text(name, value)}"

@@ -83,7 +83,7 @@ class Table:
         """Columns that a remainder may be a function of, by the name a person knows."""
         columns = {"time" if name == "elapsed_time" else name: c for name, c in self.conditions.items()}
         if "time" not in columns:
-            columns["row"] = self.row.astype(float)
+            columns["row"] = (self.row + 1).astype(float)  # as messages count
         if self.reference is not None:
             columns["distance"] = self.reference
         return {**columns, **self.extra}

@@ -24,7 +24,7 @@ _SHOWN = {  # unit and factor in which people read a quantity
     "hour of day": ("h", 1.0),
 }
 
-
+_EVEN = 0.1  # spread over mean below which what varies is not the point
 _SAME = 1e-6  # m, far below what any sensor of this kind resolves
 
 
@@ -72,7 +72,8 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
         Recorded columns.
     """
     name = telling_column(signal, against)
-    if name is None:
+    mean = abs(float(np.mean(signal)))
+    if name is None or np.ptp(signal) < _EVEN * mean:
         return (
             f"every reading is off by nearly the same: {1e3 * np.mean(left):+.2f} mm on average, "
             f"{1e3 * np.mean(signal):+.2f} mm by this cause"

@@ -60,7 +60,7 @@ def _residuals(diagnosis: Diagnosis) -> Figure:
         plot_residuals(diagnosis, ax, name)
     for ax in axes[len(against) :]:
         ax.axis("off")
-    axes[0].legend(loc="best", frameon=False, markerscale=4)
+    axes[0].legend(loc="best", frameon=False)
     return figure
 
 
@@ -87,15 +87,18 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
         finite = np.isfinite(residual)
         x, y = values[finite], 1e3 * residual[finite]
         few = len(x) <= 200
-        ax.plot(
-            x, y, "o" if few else ".", color=color, alpha=0.9 if few else 0.2, markersize=4 if few else 1.5
-        )
+        ax.plot(x, y, "o", color=color, mew=0, markersize=5 if few else 2.5, alpha=_opacity(len(x)))
         ax.plot(*_binned(x, y), "-", color=color, linewidth=1.8, label=name)
     middle = 1e3 * np.nanpercentile(np.concatenate([traces.before, traces.after]), [0.5, 99.5])
     room = 0.25 * np.ptp(middle) + 1e-3
     ax.set_ylim(middle[0] - room, middle[1] + room)
     ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
     ax.set(xlabel=label, ylabel="residual [mm]")
+
+
+def _opacity(rows: int) -> float:
+    """Lower with more points, so that neither a few vanish nor many hide the mean."""
+    return float(np.clip(200 / max(rows, 1), 0.12, 0.9))
 
 
 def _binned(
@@ -128,13 +131,13 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     names, values, colors = zip(*rungs, strict=True)
     bars = ax.barh(range(len(names)), 1e3 * np.array(values), color=colors, height=0.6)
     ax.bar_label(bars, fmt="%.2f mm", padding=3)
-    ax.axvline(1e3 * gain.rms_floor_m, color="0.3", linestyle=":", label="floor: every recorded column")
+    ax.axvline(1e3 * gain.rms_floor_m, color="0.3", linestyle=":")
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.margins(x=0.18)
     ax.set_xlabel("RMS error on rows never fitted [mm]")
-    ax.set_title(f"{gain.held_out_rows} rows, {gain.scheme}", fontsize=8, loc="left")
-    ax.legend(loc="lower right", frameon=False)
+    text = f"{gain.held_out_rows} rows, {gain.scheme}; dotted: what every recorded column could reach"
+    ax.set_title(text, fontsize=8, loc="right")
 
 
 def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
@@ -161,6 +164,6 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.bar_label(bars, fmt="%.3f", padding=3)
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
-    ax.set(xlim=(0, 1.15), xlabel="probability")
-    text = "sets of one color cannot be told apart by these data"
-    ax.set_title(text, fontsize=8, loc="right")
+    ax.set(xlim=(0, min(1.15, 1.3 * max(p for _, p in entries))), xlabel="probability")
+    if len(order) < len(entries):
+        ax.set_title("sets of one color cannot be told apart by these data", fontsize=8, loc="left")

@@ -1,5 +1,6 @@
 """Plots of sweeps."""
 
+from itertools import pairwise
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -9,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 __all__ = ["plot_sweep", "sweep_figure"]
@@ -23,10 +25,14 @@ _SHOWN = {
 _NAMES = {name: name.replace("_", " ") for name in _SHOWN} | {"time_of_flight": "echo time"}
 _UNITS = {"degC": "°C", "m s-1": "m/s", "W m-2": "W/m²", "1": ""}
 _LEGEND = 6  # more lines than this are read from a color bar
+_ROUNDING = 1e-9  # a nanosecond, a nanometer: less is nothing to see
+_DASHES = ("-", "--", ":", "-.")
 
 
 def plot_sweep(grid: xr.Dataset, variable: str = "error", ax: Axes | None = None) -> Axes:
     """Draw one variable of a sweep: its longest dimension along x, one line for each of the rest.
+
+    The next dimension that matters gives the lines their color, the one after it their dashes.
 
     Parameters
     ----------
@@ -51,24 +57,19 @@ def plot_sweep(grid: xr.Dataset, variable: str = "error", ax: Axes | None = None
     'speed of sound [m/s]'
     """
     ax = plt.subplots(layout="constrained")[1] if ax is None else ax
-    along, *others = sorted(grid.sizes, key=lambda name: -grid.sizes[name])
+    along, *rest = sorted(grid.sizes, key=lambda name: -grid.sizes[name])
     unit, size = _SHOWN[variable]
     values = grid[variable] / size
+    others = [name for name in rest if _varies_along(grid[variable], str(name))]
+    values = values.isel(dict.fromkeys(set(rest) - set(others), 0))
     lines = values.stack(line=others) if others else values.expand_dims("line")
-    count = lines.sizes["line"]
-    shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, count) if count > 1 else [0.3])
-    for number in range(count):
+    styles = _styles(grid, others)
+    few = lines.sizes["line"] <= _LEGEND
+    for number in range(lines.sizes["line"]):
         line = lines.isel(line=number)
-        marker = "o" if grid.sizes[along] <= 60 and count <= _LEGEND else ""
-        ax.plot(
-            grid[along],
-            line,
-            color=shades[number],
-            lw=1.6,
-            label=_title(grid, others, line),
-            marker=marker,
-            markersize=3,
-        )
+        color, dash = styles[number]
+        marker = "o" if grid.sizes[along] <= 60 and few else ""
+        ax.plot(grid[along], line, dash, color=color, lw=1.6, marker=marker, markersize=3)
     ax.set_xlabel(_label(grid, str(along)))
     ax.set_ylabel(f"{_NAMES[variable]} [{unit}]")
     ax.grid(alpha=0.25)
@@ -76,11 +77,49 @@ def plot_sweep(grid: xr.Dataset, variable: str = "error", ax: Axes | None = None
     ax.margins(x=0.02)
     if variable == "error":
         ax.axhline(0.0, color="0.4", lw=0.8, zorder=0)
-    if 1 < count <= _LEGEND:
-        ax.legend(frameon=False, fontsize="small")
-    elif len(others) == 1:
-        _color_bar(grid, str(others[0]), ax)
+    _explain(grid, others, ax)
     return ax
+
+
+def _varies_along(values: xr.DataArray, name: str) -> bool:
+    return float((values.max(name) - values.min(name)).max()) > _ROUNDING
+
+
+def _styles(grid: xr.Dataset, others: list[Any]) -> list[tuple[Any, str]]:
+    """Color and dash of every line: the first dimension gives the color, the second the dash."""
+    if not others:
+        return [(_shades(1)[0], "-")]
+    shades = _shades(grid.sizes[others[0]])
+    places = np.ndindex(*(grid.sizes[name] for name in others))
+    return [(shades[place[0]], _DASHES[(place[1:] or (0,))[0] % len(_DASHES)]) for place in places]
+
+
+def _shades(count: int) -> NDArray[np.float64]:
+    # the lines stop at 0.85 of the map, where yellow is still legible on white
+    return np.asarray(plt.get_cmap("viridis")(np.linspace(0.0, 0.85, count) if count > 1 else [0.3]))
+
+
+def _explain(grid: xr.Dataset, others: list[Any], ax: Axes) -> None:
+    """Say what colors and dashes mean: a legend, or a color bar where the colors are many."""
+    handles: list[Line2D] = []
+    if others and grid.sizes[others[0]] > _LEGEND:
+        _color_bar(grid, str(others[0]), ax)
+    elif others:
+        shades, values = _shades(grid.sizes[others[0]]), grid[others[0]]
+        texts = [_value(grid, str(others[0]), value) for value in values]
+        handles += [
+            Line2D([], [], color=shade, label=text) for shade, text in zip(shades, texts, strict=True)
+        ]
+    if len(others) > 1 and grid.sizes[others[1]] <= len(_DASHES):
+        texts = [_value(grid, str(others[1]), value) for value in grid[others[1]]]
+        handles += [
+            Line2D([], [], color="0.3", ls=dash, label=text)
+            for dash, text in zip(_DASHES, texts, strict=False)
+        ]
+    if handles:
+        ax.legend(
+            handles=handles, frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.0, 1.0)
+        )
 
 
 def sweep_figure(grid: xr.Dataset) -> Figure:
@@ -102,15 +141,20 @@ def sweep_figure(grid: xr.Dataset) -> Figure:
     fixed = [_value(grid, str(name), grid[name]) for name in grid.coords if not grid[name].ndim]
     figure.suptitle("; ".join([grid.attrs["model"], *fixed]), fontsize="medium")
     figure.align_ylabels()
-    for ax in axes[1:, 0]:  # one legend is enough
-        if legend := ax.get_legend():
-            legend.remove()
+    for above, ax in pairwise(axes[:, 0]):  # the same legend twice tells nothing
+        if _entries(ax) and _entries(ax) == _entries(above):
+            ax.get_legend().set_visible(False)
     return figure
 
 
+def _entries(ax: Axes) -> list[str]:
+    legend = ax.get_legend()
+    return [text.get_text() for text in legend.get_texts()] if legend else []
+
+
 def _varies(values: NDArray[np.float64]) -> bool:
-    """Whether there is more to see than rounding: a nanosecond, a nanometer."""
-    return float(np.ptp(values)) > 1e-9
+    """Whether there is more to see than rounding."""
+    return float(np.ptp(values)) > _ROUNDING
 
 
 def _label(grid: xr.Dataset, name: str) -> str:
@@ -124,13 +168,8 @@ def _value(grid: xr.Dataset, name: str, value: Any) -> str:
     return f"{grid[name].attrs['long_name']} {float(value):g} {unit}".rstrip()
 
 
-def _title(grid: xr.Dataset, others: list[Any], line: xr.DataArray) -> str:
-    return ", ".join(_value(grid, str(name), line[name]) for name in others)
-
-
 def _color_bar(grid: xr.Dataset, name: str, ax: Axes) -> None:
     values = grid[name].values
-    # the lines stop at 0.85 of the map, where yellow is still legible on white
     top = values.min() + np.ptp(values) / 0.85
     mapped = ScalarMappable(Normalize(values.min(), top), "viridis")
     bar = ax.figure.colorbar(mapped, ax=ax, label=_label(grid, name))
