@@ -1,6 +1,8 @@
 """Leaving a law's domain is loud, once, or a mask as long as the input."""
 
+import inspect
 import warnings
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import echocal
+from echocal.conditions import QUANTITIES
 from echocal.domain import warn_outside
 
 
@@ -99,3 +102,10 @@ def test_unknown_law_and_shapes() -> None:
         echocal.departures(20.0, law="cramr")
     with pytest.raises(echocal.UsageError, match=r"\(2,\).*\(3,\)"):
         echocal.departures([1.0, 2.0], [0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("function", [echocal.departures, warn_outside])
+def test_defaults_are_those_of_the_core(function: Callable[..., object]) -> None:
+    given = inspect.signature(function).parameters
+    for name in ("relative_humidity", "pressure", "co2_mole_fraction"):
+        assert given[name].default == QUANTITIES[name].default
