@@ -27,6 +27,13 @@ CASES: dict[str, tuple[Model, dict[str, Any]]] = {
         {"form": "interpolated_table", "max_error": 0.1e-3},
     ),
     "falling_table": (Model("320-0.5*T"), {"form": "interpolated_table"}),
+    "avr_polynomial": (Model("cramer"), {"target": "avr", "max_error": 0.1e-3}),
+    "avr_table": (Model("cramer", DELAY_AND_ZERO), {"target": "avr", "form": "interpolated_table"}),
+    "avr_segments": (
+        Model("cramer"),
+        {"target": "avr", "form": "segments", "temperature": (0.0625, -5.0, 30.0)},
+    ),
+    "word_of_32_bits": (Model("ideal_gas", DELAY_AND_ZERO), {"target": "cortex-m0", "max_error": 0.1e-3}),
     "whole_range_of_echo": (Model("cramer"), {"echo": 65_535, "temperature": (1.0, -20.0, 60.0)}),
 }
 

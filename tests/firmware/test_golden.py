@@ -17,6 +17,7 @@ CASES = {
         Model("ideal_gas", {"fixed_delay": {"delay": 31e-6}, "zero_error": {"offset": -4e-3}}),
         {"max_error": 0.1e-3},
     ),
+    "avr": (Model("cramer"), {"target": "avr", "form": "interpolated_table", "max_error": 0.2e-3}),
     "table": (Model("cramer"), {"form": "interpolated_table", "max_error": 0.2e-3}),
 }
 

@@ -77,6 +77,7 @@ impl<'a> Search<'a> {
                 .map(|line| tail.lever(line) / unit)
                 .collect(),
             least_bits: self.request.target.least_bits,
+            byte_shifts: self.request.target.byte_shifts,
         }
     }
 
@@ -100,7 +101,11 @@ impl<'a> Search<'a> {
         let mut builder = Builder::new(self.request.device, self.request.target.least_bits);
         let factor = form.build(&mut builder);
         let distance = tail.build(&mut builder, factor);
-        builder.finish(distance)
+        let mut program = builder.finish(distance)?;
+        for table in &mut program.tables {
+            table.program_memory = self.request.target.program_memory;
+        }
+        Some(program)
     }
 
     /// Round jointly and look at a few echo times of every row; `false` if the program is no longer possible.

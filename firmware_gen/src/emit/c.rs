@@ -81,11 +81,14 @@ fn expression(program: &Program, value: Value) -> String {
         Operation::Constant(constant) => return literal(constant, node.computed),
         Operation::Load(table, index) => {
             let given = index_type(program.node(index));
-            return format!(
-                "{}[{}]",
-                program.tables[table.0].name,
-                read(program, index, given)
-            );
+            let table = &program.tables[table.0];
+            let entry = format!("{}[{}]", table.name, read(program, index, given));
+            return match (table.program_memory, table.ty.bits()) {
+                (false, _) => entry,
+                (true, 8) => from_program_memory("byte", &entry, table.ty),
+                (true, 16) => from_program_memory("word", &entry, table.ty),
+                (true, _) => from_program_memory("dword", &entry, table.ty),
+            };
         }
         Operation::Add(a, b) => format!("{} + {}", operand(a), operand(b)),
         Operation::Subtract(a, b) => format!("{} - {}", operand(a), operand(b)),
@@ -98,6 +101,16 @@ fn expression(program: &Program, value: Value) -> String {
         format!("({})({text})", node.computed.c_name())
     } else {
         text
+    }
+}
+
+/// An entry read with what `avr/pgmspace.h` has for its width, which is unsigned.
+fn from_program_memory(width: &str, entry: &str, ty: IntegerType) -> String {
+    let read = format!("pgm_read_{width}(&{entry})");
+    if ty.is_signed() {
+        format!("(({}){read})", ty.c_name())
+    } else {
+        read
     }
 }
 

@@ -35,13 +35,18 @@ struct TableText<'a> {
     name: &'static str,
     note: &'a str,
     rows: Vec<String>,
+    place: &'static str,
 }
 
 /// Entries in one line of a table.
 const PER_LINE: usize = 12;
 
 fn table_text(table: &Table) -> TableText<'_> {
-    let suffix = if table.ty.is_signed() { "" } else { "U" };
+    let suffix = match (table.ty.is_signed(), table.ty.bits()) {
+        (true, _) => "",
+        (false, 32) => "UL",
+        (false, _) => "U",
+    };
     let line = |entries: &[i64]| {
         let entries: Vec<String> = entries
             .iter()
@@ -54,6 +59,7 @@ fn table_text(table: &Table) -> TableText<'_> {
         name: table.name,
         note: &table.note,
         rows: table.entries.chunks(PER_LINE).map(line).collect(),
+        place: if table.program_memory { " PROGMEM" } else { "" },
     }
 }
 
@@ -141,6 +147,7 @@ fn function_text(design: &Design, device: &Device) -> minijinja::Value {
         locals, result,
         tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),
         table_bytes => design.program.table_bytes(),
+        program_memory => design.program.tables.iter().any(|table| table.program_memory),
         form => design.form.describe(),
     }
 }

@@ -6,6 +6,7 @@
 mod full_table;
 mod interpolated_table;
 mod polynomial;
+mod segments;
 mod tail;
 
 pub use tail::Tail;
@@ -25,6 +26,8 @@ pub struct Fit<'a> {
     pub weight: Vec<f64>,
     /// Least width of a local variable [bit].
     pub least_bits: u32,
+    /// Whether shifts by whole bytes are much cheaper than others.
+    pub byte_shifts: bool,
 }
 
 impl Fit<'_> {
@@ -65,6 +68,7 @@ type Propose = fn(&Fit<'_>) -> Vec<Box<dyn Form>>;
 pub const FORMS: &[(&str, Propose)] = &[
     (polynomial::NAME, polynomial::propose),
     (interpolated_table::NAME, interpolated_table::propose),
+    (segments::NAME, segments::propose),
     (full_table::NAME, full_table::propose),
 ];
 

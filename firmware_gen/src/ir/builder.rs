@@ -195,6 +195,7 @@ impl<'a> Builder<'a> {
             note,
             ty: IntegerType::holding(range, 8),
             entries,
+            program_memory: false,
         });
         TableId(self.tables.len() - 1)
     }

@@ -103,6 +103,8 @@ pub struct Table {
     pub ty: IntegerType,
     /// The entries.
     pub entries: Vec<i64>,
+    /// Whether C must read it from program memory by name.
+    pub program_memory: bool,
 }
 
 impl Table {

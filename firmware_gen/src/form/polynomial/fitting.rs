@@ -13,15 +13,26 @@ pub(super) struct Remaining<'a> {
     fit: &'a Fit<'a>,
     /// Settled part of the factor at each code.
     settled: Vec<f64>,
+    /// The argument of the polynomial is the code times this.
+    unit: f64,
 }
 impl<'a> Remaining<'a> {
     /// `cut` holds the cut-off product that enters stage `stage`, at each code.
-    pub(super) fn new(fit: &'a Fit<'a>, cut: &[i64], stage: usize, places: u32) -> Self {
-        let power =
-            |(u, cut): (usize, &i64)| (u as f64).powi(stage as i32) * *cut as f64 / exp2(places);
+    pub(super) fn new(
+        fit: &'a Fit<'a>,
+        cut: &[i64],
+        stage: usize,
+        places: u32,
+        spread: u32,
+    ) -> Self {
+        let unit = exp2(spread);
+        let power = |(u, cut): (usize, &i64)| {
+            (u as f64 * unit).powi(stage as i32) * *cut as f64 / exp2(places)
+        };
         Self {
             fit,
             settled: cut.iter().enumerate().map(power).collect(),
+            unit,
         }
     }
 
@@ -48,7 +59,7 @@ impl<'a> Remaining<'a> {
         let mut scale = 1.0;
         for coefficient in &mut coefficients {
             *coefficient /= scale;
-            scale *= span as f64;
+            scale *= span as f64 * self.unit;
         }
         (coefficients, error)
     }
@@ -66,7 +77,7 @@ impl Polynomial {
         let mark = search.builder.mark();
         let entering = inner.map(|inner| self.cut(&mut search.builder, u, inner, stage));
         let cut = search.values(entering);
-        let remaining = Remaining::new(search.fit, &cut, stage, self.places[stage]);
+        let remaining = Remaining::new(search.fit, &cut, stage, self.places[stage], self.spread);
         if stage == 0 {
             self.coefficients[0] = center(search.fit, &remaining.settled);
             search.consider(&cut, &self.coefficients);

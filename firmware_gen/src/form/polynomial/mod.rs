@@ -23,6 +23,8 @@ struct Polynomial {
     coefficients: Vec<i64>,
     /// Binary places of each stage beyond those of the speed factor; never falling.
     places: Vec<u32>,
+    /// The code is multiplied by this power of two, so that the products are shifted by whole bytes.
+    spread: u32,
     floor: f64,
 }
 
@@ -40,27 +42,20 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let codes = fit.target.len();
     let mut forms: Vec<Box<dyn Form>> = Vec::new();
     for degree in (0..=DEGREES).filter(|degree| *degree == 0 || degree + 2 <= codes) {
-        let ideal = Remaining::new(fit, &vec![0; codes], 0, 0).solve(degree);
-        for constant_bits in [16, 31] {
-            let places = places(&ideal.0, codes, constant_bits);
-            let round =
-                |(coefficient, places): (&f64, &u32)| (coefficient * exp2(*places)).round() as i64;
-            let coefficients = ideal.0.iter().zip(&places).map(round).collect();
-            forms.push(Box::new(Polynomial {
-                coefficients,
-                places,
-                floor: ideal.1,
-            }));
-            if degree == 0 {
-                break;
-            }
+        let mut formats: Vec<(u32, i32, u32)> = vec![(0, 16, 1), (0, 31, 1)];
+        if fit.byte_shifts {
+            // As far as the code still fits 16 bits.
+            formats.extend((0..=(codes as u32).leading_zeros() - 16).map(|spread| (spread, 16, 8)));
         }
+        formats.truncate(if degree == 0 { 1 } else { usize::MAX });
+        let format = |(spread, bits, grain)| Polynomial::rounded(fit, degree, spread, bits, grain);
+        forms.extend(formats.into_iter().filter_map(format));
     }
     forms
 }
 
-/// As many binary places for each stage as products of 31 bits and stages of `constant_bits` allow.
-fn places(ideal: &[f64], codes: usize, constant_bits: i32) -> Vec<u32> {
+/// As many binary places for each stage as products of 31 bits and stages of `constant_bits` allow, in steps of `grain`.
+fn places(ideal: &[f64], codes: usize, constant_bits: i32, grain: u32) -> Vec<u32> {
     let mut places = vec![0_u32];
     for stage in 1..ideal.len() {
         let inner = |u: f64| {
@@ -75,7 +70,8 @@ fn places(ideal: &[f64], codes: usize, constant_bits: i32) -> Vec<u32> {
         let product = (31.0 - (largest * codes as f64).log2()).floor();
         let constant = (f64::from(constant_bits) - largest.log2()).floor();
         let fewest = f64::from(places[stage - 1]);
-        places.push(product.min(constant).clamp(fewest, fewest + 24.0) as u32);
+        let added = product.min(constant).clamp(fewest, fewest + 24.0) as u32 - places[stage - 1];
+        places.push(places[stage - 1] + added / grain * grain);
     }
     places
 }
@@ -85,6 +81,47 @@ fn exp2(places: u32) -> f64 {
 }
 
 impl Polynomial {
+    /// The ideal coefficients rounded one by one; `None` where the code is spread in vain.
+    fn rounded(
+        fit: &Fit<'_>,
+        degree: usize,
+        spread: u32,
+        constant_bits: i32,
+        grain: u32,
+    ) -> Option<Box<dyn Form>> {
+        let codes = fit.target.len();
+        let ideal = Remaining::new(fit, &vec![0; codes], 0, 0, spread).solve(degree);
+        let places = places(&ideal.0, codes << spread, constant_bits, grain);
+        let round =
+            |(coefficient, places): (&f64, &u32)| (coefficient * exp2(*places)).round() as i64;
+        let coefficients: Vec<i64> = ideal.0.iter().zip(&places).map(round).collect();
+        let useful = grain == 1
+            || !coefficients.contains(&0) && places.windows(2).all(|pair| pair[0] < pair[1]);
+        useful.then(|| {
+            Box::new(Self {
+                coefficients,
+                places,
+                spread,
+                floor: ideal.1,
+            }) as _
+        })
+    }
+
+    /// The code counted from the coldest, spread.
+    fn argument(&self, builder: &mut Builder<'_>) -> Value {
+        let u = warmth(builder);
+        if self.spread == 0 {
+            return u;
+        }
+        let unit = builder.constant(1 << self.spread);
+        let spread = builder.multiply(u, unit);
+        builder.name(
+            spread,
+            "spread",
+            "so that products are shifted by whole bytes",
+        )
+    }
+
     fn degree(&self) -> usize {
         self.coefficients.len() - 1
     }
@@ -149,7 +186,7 @@ impl Form for Polynomial {
     }
 
     fn parameters(&self) -> serde_json::Value {
-        serde_json::json!({ "degree": self.degree(), "coefficients": self.coefficients, "binary_places": self.places })
+        serde_json::json!({ "degree": self.degree(), "coefficients": self.coefficients, "binary_places": self.places, "spread": self.spread })
     }
 
     fn floor(&self) -> f64 {
@@ -161,7 +198,7 @@ impl Form for Polynomial {
         if degree == 0 {
             return builder.constant(self.coefficients[0]);
         }
-        let u = warmth(builder);
+        let u = self.argument(builder);
         let mut inner = Inner::Number(self.coefficients[degree]);
         for stage in (0..degree).rev() {
             let entering = self.cut(builder, u, inner, stage);
@@ -186,7 +223,7 @@ impl Form for Polynomial {
 
     fn refine(&mut self, fit: &Fit<'_>) {
         let mut builder = Builder::new(fit.device, fit.least_bits);
-        let u = warmth(&mut builder);
+        let u = self.argument(&mut builder);
         let start = fit.error(&super::factors(self, fit));
         let mut search = Search {
             fit,

@@ -1,7 +1,9 @@
 //! Targets: what an operation costs there, and what the text must respect.
 
+mod cost;
+
 use crate::error::Error;
-use crate::ir::{Operation, Program};
+use crate::ir::{Node, Program};
 
 /// What a program costs, for ranking candidates only: no report shows it as if it had been measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,16 +60,42 @@ pub struct Target {
     pub name: &'static str,
     /// Least width of a local variable [bit].
     pub least_bits: u32,
-    /// What one operation costs.
-    cost: fn(Operation, u32) -> Cost,
+    /// Whether shifts by whole bytes are much cheaper than others.
+    pub byte_shifts: bool,
+    /// Whether constant tables must be read from program memory by name, lest they take RAM.
+    pub program_memory: bool,
+    /// What one step costs.
+    cost: fn(&Program, &Node) -> Cost,
+}
+
+/// A 32-bit core: narrower variables would only be cut to size again and again.
+const fn core(name: &'static str) -> Target {
+    Target {
+        name,
+        least_bits: 32,
+        byte_shifts: false,
+        program_memory: false,
+        cost: cost::word,
+    }
 }
 
 /// Every target. To add one, write its costs and add its line.
-pub const TARGETS: &[Target] = &[Target {
-    name: "c99",
-    least_bits: 16,
-    cost: c99,
-}];
+pub const TARGETS: &[Target] = &[
+    Target {
+        least_bits: 16,
+        ..core("c99")
+    },
+    Target {
+        name: "avr",
+        least_bits: 8,
+        byte_shifts: true,
+        program_memory: true,
+        cost: cost::avr,
+    },
+    core("cortex-m0"),
+    core("cortex-m3"),
+    core("rv32"),
+];
 
 impl Target {
     /// The target of this name.
@@ -88,30 +116,12 @@ impl Target {
             time: 0,
         };
         program.nodes.iter().fold(tables, |sum, node| {
-            let cost = (self.cost)(node.operation, node.computed.bits());
+            let cost = (self.cost)(program, node);
             Cost {
                 size: sum.size + cost.size,
                 time: sum.time + cost.time,
             }
         })
-    }
-}
-
-/// A 32-bit core with a multiplier, in round figures; wider operations are made of several.
-fn c99(operation: Operation, bits: u32) -> Cost {
-    let (size, time) = match operation {
-        Operation::Input(_) => (0, 0),
-        Operation::Constant(constant) if constant.unsigned_abs() < 256 => (0, 0),
-        Operation::Constant(_) => (4, 1),
-        Operation::Add(..) | Operation::Subtract(..) | Operation::ShiftRight(..) => (2, 1),
-        Operation::LowBits(..) => (4, 1),
-        Operation::Multiply(..) => (2, 2),
-        Operation::Load(..) => (6, 3),
-    };
-    let words = if bits > 32 { 3 } else { 1 };
-    Cost {
-        size: size * words,
-        time: time * words,
     }
 }
 
