@@ -130,7 +130,8 @@ def generate(
     model : Model
         The model to follow: true distance from echo time and temperature.
     target : str
-        What the C is for; ``"c99"`` is any compiler with ``stdint.h``.
+        What the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"rv32"``, or ``"c99"``,
+        any compiler with ``stdint.h``.
     temperature : TemperatureCodes or tuple of (lsb, low, high)
         Codes of the thermometer [degC].
     echo : int
@@ -141,7 +142,7 @@ def generate(
         Distances up to this meet `max_error` [m].
     prefer : {"size", "speed"}
         What to save.
-    form : {"polynomial", "interpolated_table", "full_table"}, optional
+    form : {"polynomial", "interpolated_table", "segments", "full_table"}, optional
         The only form to try; default: the cheapest of all.
     accept : iterable of str
         Effects that may be left out although they change the distance.

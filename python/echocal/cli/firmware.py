@@ -31,7 +31,7 @@ def option(description: str, *names: str, metavar: str | None = None) -> Any:
 def command(
     model: Annotated[Path, typer.Argument(help="Model file, as from diagnose.", metavar="MODEL.json")],
     out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
-    target: Annotated[str, option("What the C is for.")] = "c99",
+    target: Annotated[str, option("avr, cortex-m0, cortex-m3, rv32 or c99.")] = "c99",
     temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
     temperature_range: Annotated[str, option("LOW:HIGH accepted [degC].")] = "-20:60",
     temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,

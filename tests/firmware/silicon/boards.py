@@ -47,12 +47,13 @@ class Board:
         """Major version of the compiler, for ceilings."""
         return run(self.compiler, "-dumpversion").strip().split(".")[0]
 
-    def compile(self, made: Firmware, folder: Path, level: str) -> Path:
-        """The object file, compiled without a warning."""
+    def compile(self, made: Firmware, folder: Path, level: str, *, strict: bool = True) -> Path:
+        """The object file, compiled without a warning if `strict`."""
         made.save(folder)
         out = folder / f"{self.name}{level}.o"
-        strict = (*STRICT, "-std=c99", "-ffreestanding", "-ffunction-sections", "-fstack-usage")
-        run(self.compiler, *self.flags, *strict, level, "-c", folder / "echocal_correction.c", "-o", out)
+        mode = ("-std=c99", "-ffreestanding", "-ffunction-sections", "-fstack-usage")
+        mode += STRICT if strict else ()
+        run(self.compiler, *self.flags, *mode, level, "-c", folder / "echocal_correction.c", "-o", out)
         return out
 
     def sizes(self, thing: Path) -> dict[str, int]:
@@ -65,7 +66,7 @@ class Board:
         """The function, and what it takes from the compiler's library, alone."""
         out = thing.with_suffix(".elf")
         entry = ("-nostdlib", "-Wl,--gc-sections,-e,echocal_distance_um,-u,echocal_distance_um")
-        run(self.compiler, *self.flags, *more, thing, *entry, "-lgcc", "-o", out)
+        run(self.compiler, *self.flags, thing, *entry, *more, "-lgcc", "-o", out)
         return out
 
     def measure(self, made: Firmware, folder: Path, level: str = "-Os") -> Cost:
@@ -111,7 +112,7 @@ class Avr(Board):
         codes = device["conditions"][0]["codes"]
         chip, driver = thing.with_name("avr-call.elf"), thing.with_name("avr-driver")
         bare = ("-nostartfiles", "-Wl,--gc-sections,-e,once")
-        run(self.compiler, *self.flags, HERE / "avr_stub.S", thing, *bare, "-o", chip)
+        run(self.compiler, *self.flags, HERE / "avr_stub.S", thing, *bare, "-lm", "-o", chip)
         run("gcc", "-O2", "-Wall", "-Wextra", "-Werror", HERE / "avr_driver.c", "-o", driver, "-lsimavr")
         first, last = codes["minimum"], codes["maximum"]
         spans = [
