@@ -10,10 +10,11 @@ import matplotlib.image
 import numpy as np
 import pytest
 from hidden_effects.planting import EFFECTS, bench, noise, table
+from matplotlib.figure import Figure
 
 import echocal
 from echocal.diagnose.sentences import tendency
-from echocal.plots.diagnosis import save_diagnosis
+from echocal.plots.diagnosis import plot_residuals, save_diagnosis
 
 TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
 
@@ -199,3 +200,14 @@ def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
     assert loaded.standard_uncertainties["fixed_speed.speed"] == pytest.approx(0.12, abs=0.06)
     again = run(str(TABLE), "--base", str(model), "--json", "-")
     assert json.loads(again.stdout)["verdict"] == "nothing", again.stderr
+
+
+def test_each_of_a_few_distances_has_its_own_mean() -> None:
+    random = np.random.default_rng()
+    distance = np.repeat([0.4, 1.0, 1.8, 3.0], 15)
+    table = {"reading_m": distance + random.normal(0, 1e-3, 60), "distance_m": distance}
+    diagnosis = echocal.diagnose({**table, "temperature_C": np.tile(np.linspace(5, 30, 15), 4)})
+    ax = Figure().add_subplot()
+    plot_residuals(diagnosis, ax, "distance")
+    means = [np.asarray(line.get_xdata()) for line in ax.lines if line.get_linestyle() == "-"]
+    assert any(np.allclose(x, [0.4, 1.0, 1.8, 3.0]) for x in means if len(x) == 4)

@@ -79,11 +79,12 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
         A name in ``diagnosis.traces.against``.
     """
     traces = diagnosis.traces
+    same = np.array_equal(traces.before, traces.after, equal_nan=True)
     values, label = shown(against, traces.against[against])
     for residual, color, name in (
-        (traces.before, _BEFORE, "base"),
+        (traces.before, _BEFORE, "base, not extended" if same else "base"),
         (traces.after, _AFTER, "extended model"),
-    ):
+    )[: 1 if same else 2]:
         finite = np.isfinite(residual)
         x, y = values[finite], 1e3 * residual[finite]
         few = len(x) <= 200
@@ -105,8 +106,11 @@ def _binned(
     x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Means of bins with about equally many rows, so that no line hangs on one row."""
-    edges = np.unique(np.quantile(x, np.linspace(0, 1, min(_BINS, max(2, len(x) // 3)) + 1)))
-    bins = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
+    count = min(_BINS, max(2, len(x) // 3))
+    distinct, bins = np.unique(x, return_inverse=True)
+    if len(distinct) > count:  # else each value is its own bin
+        edges = np.unique(np.quantile(x, np.linspace(0, 1, count + 1)))
+        bins = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
     rows = np.bincount(bins)
     filled = rows > 0
     means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]
