@@ -11,7 +11,7 @@ from echocal.diagnose.base import Base
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Scene, Variant, effect_candidates
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.gain import Folds
-from echocal.diagnose.noise import NOISES, Noise, Sums
+from echocal.diagnose.noise import FINEST, NOISES, Noise, Sums
 from echocal.diagnose.scene import Table
 from echocal.diagnose.unexplained import shape_candidates
 
@@ -91,7 +91,7 @@ def _drop_invisible(found: Candidates, sums: Sums) -> None:
     used = np.ones(len(sums.rows), dtype=bool)
     products = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), used).products
     steps = sums.mean_square_step() / 2  # noise alone, whatever slow effects there are
-    shape = Geometry(products, max(min(steps, products[-1, -1] / sums.degrees()), np.finfo(float).tiny))
+    shape = Geometry(products, max(min(steps, products[-1, -1] / sums.degrees()), FINEST**2))
     seen = [
         v for v in found.variants if v.cause == UNKNOWN or shape.visibility(3 * shape.signal(v)) > _VISIBLE
     ]

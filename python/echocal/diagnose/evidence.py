@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates import Variant
-from echocal.diagnose.noise import Noise, Whitened
+from echocal.diagnose.noise import FINEST, Noise, Whitened
 
 __all__ = ["Hypothesis", "Stack", "Weighed", "weigh"]
 
@@ -18,6 +18,7 @@ Matrix = NDArray[np.floating[Any]]
 _SIZES = (1 / 3, 1.0, 3.0)  # mixture of prior scales: nobody knows a magnitude well
 
 
+_ROUNDING = 1e-12  # part of a sum of squares that arithmetic leaves behind
 _FAR = 15.0  # prior standard deviations; bounds beyond are as good as none
 
 
@@ -165,6 +166,8 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_size: bool = False) -> We
        https://doi.org/10.1162/neco.1992.4.3.415
     """
     square, along, among = stack.rest(hypothesis.offsets, hypothesis.free)
+    finest = stack.degrees * FINEST**2
+    square = np.maximum(square, finest)
     half = 0.5 * stack.degrees
     if not hypothesis.free:
         score = stack.log_weight - half * np.log(square)
@@ -176,11 +179,14 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_size: bool = False) -> We
         )
     least = _least_squares(square, along, among) / stack.degrees
     widths = _widths(hypothesis, _SIZES[-1:] if one_size else _SIZES)  # (c, p)
-    precision = least[:, None, None] / widths**2
+    lengths = np.einsum("hpp->hp", among)
+    # data without noise would make any prior too wide for the arithmetic
+    precision = np.maximum(least[:, None, None] / widths**2, _ROUNDING * lengths[:, None, :])
     system = among[:, None] + np.eye(len(hypothesis.free)) * precision[..., None, :]
     inverse = np.linalg.inv(system)
     mean = np.einsum("hcpq,hq->hcp", inverse, along)
     left = square[:, None] - np.einsum("hcp,hp->hc", mean, along)
+    left = np.maximum(left, np.maximum(_ROUNDING * square, finest)[:, None])  # data without noise
     log_det = np.linalg.slogdet(system)[1] - np.log(precision).sum(axis=-1)
     variance = left / stack.degrees
     covariance = variance[..., None, None] * inverse
@@ -193,7 +199,7 @@ def _least_squares(square: Matrix, along: Matrix, among: Matrix) -> Matrix:
     """Sum of squares that the best coefficients leave, never less than rounding allows."""
     ridge = 1e-12 * np.eye(along.shape[1]) * np.trace(among, axis1=1, axis2=2)[:, None, None]
     best = np.linalg.solve(among + ridge + 1e-300, along[..., None])[..., 0]
-    left: Matrix = np.maximum(square - np.einsum("hp,hp->h", best, along), 1e-12 * square)
+    left: Matrix = np.maximum(square - np.einsum("hp,hp->h", best, along), _ROUNDING * square)
     return left
 
 
@@ -212,7 +218,8 @@ def _within_bounds(
         return 0.0
     from scipy.special import ndtr  # takes long to import
 
-    sd = np.sqrt(np.einsum("hcpp->hcp", covariance))
+    # rounding may leave a variance below zero where columns are nearly the same
+    sd = np.sqrt(np.maximum(np.einsum("hcpp->hcp", covariance), np.finfo(float).tiny))
     low, high = bounds.T
     inside = ndtr((high - mean) / sd) - ndtr((low - mean) / sd)
     before = ndtr(high / widths) - ndtr(low / widths)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.noise import Noise, Sums
+from echocal.diagnose.noise import FINEST, Noise, Sums
 from echocal.diagnose.result import Gain, Ladder
 from echocal.diagnose.scene import Table, levels
 from echocal.model import Model
@@ -173,7 +173,7 @@ def floor(sums: Sums, held: Mask, variance: float) -> float:
     projected = (vectors.T @ along) ** 2
     degrees = sums.degrees(held)
     for _ in range(3):
-        ridge = variance / 9
+        ridge = max(variance, FINEST**2) / 9
         kept = np.maximum(values, 0.0) + ridge
         left = square - (projected * (values + 2 * ridge) / kept**2).sum()
         used = (np.maximum(values, 0.0) / kept).sum()

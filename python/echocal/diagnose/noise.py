@@ -8,9 +8,12 @@ from numpy.typing import NDArray
 
 from echocal import _core
 
-__all__ = ["NOISES", "Noise", "Sums", "Whitened"]
+__all__ = ["FINEST", "NOISES", "Noise", "Sums", "Whitened"]
 
 Matrix = NDArray[np.float64]
+
+FINEST = 1e-9
+"""Standard deviation below which no noise is believed [m]; data of a simulation may have none."""
 
 _RHO: dict[float, tuple[float, ...]] = {
     0.0: (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.98),
