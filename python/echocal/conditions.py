@@ -1,7 +1,9 @@
 """Influence quantities: their names, units and defaults, and how arguments become columns."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.errors import UsageError
 
-__all__ = ["QUANTITIES", "Quantity", "columns"]
+__all__ = ["QUANTITIES", "Quantity", "columns", "numbers", "refuse_unknown", "unmasked"]
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,25 @@ class Quantity:
 
 QUANTITIES: dict[str, Quantity] = {facts["name"]: Quantity(**facts) for facts in _core.quantities()}
 """Every influence quantity by name, in the order in which the core takes them."""
+
+
+def refuse_unknown(names: Iterable[str]) -> None:
+    """Raise `UsageError` where a name is none of an influence quantity."""
+    for name in names:
+        if name not in QUANTITIES:
+            near = get_close_matches(name, QUANTITIES, n=1)
+            hint = f"; did you mean '{near[0]}'?" if near else ";"
+            message = f"unknown influence quantity '{name}'{hint} known: {', '.join(QUANTITIES)}"
+            raise UsageError(message)
+
+
+def unmasked(given: Any) -> NDArray[Any]:
+    """Array of anything; None where it is masked, which NumPy alone would take for measured."""
+    if isinstance(given, np.ma.MaskedArray):
+        values = np.array(given.data, dtype=object)
+        values[np.ma.getmaskarray(given)] = None
+        return values
+    return np.asarray(given)
 
 
 def columns(
@@ -48,17 +69,14 @@ def columns(
     Raises
     ------
     UsageError
-        If a name is unknown or the shapes cannot be broadcast.
+        If a name is unknown, a value is no real number, or the shapes cannot be broadcast.
     """
-    unknown = sorted(set(conditions) - set(QUANTITIES))
-    if unknown:
-        message = f"unknown influence quantity '{unknown[0]}'; known: {', '.join(QUANTITIES)}"
-        raise UsageError(message)
+    refuse_unknown(conditions)
     given = {name: value for name, value in conditions.items() if value is not None}
-    values = [np.asarray(first, dtype=np.float64)]
+    values = [numbers("the first argument", first)]
     for name, quantity in QUANTITIES.items():
         fallback = np.nan if quantity.default is None else quantity.default
-        values.append(np.asarray(given.get(name, fallback), dtype=np.float64))
+        values.append(numbers(name, given.get(name, fallback)))
     try:
         broadcast = np.broadcast_arrays(*values)
     except ValueError:
@@ -66,3 +84,17 @@ def columns(
         message = f"shapes do not broadcast: first argument {values[0].shape}, {shapes}"
         raise UsageError(message) from None
     return broadcast[0].shape, [np.ascontiguousarray(column).reshape(-1) for column in broadcast]
+
+
+def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    """Array of real numbers, NaN where masked or None; raises `UsageError` for anything else."""
+    if isinstance(given, float | int):
+        return np.asarray(given, dtype=np.float64)  # the common case is fast
+    values = unmasked(given)
+    try:
+        if values.dtype.kind not in "biufO":  # NumPy would take a date for a number
+            raise TypeError
+        return values.astype(np.float64, copy=False)
+    except (TypeError, ValueError):
+        message = f"{name} must be real numbers, but has dtype {values.dtype}"
+        raise UsageError(message) from None

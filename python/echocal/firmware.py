@@ -6,6 +6,7 @@ import shlex
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,15 @@ from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
+from echocal.model.needs import assumed
 from echocal.registry import find_effect
 
 __all__ = ["Firmware", "TemperatureCodes", "generate"]
 
 Progress = Callable[[str, int, int], object]
+
+_ABSOLUTE_ZERO = -273.15  # degC
+_MOST_THREADS = 65_535
 
 
 @dataclass(frozen=True)
@@ -75,10 +80,23 @@ class Firmware:
         -------
         ndarray of int32, shape (...)
             Distance [um]; the smallest ``int32`` for codes out of range.
+
+        Raises
+        ------
+        UsageError
+            If codes are no integers or do not broadcast.
         """
-        codes = np.broadcast_arrays(
-            *(np.asarray(code, dtype=np.int64) for code in (echo_us, temperature_code))
-        )
+        given = {"echo_us": np.asarray(echo_us), "temperature_code": np.asarray(temperature_code)}
+        for name, code in given.items():
+            if code.dtype.kind not in "iu":
+                message = f"{name} must be integer codes, but has dtype {code.dtype}"
+                raise UsageError(message)
+        try:
+            codes = np.broadcast_arrays(*(code.astype(np.int64) for code in given.values()))
+        except ValueError:
+            shapes = ", ".join(f"{name} {code.shape}" for name, code in given.items())
+            message = f"shapes do not broadcast: {shapes}"
+            raise UsageError(message) from None
         flat = [np.ascontiguousarray(code).reshape(-1) for code in codes]
         return self._twin.evaluate(flat).reshape(codes[0].shape)
 
@@ -181,17 +199,20 @@ def generate(
     2001627
     """
     codes = temperature if isinstance(temperature, TemperatureCodes) else TemperatureCodes(*temperature)
+    if codes.low < _ABSOLUTE_ZERO:
+        message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
+        raise UsageError(message)
     air = _assumed(model, assume or {})
     wish = {
         "target": target,
         "prefer": prefer,
         "form": form,
         "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
-        "echo_max_us": int(echo),
+        "echo_max_us": _count("echo", echo, 2**31 - 1),
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
-        "maximum_table": int(max_table_bytes),
-        "threads": n_threads or os.cpu_count() or 1,
+        "maximum_table": _count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
+        "threads": _count("n_threads", n_threads or os.cpu_count() or 1, _MOST_THREADS, least=1),
         "accept": [find_effect(effect).id for effect in accept],
         "assumed": air,
         "model_hash": model.hash,
@@ -213,8 +234,23 @@ def generate(
 
 def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     """Conditions where nothing is measured, in the order of the core."""
+    if "temperature" in assume:
+        message = "temperature is measured: it cannot be assumed; give its codes"
+        raise UsageError(message)
     _, (_, *values) = columns(0.0, {**model.air, **assume})
+    assumed(assume)
     return [float(value[0]) for value in values]
+
+
+def _count(name: str, value: float, most: int, *, least: int | None = None) -> int:
+    """Return a whole number; what range makes sense for an echo, the core says."""
+    whole = isinstance(value, Real) and float(value).is_integer()
+    if not whole or abs(value) > most or (least is not None and value < least):
+        message = f"{name} is {value!r}; give a whole number" + (
+            "" if least is None else f" of {least} .. {most}"
+        )
+        raise UsageError(message)
+    return int(value)
 
 
 def _number(value: float) -> str:

@@ -11,6 +11,7 @@ from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.correction import base_indication, corrected_distance
+from echocal.observations.table import demand
 from echocal.sweep import Range, sweep
 
 __all__ = ["Verification", "verify", "verify_model"]
@@ -106,6 +107,7 @@ def verify(
     >>> result.passed, result.worst, round(result.maximum_error * 1e3, 2)
     (False, {'row': 2}, 8.89)
     """
+    demand(observations, "verify")
     observations.require("verification", reference_distance=True)
     assert observations.reference_distance is not None  # required above
     usable = np.flatnonzero(observations.usable)

@@ -90,15 +90,18 @@ def correct_folder(
     if not files:
         message = f"{source} has no .parquet file"
         raise DataError(message)
-    if out.resolve() == source.resolve():
-        message = f"{out} is the input itself; choose another output"
+    if source.resolve() in (out.resolve(), *out.resolve().parents):
+        message = f"{out} is or lies in the input itself; choose another output"
         raise UsageError(message)
     done: dict[Path, Corrected] = {}
     for file in files:
         target = out / file.relative_to(source)
-        target.parent.mkdir(parents=True, exist_ok=True)
         try:
+            target.parent.mkdir(parents=True, exist_ok=True)
             result = correct_file(file, target, model, columns, **options)
+        except OSError as error:
+            message = f"{target.parent} cannot be made: {error.strerror}"
+            raise DataError(message) from None
         except DataError as error:
             message = f"{file}: {error} ({len(done)} of {len(files)} files are done)"
             raise DataError(message) from None

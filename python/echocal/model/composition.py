@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
-from echocal.conditions import columns
+from echocal.conditions import columns, numbers, refuse_unknown
 from echocal.errors import ModelError
 from echocal.model import covariance as covariances
 from echocal.model import document, needs
@@ -17,6 +17,25 @@ from echocal.registry import find_effect
 __all__ = ["Model"]
 
 Values = NDArray[np.float64]
+
+
+def _terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
+    if not isinstance(effects, Mapping) or not all(isinstance(own, Mapping) for own in effects.values()):
+        message = (
+            f"effects map an id to its parameters, e.g. {{'fixed_delay': {{'delay': 3e-5}}}}; got {effects!r}"
+        )
+        raise ModelError(message)
+    return [(id_, list(own.items())) for id_, own in effects.items()]
+
+
+def _refuse_standstill(law: str) -> None:
+    try:
+        speed = float(law)
+    except ValueError:
+        return  # depends on the air
+    if speed <= 0.0:
+        message = f"law '{law}' is a speed of {speed:g} m/s; give a positive one, such as '343'"
+        raise ModelError(message)
 
 
 def _by_name(id_: str, values: list[float]) -> dict[str, float]:
@@ -76,8 +95,8 @@ class Model:
         covariance: ArrayLike | None = None,
         provenance: Mapping[str, Any] | None = None,
     ) -> None:
-        given = [(id_, list(parameters.items())) for id_, parameters in (effects or {}).items()]
-        self._core = _core.Model(law, given)
+        self._core = _core.Model(law, _terms(effects or {}))
+        _refuse_standstill(self._core.law)
         self._needs = needs.of(self._core)
         self.air = needs.assumed(air or {})
         self.effects = {id_: _by_name(id_, values) for id_, values in self._core.terms}
@@ -211,7 +230,12 @@ class Model:
         return f"Model({self.law!r}, {self.effects}{air})"
 
     def _conditions(self, given: Mapping[str, ArrayLike | None]) -> dict[str, ArrayLike]:
-        known = {name: value for name, value in given.items() if value is not None}
+        refuse_unknown(given)
+        known = {
+            name: value if isinstance(value, float | int) else numbers(name, value)
+            for name, value in given.items()
+            if value is not None
+        }
         conditions: dict[str, ArrayLike] = {**self.air, **known}
         self._needs.check(conditions)
         self._needs.warn_outside(conditions, self.effects)

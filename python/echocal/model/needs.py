@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf, isfinite
+from numbers import Real
 
 from numpy.typing import ArrayLike
 
@@ -12,6 +14,14 @@ from echocal.errors import DataError, ModelError
 from echocal.registry import find_effect
 
 __all__ = ["Needs", "assumed", "of"]
+
+_POSSIBLE = {
+    "temperature": (-273.15, inf),
+    "relative_humidity": (0.0, 1.0),
+    "pressure": (1.0, inf),
+    "co2_mole_fraction": (0.0, 1.0),
+}
+"""Values outside are none that air can have; where a law holds is another matter."""
 
 AIR = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction")
 DEFAULTS = {name: quantity.default for name, quantity in QUANTITIES.items() if quantity.default is not None}
@@ -67,13 +77,18 @@ class Needs:
 
 
 def assumed(air: Mapping[str, float]) -> dict[str, float]:
-    """Return the assumed air, checked: known quantities, finite values."""
+    """Return the assumed air, checked: known quantities, possible values."""
     for name, value in air.items():
         if name not in QUANTITIES:
             message = f"air has unknown quantity '{name}'; known: {', '.join(QUANTITIES)}"
             raise ModelError(message)
-        if not float("-inf") < value < float("inf"):
-            message = f"air.{name} is {value}; give a finite number [{QUANTITIES[name].unit}]"
+        unit = QUANTITIES[name].unit
+        if not isinstance(value, Real) or not isfinite(value):
+            message = f"air.{name} is {value!r}; give a finite number [{unit}]"
+            raise ModelError(message)
+        low, high = _POSSIBLE.get(name, (-inf, inf))
+        if not low <= value <= high:
+            message = f"air.{name} is {value:g}, outside {low:g} .. {high:g} [{unit}]"
             raise ModelError(message)
     return {name: float(value) for name, value in air.items()}
 

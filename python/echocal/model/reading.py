@@ -68,11 +68,16 @@ def _parse(path: Path) -> dict[str, Any]:
         raise ModelError(message)
 
     try:
-        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)
+        document = json.loads(path.read_text(encoding="utf-8-sig"), parse_constant=refuse)
     except UnicodeDecodeError:
         raise ModelError("is not JSON, not even text") from None
     except json.JSONDecodeError as error:
         message = f"is not JSON: line {error.lineno}, column {error.colno}: {error.msg}"
+        raise ModelError(message) from None
+    except ModelError:
+        raise
+    except (RecursionError, ValueError) as error:  # endless nesting, thousands of digits
+        message = f"is no model: {error}"
         raise ModelError(message) from None
     if not isinstance(document, dict):
         message = f"is no model: expected an object of schema {SCHEMA}"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
+from echocal.model import Model
 from echocal.observations import checks, clock, labels
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.names import looks_like
@@ -39,7 +40,7 @@ class Assembly:
     def __post_init__(self) -> None:
         self.unusable = np.full(len(self.table), "", dtype=object)
 
-    def observations(self, reading_speed: str | None) -> Observations:
+    def observations(self, reading_speed: str | float | None) -> Observations:
         """Put everything together; `reading_speed` as in `echocal.read_observations`."""
         held = self.plan.assignments
         if not {"echo_time", "reading"} & set(held):
@@ -98,10 +99,12 @@ class Assembly:
         self.unusable[where & (self.unusable == "")] = reason
 
     def _echo_time(
-        self, values: dict[str, Column], conditions: dict[str, Column], reading_speed: str | None
+        self, values: dict[str, Column], conditions: dict[str, Column], reading_speed: str | float | None
     ) -> Column:
         echo_time, reading = values.get("echo_time"), values.get("reading")
         if reading is None and echo_time is not None:
+            if reading_speed is not None:
+                Model(str(reading_speed))  # of no use here, but what is no speed is a mistake
             return echo_time
         assert reading is not None  # one of both is there
         if echo_time is None:
@@ -111,7 +114,7 @@ class Assembly:
                     f"readings are taken to be made with the speed {speed.law}; "
                     "if the firmware used another: --reading-speed 343"
                 )
-            return speed.echo_time(reading)
+            return speed.echo_time(reading, self.unusable == "")
         if reading_speed is not None or "temperature" in conditions:
             sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])
             speed = FirmwareSpeed(reading_speed, conditions)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.errors import DataError
 from echocal.model import Model
+from echocal.observations.numbers import row
 from echocal.observations.plan import Assignment
 
 __all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]
@@ -23,7 +24,7 @@ class FirmwareSpeed:
 
     Parameters
     ----------
-    text : str or None
+    text : str, float or None
         Name of a law, an expression (``331.3+0.606*T``) or a fixed speed [m/s] (``343``).
     conditions : mapping of str to ndarray, shape (n,)
         Recorded influence quantities.
@@ -36,9 +37,9 @@ class FirmwareSpeed:
         If the law needs a temperature that the table does not have.
     """
 
-    def __init__(self, text: str | None, conditions: Mapping[str, Column]) -> None:
+    def __init__(self, text: str | float | None, conditions: Mapping[str, Column]) -> None:
         self.stated = text is not None
-        self._model = Model(text or DEFAULT_SPEED)
+        self._model = Model(str(text) if self.stated else DEFAULT_SPEED)
         self.law = self._model.law
         self._conditions: dict[str, Column] = {}
         if not self.fixed:
@@ -60,9 +61,24 @@ class FirmwareSpeed:
             return False
         return True
 
-    def echo_time(self, reading: Column) -> Column:
-        """Echo time [s] of a reading [m]."""
-        return self._model.time_of_flight(reading, **self._given())
+    def echo_time(self, reading: Column, usable: NDArray[np.bool_]) -> Column:
+        """Echo time [s] of a reading [m].
+
+        Raises
+        ------
+        DataError
+            If the speed is none that a usable row can have been made with.
+        """
+        echo_time = self._model.time_of_flight(reading, **self._given())
+        wrong = np.flatnonzero(usable & ~((echo_time > 0.0) & (echo_time < np.inf)))
+        if len(wrong):
+            speed = np.broadcast_to(self._model.speed_of_sound(1.0, **self._given()), echo_time.shape)
+            message = (
+                f"readings cannot be made with the speed '{self.law}': it is {speed[wrong[0]]:g} m/s at "
+                f"{row(wrong[0])}; say the one that the firmware used: --reading-speed 343"
+            )
+            raise DataError(message)
+        return echo_time
 
     def reading(self, echo_time: Column) -> Column:
         """Reading [m] of an echo time [s]."""

@@ -15,7 +15,7 @@ def read_observations(
     source: Any,
     columns: Mapping[str, str] | str | Path | None = None,
     *,
-    reading_speed: str | None = None,
+    reading_speed: str | float | None = None,
     missing: Collection[Any] | Mapping[str, Any] = (),
     trust: Collection[str] = (),
     time_zone: str = "UTC",
@@ -39,8 +39,8 @@ def read_observations(
     columns : mapping of str to str, or path of a TOML file, optional
         What other columns hold: a name (``{"SR_U": "reading_m"}``), a phrase (``"distance reading
         in m"``), ``"extra"`` for a column of another kind, or ``"ignore"``.
-    reading_speed : str, optional
-        Speed of sound that the firmware made readings with: a fixed speed [m/s] (``"343"``), an
+    reading_speed : str or float, optional
+        Speed of sound that the firmware made readings with: a fixed speed [m/s] (``343``), an
         expression (``"331.3+0.606*T"``) or the name of a law. Default: ``"linear"``.
     missing : collection, or mapping of str to collection
         Error codes that mean "no value", in the file's units: for all columns (``[-9999]``) or by

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
+from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
 from echocal.observations import text
 
@@ -107,7 +107,7 @@ def _object(source: Any) -> pd.DataFrame:
 
 
 def _mapping(source: Mapping[Any, Any]) -> pd.DataFrame:
-    columns = {name: np.asarray(values) for name, values in source.items()}
+    columns = {name: unmasked(values) for name, values in source.items()}
     shapes = {values.shape for values in columns.values()}
     if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
         found = ", ".join(f"{name} {values.shape}" for name, values in columns.items())

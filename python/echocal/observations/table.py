@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
+from echocal.errors import DataError, UsageError
 
-__all__ = ["Observations"]
+__all__ = ["Observations", "demand"]
 
 Column = NDArray[np.float64]
 
@@ -122,6 +122,15 @@ class Observations:
                 f"{f' (unusable: {counts})' if counts else ''}"
             )
             raise DataError(message)
+
+
+def demand(given: object, who: str) -> None:
+    """Raise `UsageError` where a function got anything but observations."""
+    if not isinstance(given, Observations):
+        message = (
+            f"{who} needs observations, got {type(given).__name__}; echocal.read_observations makes them"
+        )
+        raise UsageError(message)
 
 
 def _absent(purpose: str, quantity: str) -> str:

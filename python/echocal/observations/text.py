@@ -26,6 +26,14 @@ class Layout:
     decimal: str = "."
     encoding: str = "utf-8-sig"
 
+    def __post_init__(self) -> None:
+        if self.skip_lines < 0:
+            message = f"skip_lines is {self.skip_lines}; give the number of lines before the header"
+            raise UsageError(message)
+        if self.decimal not in {".", ","}:
+            message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
+            raise UsageError(message)
+
 
 def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
     """Read a text file; the separator is the one that its header has most of.

@@ -16,6 +16,7 @@ Range: TypeAlias = "float | tuple[float, float, float] | Sequence[float] | NDArr
 """One value; (start, stop, step), stop included; or values one by one."""
 
 _LARGEST = 10_000_000
+_LEAST = {"temperature": -273.15, "distance": 0.0, "relative_humidity": 0.0, "pressure": 1.0}  # SI
 
 
 def axis(name: str, given: Range) -> NDArray[np.float64]:
@@ -24,11 +25,15 @@ def axis(name: str, given: Range) -> NDArray[np.float64]:
     Raises
     ------
     UsageError
-        If the range is empty or holds anything but finite numbers.
+        If the range is empty or holds anything but finite, possible numbers.
     """
     values = _stepped(name, given) if isinstance(given, tuple) else _numbers(name, given)
     if values.ndim > 1 or values.size == 0:
         message = f"{name}: expected one value, (start, stop, step) or a list, got shape {values.shape}"
+        raise UsageError(message)
+    low = _LEAST.get(name, -np.inf)
+    if values.min() < low:
+        message = f"{name}: {values.min():g} is below {low:g}, the least that can be"
         raise UsageError(message)
     if len(np.unique(values)) != values.size:
         message = f"{name}: a value occurs more than once"
@@ -80,6 +85,8 @@ def parse_named(text: str) -> tuple[str, NDArray[np.float64]]:
 
 def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
     try:
+        if np.asarray(given).dtype.kind in "mM":
+            raise TypeError  # NumPy would take a date for a number
         values = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         message = f"{name}: expected numbers, got {given!r}"
