@@ -134,9 +134,15 @@ def test_command_line_can_be_quiet_and_pipe() -> None:
         (("--reference-distance", "2", "--constant-distance"), 2, "not both"),
         (("--hold-out-after", "2022-07-20"), 2, "no column of times"),
         (("--hold-out-after", "5"), 2, "no column of times"),
-        (("--column", "reading_m"), 2, "A=B"),
+        (("--column", "reading_m"), 2, "neither a pair"),
         (("--base", "linaer"), 2, "linear"),
-        (("--missing", "reading_m=-9", "--missing", "7"), 2, "every code or for none"),
+        (("--missing", "nowhere=-9", "--missing", "7"), 2, "which is not there"),
+        (("--reference-distance", "0"), 2, "give one above 0 and up to 100 m"),
+        (("--reading-speed", "banana"), 2, "unknown law 'banana'"),
+        (("--base", "0"), 2, "a speed of 0 m/s; give a positive one"),
+        (("--decimal", "xx"), 2, "neither '.' nor ','"),
+        (("--json", "absent/x.json"), 3, "absent/x.json cannot be written: No such file"),
+        (("--plots", str(TABLE)), 3, "cannot be written"),
     ],
 )
 def test_bad_requests_are_one_line(arguments: tuple[str, ...], code: int, words: str) -> None:

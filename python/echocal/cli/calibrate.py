@@ -11,10 +11,15 @@ from echocal.calibrate import Calibration, calibrate
 from echocal.cli._models import Effects, model_of
 from echocal.cli._tables import (
     Columns,
+    Decimal,
+    Encoding,
     Json,
     Missing,
     Quiet,
     ReadingSpeed,
+    SkipLines,
+    TimeZone,
+    Trust,
     noted,
     options_of,
     read,
@@ -37,7 +42,12 @@ def command(
     ] = "linear",
     column: Columns = None,
     missing: Missing = None,
+    trust: Trust = None,
     reading_speed: ReadingSpeed = None,
+    time_zone: TimeZone = "UTC",
+    skip_lines: SkipLines = 0,
+    decimal: Decimal = ".",
+    encoding: Encoding = "utf-8-sig",
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
     ] = None,
@@ -47,7 +57,8 @@ def command(
     """Estimate parameters by least squares, with standard uncertainties and correlations."""
     start = model_of(law, model, effect)
     with noted(quiet):
-        options = options_of(column, missing, None, reading_speed=reading_speed or start.law)
+        layout = {"time_zone": time_zone, "skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
+        options = options_of(column, missing, trust, reading_speed=reading_speed or start.law, **layout)
         found = calibrate(read(data, quiet, **options), start, fit, loss=loss)
     if out is not None:
         found.model.save(out)

@@ -45,7 +45,7 @@ def command(
     max_table_bytes: Annotated[int, option("Largest tables allowed, together.")] = 1024,
     threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
     json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
-    quiet: Annotated[bool, option("Print nothing but errors.", "--quiet")] = False,
+    quiet: Annotated[bool, option("Print nothing but errors.", "--quiet", "-q")] = False,
 ) -> None:
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)

@@ -63,7 +63,11 @@ def command(
 
 def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
     ranges: dict[str, Range] = {name: parse(name, text) for name, text in si.items() if text is not None}
-    ranges |= dict(parse_named(text) for text in named)
+    for name, values in map(parse_named, named):
+        if name in ranges:
+            message = f"{name.replace('_', ' ')} is given twice; give it once"
+            raise UsageError(message)
+        ranges[name] = values
     if "temperature" not in ranges:
         message = "sweep needs a temperature: --temperature 0:50:2"
         raise UsageError(message)
@@ -75,6 +79,9 @@ def _plot(grid: xr.Dataset, path: Path) -> None:
 
     if not grid.sizes:
         message = "a single point makes no plot; give a range, such as --temperature 0:50:2"
+        raise UsageError(message)
+    if not path.suffix:
+        message = f"{path} has no ending; a plot is .png, .svg or .pdf"
         raise UsageError(message)
     try:
         sweep_figure(grid).savefig(path, dpi=150)

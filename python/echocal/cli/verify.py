@@ -9,6 +9,8 @@ from rich.table import Table
 
 from echocal.cli._tables import (
     Columns,
+    Decimal,
+    Encoding,
     Json,
     Missing,
     Quiet,
@@ -48,6 +50,8 @@ def command(
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
     skip_lines: SkipLines = 0,
+    decimal: Decimal = ".",
+    encoding: Encoding = "utf-8-sig",
     json: Json = None,
     quiet: Quiet = False,
 ) -> None:
@@ -63,8 +67,9 @@ def command(
         else:
             correction = None if model is None else Model.load(model)
             speed = reading_speed or (correction.law if correction else None)
-            others = {"reading_speed": speed, "time_zone": time_zone, "skip_lines": skip_lines}
-            observations = read(subject, quiet, **options_of(column, missing, trust, **others))
+            layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
+            options = options_of(column, missing, trust, reading_speed=speed, time_zone=time_zone, **layout)
+            observations = read(subject, quiet, **options)
             result = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
     write_json(result.to_dict(), json)
     if not quiet and json != "-":

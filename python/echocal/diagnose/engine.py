@@ -8,6 +8,8 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from echocal.diagnose.base import Base
 from echocal.diagnose.case import examine
 from echocal.diagnose.gain import Folds
@@ -15,7 +17,7 @@ from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import prepare
 from echocal.diagnose.verdict import conclude
 from echocal.diagnose.window import between, held_out
-from echocal.errors import DomainWarning
+from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.observations import Observations, read_observations
 
@@ -29,12 +31,13 @@ def diagnose(
     reference_distance: float | None = None,
     constant_distance: bool = False,
     columns: Mapping[str, str] | str | Path | None = None,
-    reading_speed: str | None = None,
+    reading_speed: str | float | None = None,
     missing: Collection[Any] | Mapping[str, Any] = (),
     since: str | None = None,
     until: str | None = None,
     hold_out_after: str | float | None = None,
     seed: int = 0,
+    **table: Any,
 ) -> Diagnosis:
     """Name what a base simulation gets wrong about a table of echoes.
 
@@ -57,7 +60,7 @@ def diagnose(
         stretch.
     columns, missing
         Passed to `echocal.read_observations`.
-    reading_speed : str, optional
+    reading_speed : str or float, optional
         Speed that the device made its readings with; default: the base.
     since, until : str, optional
         Use only rows from and up to these times, ISO 8601; a date means its whole day.
@@ -65,7 +68,9 @@ def diagnose(
         Rows from this time on are held out from everything: ISO 8601, or seconds since the first
         row. Default: folds take turns.
     seed : int
-        Seed of the resampling behind the interval of the gain.
+        Seed of the resampling behind the interval of the gain, not negative.
+    **table
+        Further arguments of `echocal.read_observations`: ``trust``, ``time_zone``, ...
 
     Returns
     -------
@@ -94,13 +99,26 @@ def diagnose(
     """
     start = time.perf_counter()
     simulated = Base.of(base)
-    if not isinstance(observations, Observations):
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        message = f"seed is {seed!r}; give an integer of 0 or more"
+        raise UsageError(message)
+    if isinstance(observations, Observations):
+        _refuse_late({"columns": columns, "reading_speed": reading_speed, "missing": missing, **table})
+    else:
         law = reading_speed or (
             simulated.law if simulated.device_speed is None else str(simulated.device_speed)
         )
-        observations = read_observations(observations, columns, reading_speed=law, missing=missing)
+        observations = read_observations(observations, columns, reading_speed=law, missing=missing, **table)
     observations = between(observations, since, until)
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
-        table = prepare(observations, simulated, reference_distance, constant_distance)
-        folds = Folds.of(table, *held_out(observations, table, hold_out_after))
-        return conclude(examine(table, simulated, folds, seed), observations, start)
+        ready = prepare(observations, simulated, reference_distance, constant_distance)
+        folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
+        return conclude(examine(ready, simulated, folds, int(seed)), observations, start)
+
+
+def _refuse_late(given: Mapping[str, Any]) -> None:
+    """Refuse what only concerns the reading of a table that is read already."""
+    late = next((name for name, value in given.items() if value), None)
+    if late:
+        message = f"{late} concerns the reading of a table; pass it to read_observations, which made these"
+        raise UsageError(message)

@@ -1,6 +1,7 @@
 """What a diagnosis says, as data."""
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.errors import DataError
 from echocal.model import Model
 
 __all__ = [
@@ -231,7 +233,7 @@ class Diagnosis:
     traces: Traces = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
-        """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and numbers."""
+        """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
         return {
             "schema": SCHEMA,
             "verdict": self.verdict,
@@ -251,7 +253,12 @@ class Diagnosis:
 
     def to_json(self, path: str | Path) -> None:
         """Write `to_dict` to a file."""
-        Path(path).write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
+        text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        try:
+            Path(path).write_text(text, encoding="utf-8")
+        except OSError as error:
+            message = f"{path} cannot be written: {error.strerror}"
+            raise DataError(message) from None
 
     def explain(self) -> str:
         """Plain sentences that a user can check in the data."""
@@ -267,4 +274,5 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
-    return value.item() if isinstance(value, np.generic) else value
+    plain = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(plain, float) and not math.isfinite(plain) else plain

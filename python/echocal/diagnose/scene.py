@@ -11,6 +11,7 @@ from echocal.diagnose.rows import far_rows, level_steps, series_starts
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.units import NAMES
 
 __all__ = ["Table", "prepare"]
 
@@ -109,6 +110,12 @@ def prepare(
         raise UsageError("give either a reference distance or constant_distance, not both")
     reference = observations.reference_distance
     if reference_distance is not None:
+        low, high = NAMES["distance_m"][0].physical
+        if not low < reference_distance <= high:
+            message = (
+                f"reference distance is {reference_distance:g} m; give one above {low:g} and up to {high:g} m"
+            )
+            raise UsageError(message)
         reference = np.full(len(observations), float(reference_distance))
     if constant_distance:
         reference = None
@@ -144,8 +151,13 @@ def _arrange(
     far = far_rows(indication[kept], None if reference is None else reference[kept])
     reasons[kept[far]] = FAR
     kept = kept[~far]
+    names, counts = np.unique(reasons[reasons != ""].astype(str), return_counts=True)
+    unusable = dict(zip(names.tolist(), counts.tolist(), strict=True))
     if len(kept) < _FEWEST:
-        message = f"{len(kept)} usable rows of {len(observations)}; a diagnosis needs at least {_FEWEST}"
+        why = "".join(f", {count} {reason}" for reason, count in unusable.items())
+        message = (
+            f"a diagnosis needs at least {_FEWEST} usable rows; of {len(observations)}, {len(kept)} are{why}"
+        )
         raise DataError(message)
     conditions = {name: column[kept] for name, column in observations.conditions.items()}
     elapsed = conditions.get("elapsed_time")
@@ -159,7 +171,6 @@ def _arrange(
     breaks[steps] = True
     groups = np.cumsum(breaks) if reference is None else _stands(observations, reference, kept)
     breaks[1:] |= np.diff(groups) != 0
-    names, counts = np.unique(reasons[reasons != ""].astype(str), return_counts=True)
     return Table(
         row=kept,
         indication=indication[kept],
@@ -169,7 +180,7 @@ def _arrange(
         groups=groups.astype(np.int64),
         starts=series_starts(elapsed, breaks),
         steps=kept[steps],
-        unusable=dict(zip(names.tolist(), counts.tolist(), strict=True)),
+        unusable=unusable,
     )
 
 

@@ -1,6 +1,8 @@
 """Rows by time: the window asked for, and what is held out."""
 
+import re
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,9 +72,23 @@ def _times(observations: Observations, wanted: str) -> NDArray[np.datetime64]:
 
 def _instant(text: str, *, last: bool = False) -> np.datetime64:
     try:
-        instant = np.datetime64(text, "ns")
+        instant = np.datetime64(_in_utc(text), "ns")
+        if np.isnat(instant):
+            raise ValueError
     except ValueError:
         message = f"'{text}' is not an ISO 8601 time such as 2022-07-20 or 2022-07-20T12:00"
         raise UsageError(message) from None
     whole_day = last and len(text) == _DATE
     return instant + np.timedelta64(1, "D") - np.timedelta64(1, "ns") if whole_day else instant
+
+
+def _in_utc(text: str) -> str:
+    """Text of the same instant in UTC without an offset, as NumPy wants it."""
+    if not re.match(r"\d{4}", text):
+        raise ValueError  # NumPy would take "now" and "today"
+    if len(text) <= _DATE:
+        return text
+    instant = datetime.fromisoformat(text)
+    return (
+        instant.isoformat() if instant.tzinfo is None else f"{instant.astimezone(UTC):%Y-%m-%dT%H:%M:%S.%f}"
+    )

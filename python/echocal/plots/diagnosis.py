@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose import Cause, Diagnosis, Refuted
 from echocal.diagnose.sentences import shown
+from echocal.errors import DataError
 
 __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
@@ -29,20 +30,28 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     Returns
     -------
     list of Path
+
+    Raises
+    ------
+    DataError
+        If the folder cannot be written.
     """
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
         figures = {
             "residuals": _residuals(diagnosis),
             "gain": _single(diagnosis, plot_gain, (6.0, 2.8)),
             "posterior": _single(diagnosis, plot_posterior, (8.0, 3.2)),
         }
-        paths = []
-        for name, figure in figures.items():
-            paths.append(folder / f"{name}.png")
-            figure.savefig(paths[-1], dpi=150)
-    return paths
+        paths = {folder / f"{name}.png": figure for name, figure in figures.items()}
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for path, figure in paths.items():
+                figure.savefig(path, dpi=150)
+        except OSError as error:
+            message = f"plots cannot be written to {folder}: {error.strerror}"
+            raise DataError(message) from None
+    return list(paths)
 
 
 def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Figure:

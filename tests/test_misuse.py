@@ -1,0 +1,172 @@
+"""Requests that make no sense, and data at the edge of sense: one clear answer, never a number."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import echocal
+from echocal import DataError, Model, ModelError, UsageError
+from echocal.observations.text import Layout
+
+CODES = (1.0, 0.0, 2.0)
+TABLE = {"reading_m": [2.0] * 9, "temperature_C": np.arange(10.0, 19.0), "distance_m": [2.0] * 9}
+
+REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
+    "a date for a distance": (
+        lambda: Model("linear").indicate(np.datetime64("2020-01-01"), temperature=20.0),  # type: ignore[arg-type]
+        UsageError,
+        r"the first argument must be real numbers, but has dtype datetime64\[D\]",
+    ),
+    "text for a temperature": (
+        lambda: Model("linear").indicate([2.0], temperature="warm"),
+        UsageError,
+        "temperature must be real numbers, but has dtype <U4",
+    ),
+    "a misspelled condition": (
+        lambda: Model("linear").indicate(2.0, temperatur=20.0),
+        UsageError,
+        "unknown influence quantity 'temperatur'; did you mean 'temperature'?",
+    ),
+    "a law that stands still": (
+        lambda: Model("0"),
+        ModelError,
+        "law '0' is a speed of 0 m/s; give a positive",
+    ),
+    "effects as a list": (lambda: Model("linear", ["humidity"]), ModelError, "effects map an id to its"),  # type: ignore[arg-type]
+    "humidity of 50": (
+        lambda: Model("linear", air={"relative_humidity": 50.0}),
+        ModelError,
+        r"air.relative_humidity is 50, outside 0 .. 1 \[1\]",
+    ),
+    "humidity in words": (
+        lambda: Model("linear", air={"relative_humidity": "dry"}),  # type: ignore[dict-item]
+        ModelError,
+        "air.relative_humidity is 'dry'; give a finite number",
+    ),
+    "a speed that no reading was made with": (
+        lambda: echocal.read_observations(TABLE, reading_speed="331-20*T"),
+        DataError,
+        "the speed '331-20.T': it is -9 m/s at row 8",
+    ),
+    "a speed that is none, where it is not needed": (
+        lambda: echocal.read_observations({"echo_us": [11660.0]}, reading_speed="banana"),
+        ModelError,
+        "unknown law 'banana'",
+    ),
+    "two characters for a comma": (lambda: Layout(decimal=",,"), UsageError, "neither '.' nor ','"),
+    "lines before the first": (lambda: Layout(skip_lines=-1), UsageError, "skip_lines is -1"),
+    "a negative seed": (
+        lambda: echocal.diagnose(TABLE, seed=-1),
+        UsageError,
+        "seed is -1; give an integer of 0 or more",
+    ),
+    "reading a table that is read": (
+        lambda: echocal.diagnose(echocal.read_observations(TABLE), reading_speed="343"),
+        UsageError,
+        "reading_speed concerns the reading of a table; pass it to read_observations",
+    ),
+    "a table where observations are due": (
+        lambda: echocal.calibrate(TABLE, Model("linear"), fit=["zero_error"]),  # type: ignore[arg-type]
+        UsageError,
+        "calibrate needs observations, got dict; echocal.read_observations makes them",
+    ),
+    "colder than cold": (
+        lambda: echocal.sweep("linear", temperature=-300.0),
+        UsageError,
+        "temperature: -300 is below -273.15",
+    ),
+    "a distance behind the sensor": (
+        lambda: echocal.sweep("linear", temperature=20.0, distance=[-1.0, 1.0]),
+        UsageError,
+        "distance: -1 is below 0",
+    ),
+    "codes below absolute zero": (
+        lambda: echocal.firmware.generate(Model("linear"), temperature=(1.0, -300.0, 0.0)),
+        UsageError,
+        "temperature -300 degC is below absolute zero",
+    ),
+    "half an echo": (
+        lambda: echocal.firmware.generate(Model("linear"), temperature=CODES, echo=2.5),  # type: ignore[arg-type]
+        UsageError,
+        "echo is 2.5; give a whole number",
+    ),
+    "fewer threads than none": (
+        lambda: echocal.firmware.generate(Model("linear"), temperature=CODES, n_threads=-1),
+        UsageError,
+        "n_threads is -1; give a whole number of 1",
+    ),
+    "assumed humidity of 50": (
+        lambda: echocal.firmware.generate(
+            Model("linear"), temperature=CODES, assume={"relative_humidity": 50.0}
+        ),
+        ModelError,
+        "air.relative_humidity is 50, outside 0",
+    ),
+    "assuming what is measured": (
+        lambda: echocal.firmware.generate(Model("linear"), temperature=CODES, assume={"temperature": 20.0}),
+        UsageError,
+        "temperature is measured: it cannot be assumed",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REQUESTS)
+def test_requests(case: str) -> None:
+    request, error, message = REQUESTS[case]
+    with pytest.raises(error, match=message) as caught:
+        request()
+    assert "\n" not in str(caught.value)
+
+
+def test_codes_of_the_twin_are_whole() -> None:
+    made = echocal.firmware.generate(Model("linear"), temperature=CODES)
+    with pytest.raises(UsageError, match="echo_us must be integer codes, but has dtype float64"):
+        made.distance_um(1.5, 0)
+    with pytest.raises(UsageError, match=r"do not broadcast: echo_us \(2,\), temperature_code \(3,\)"):
+        made.distance_um([1, 2], [0, 1, 2])
+
+
+def test_what_is_masked_was_not_measured() -> None:
+    distance = np.ma.array([1.0, 2.0], mask=[False, True])
+    assert np.isnan(Model("linear").indicate(distance, temperature=20.0)).tolist() == [False, True]
+    with pytest.warns(echocal.DataWarning, match="echo_us has no value in 1 row, first at row 2"):
+        data = echocal.read_observations({"echo_us": np.ma.array([11660.0, 11660.0], mask=[0, 1])})
+    assert data.usable.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("content", ["[" * 100_000, '{"schema": ' + "9" * 5000 + "}"])
+def test_files_that_are_no_model(content: str, tmp_path: Path) -> None:
+    (tmp_path / "model.json").write_text(content)
+    with pytest.raises(ModelError, match=r"model\.json: is no model: "):
+        Model.load(tmp_path / "model.json")
+
+
+def test_a_model_file_with_a_byte_order_mark(tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    Model("linear").save(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert Model.load(path).law == "linear"
+
+
+def test_times_with_an_offset_bound_the_window() -> None:
+    time = np.datetime64("2024-01-01T00:00") + np.arange(40) * np.timedelta64(1, "m")
+    table = {**{name: np.resize(column, 40) for name, column in TABLE.items()}, "time": time}
+    table["reading_m"] = 2.0 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+    found = echocal.diagnose(table, since="2024-01-01T02:10+02:00", until="2024-01-01T00:29Z")
+    assert found.rows["used"] == 20
+    with pytest.raises(UsageError, match="'now' is not an ISO 8601 time"):
+        echocal.diagnose(table, since="now")
+
+
+def test_data_without_noise_are_diagnosed() -> None:
+    temperature = np.linspace(0.0, 40.0, 30)
+    reading = 2.0 * 343.0 / (331.4 + 0.6 * temperature)
+    found = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, reference_distance=2.0)
+    assert (found.verdict, found.causes[0].id) == ("named", "fixed_speed")
+    perfect = echocal.diagnose(
+        {"reading_m": np.full(30, 2.0), "temperature_C": temperature}, reference_distance=2.0
+    )
+    assert perfect.verdict == "nothing"
