@@ -15,11 +15,41 @@ class Model:
     def law_reads(self) -> list[str]: ...
     @property
     def terms(self) -> list[tuple[str, list[float]]]: ...
-    def indicate(self, distance: _Column, conditions: list[_Column]) -> _Column: ...
-    def speed_of_sound(self, distance: _Column, conditions: list[_Column]) -> _Column: ...
-    def time_of_flight(self, distance: _Column, conditions: list[_Column]) -> _Column: ...
-    def correct(self, indication: _Column, conditions: list[_Column]) -> _Column: ...
-    def distance(self, time: _Column, conditions: list[_Column]) -> _Column: ...
+    def indicate(
+        self,
+        distance: ArrayLike | Any,
+        conditions: list[Any],
+        out: NDArray[Any] | None = None,
+        n_threads: int | None = None,
+    ) -> Any: ...
+    def speed_of_sound(
+        self,
+        distance: ArrayLike | Any,
+        conditions: list[Any],
+        out: NDArray[Any] | None = None,
+        n_threads: int | None = None,
+    ) -> Any: ...
+    def time_of_flight(
+        self,
+        distance: ArrayLike | Any,
+        conditions: list[Any],
+        out: NDArray[Any] | None = None,
+        n_threads: int | None = None,
+    ) -> Any: ...
+    def correct(
+        self,
+        indication: ArrayLike | Any,
+        conditions: list[Any],
+        out: NDArray[Any] | None = None,
+        n_threads: int | None = None,
+    ) -> Any: ...
+    def distance(
+        self,
+        time: ArrayLike | Any,
+        conditions: list[Any],
+        out: NDArray[Any] | None = None,
+        n_threads: int | None = None,
+    ) -> Any: ...
     def jacobian(self, distance: _Column, conditions: list[_Column]) -> NDArray[np.float64]: ...
 
 def departure(law: str | None, row: list[float]) -> tuple[str, float, float, float, str] | None: ...

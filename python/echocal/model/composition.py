@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
-from echocal.conditions import columns, numbers, refuse_unknown
+from echocal.conditions import QUANTITIES, columns, numbers, refuse_unknown
 from echocal.errors import ModelError
 from echocal.model import covariance as covariances
 from echocal.model import document, needs
@@ -26,6 +26,15 @@ def _terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[t
         )
         raise ModelError(message)
     return [(id_, list(own.items())) for id_, own in effects.items()]
+
+
+def _numeric(name: str, given: Any) -> Any:
+    """Real numbers: as they are where a ufunc keeps their type, else as an array of their own."""
+    kind = getattr(getattr(given, "dtype", None), "kind", "f")
+    typed = hasattr(given, "__array_ufunc__") and not isinstance(given, np.ma.MaskedArray)
+    if isinstance(given, float | int) or (typed and kind in "biuf"):
+        return given
+    return numbers(name, given)
 
 
 def _refuse_standstill(law: str) -> None:
@@ -51,7 +60,9 @@ class Model:
     ``temperature`` [degC], ``relative_humidity`` [1], ``pressure`` [Pa], ``co2_mole_fraction``
     [1], ``elapsed_time`` [s], ``supply_voltage`` [V], ``angle`` [rad], ``wind_speed`` [m/s],
     ``radiation`` [W/m^2], ``amplitude`` [1]. They broadcast against the first argument; scalars
-    alone give a float. Without their keyword, humidity is 0, pressure 101325 Pa and CO2 0.04 %;
+    alone give a float; pandas, xarray and dask come back as their own type, and the keywords `out`
+    and `n_threads` act as in `echocal.distance`. Without their keyword, humidity is 0, pressure
+    101325 Pa and CO2 0.04 %;
     NaN in gives NaN out, and `DomainWarning` tells once where a law is used outside its domain.
 
     Parameters
@@ -231,19 +242,18 @@ class Model:
 
     def _conditions(self, given: Mapping[str, ArrayLike | None]) -> dict[str, ArrayLike]:
         refuse_unknown(given)
-        known = {
-            name: value if isinstance(value, float | int) else numbers(name, value)
-            for name, value in given.items()
-            if value is not None
-        }
+        known = {name: _numeric(name, value) for name, value in given.items() if value is not None}
         conditions: dict[str, ArrayLike] = {**self.air, **known}
         self._needs.check(conditions)
         self._needs.warn_outside(conditions, self.effects)
         return conditions
 
     def _map(
-        self, function: Callable[[Values, list[Values]], Values], first: ArrayLike, given: Mapping[str, Any]
+        self, function: Callable[..., float | Values], first: ArrayLike, given: Mapping[str, Any]
     ) -> float | Values:
-        shape, (column, *rest) = columns(first, self._conditions(given))
-        result = function(column, rest)
-        return result.reshape(shape) if shape else float(result[0])
+        # Two keywords are not conditions; callers unpack tables into the rest.
+        out, n_threads = given.get("out"), given.get("n_threads")
+        named = {name: value for name, value in given.items() if name not in {"out", "n_threads"}}
+        conditions = self._conditions(named)
+        first = _numeric("the first argument", first)
+        return function(first, [conditions.get(name) for name in QUANTITIES], out, n_threads)

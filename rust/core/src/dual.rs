@@ -3,37 +3,49 @@
 use crate::scalar::Scalar;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value and its partial derivatives.
+/// A value and its partial derivatives, of one row or of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual<const N: usize> {
+pub struct Dual<const N: usize, S = f64> {
     /// The value.
-    pub value: f64,
+    pub value: S,
     /// Partial derivatives to the `N` seeded variables.
-    pub derivatives: [f64; N],
+    pub derivatives: [S; N],
 }
 
-impl<const N: usize> Dual<N> {
+impl<const N: usize, S: Scalar> Dual<N, S> {
     /// The variable number `index`: its derivative to itself is one.
+    #[inline(always)]
     #[must_use]
-    pub fn variable(value: f64, index: usize) -> Self {
-        let mut derivatives = [0.0; N];
-        derivatives[index] = 1.0;
-        Self { value, derivatives }
+    pub fn variable(value: S, index: usize) -> Self {
+        let mut dual = Self::fixed(value);
+        dual.derivatives[index] = S::constant(1.0);
+        dual
+    }
+
+    /// A value that depends on none of the variables.
+    #[inline(always)]
+    #[must_use]
+    pub fn fixed(value: S) -> Self {
+        Self {
+            value,
+            derivatives: [S::constant(0.0); N],
+        }
     }
 
     /// A function of `self` with value `value` and derivative `slope`.
     #[inline(always)]
-    fn chain(self, value: f64, slope: f64) -> Self {
-        Self {
-            value,
-            derivatives: self.derivatives.map(|d| d * slope),
+    fn chain(self, value: S, slope: S) -> Self {
+        let mut derivatives = self.derivatives;
+        for d in &mut derivatives {
+            *d = *d * slope;
         }
+        Self { value, derivatives }
     }
 
     /// A function of two duals with value `value` and partial derivatives `a`, `b`.
     #[inline(always)]
-    fn chain2(self, other: Self, value: f64, a: f64, b: f64) -> Self {
-        let mut derivatives = [0.0; N];
+    fn chain2(self, other: Self, value: S, a: S, b: S) -> Self {
+        let mut derivatives = self.derivatives;
         for (i, d) in derivatives.iter_mut().enumerate() {
             *d = self.derivatives[i].mul_add(a, other.derivatives[i] * b);
         }
@@ -41,23 +53,25 @@ impl<const N: usize> Dual<N> {
     }
 }
 
-impl<const N: usize> Add for Dual<N> {
+impl<const N: usize, S: Scalar> Add for Dual<N, S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.chain2(other, self.value + other.value, 1.0, 1.0)
+        let one = S::constant(1.0);
+        self.chain2(other, self.value + other.value, one, one)
     }
 }
 
-impl<const N: usize> Sub for Dual<N> {
+impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.chain2(other, self.value - other.value, 1.0, -1.0)
+        let one = S::constant(1.0);
+        self.chain2(other, self.value - other.value, one, -one)
     }
 }
 
-impl<const N: usize> Mul for Dual<N> {
+impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -65,34 +79,32 @@ impl<const N: usize> Mul for Dual<N> {
     }
 }
 
-impl<const N: usize> Div for Dual<N> {
+impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
-        self.chain2(other, quotient, 1.0 / other.value, -quotient / other.value)
+        let inverse = S::constant(1.0) / other.value;
+        self.chain2(other, quotient, inverse, -quotient / other.value)
     }
 }
 
-impl<const N: usize> Neg for Dual<N> {
+impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.chain(-self.value, -1.0)
+        self.chain(-self.value, S::constant(-1.0))
     }
 }
 
-impl<const N: usize> Scalar for Dual<N> {
+impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Self {
-            value,
-            derivatives: [0.0; N],
-        }
+        Self::fixed(S::constant(value))
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        let mut derivatives = [0.0; N];
+        let mut derivatives = self.derivatives;
         for (i, d) in derivatives.iter_mut().enumerate() {
             let product =
                 self.derivatives[i].mul_add(factor.value, factor.derivatives[i] * self.value);
@@ -106,23 +118,27 @@ impl<const N: usize> Scalar for Dual<N> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.chain(root, 0.5 / root)
+        self.chain(root, S::constant(0.5) / root)
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        let value = Scalar::exp(self.value);
+        let value = self.value.exp();
         self.chain(value, value)
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.chain(self.value.abs(), self.value.signum())
+        let one = S::constant(1.0);
+        self.chain(self.value.abs(), S::select(self.value, one, -one))
     }
     #[inline(always)]
     fn select(condition: Self, chosen: Self, other: Self) -> Self {
-        if condition.value >= 0.0 {
-            chosen
-        } else {
-            other
+        let mut derivatives = chosen.derivatives;
+        for (i, d) in derivatives.iter_mut().enumerate() {
+            *d = S::select(condition.value, chosen.derivatives[i], other.derivatives[i]);
+        }
+        Self {
+            value: S::select(condition.value, chosen.value, other.value),
+            derivatives,
         }
     }
 }

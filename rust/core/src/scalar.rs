@@ -47,6 +47,13 @@ pub trait Scalar:
     }
 }
 
+/// A [`Scalar`] of one row or several, as an iteration sees it that must know when to stop.
+pub trait Rows: Scalar {
+    /// Whether every row is `>= 0`. Only for leaving a loop that no longer changes any row: a row's
+    /// result must not depend on its neighbors.
+    fn all_non_negative(self) -> bool;
+}
+
 /// `coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ...` by Horner's rule.
 #[inline(always)]
 pub fn polynomial<S: Scalar, const N: usize>(x: S, coefficients: [f64; N]) -> S {
@@ -87,6 +94,20 @@ macro_rules! scalar_for_float {
             }
         }
     };
+}
+
+impl Rows for f64 {
+    #[inline(always)]
+    fn all_non_negative(self) -> bool {
+        self >= 0.0
+    }
+}
+
+impl Rows for f32 {
+    #[inline(always)]
+    fn all_non_negative(self) -> bool {
+        self >= 0.0
+    }
 }
 
 scalar_for_float!(f64, crate::simd::exp64);

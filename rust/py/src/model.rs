@@ -1,8 +1,14 @@
 //! Models over arrays.
 
+use std::iter;
+use std::sync::OnceLock;
+
+use echocal_core::batch::{ModelOutput, of_model};
 use echocal_core::{Conditions, Law, Model, Quantity};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
+
+use crate::batch::{Entry, Input, Label, Options, call};
 
 use crate::errors::to_python;
 
@@ -12,7 +18,11 @@ type Column<'py> = PyReadonlyArray1<'py, f64>;
 #[pyclass(name = "Model", module = "echocal._core", frozen)]
 pub struct CoreModel {
     pub(crate) model: Model,
+    entries: [OnceLock<Entry>; 5],
 }
+
+/// One value or column per influence quantity; None where it was not recorded.
+type Given<'py> = [Option<Bound<'py, PyAny>>; Quantity::COUNT];
 
 #[pymethods]
 impl CoreModel {
@@ -25,7 +35,10 @@ impl CoreModel {
             let parameters: Vec<_> = parameters.iter().map(|(n, v)| (n.as_str(), *v)).collect();
             model = model.with(id, &parameters).map_err(|e| to_python(&e))?;
         }
-        Ok(Self { model })
+        Ok(Self {
+            model,
+            entries: Default::default(),
+        })
     }
 
     /// The law's name or expression, normalized.
@@ -51,53 +64,93 @@ impl CoreModel {
     }
 
     /// Indication \[m\] at a true distance \[m\].
+    #[pyo3(signature = (distance, conditions, out=None, n_threads=None))]
     fn indicate<'py>(
         &self,
-        py: Python<'py>,
-        distance: Column<'py>,
-        conditions: Vec<Column<'py>>,
-    ) -> Bound<'py, PyArray1<f64>> {
-        self.map(py, &distance, &conditions, Model::indicate)
+        distance: &Bound<'py, PyAny>,
+        conditions: Given<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        n_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(
+            ModelOutput::Indication,
+            ("distance", distance),
+            &conditions,
+            out,
+            n_threads,
+        )
     }
 
     /// Speed of sound on the path \[m/s\] at a true distance \[m\].
+    #[pyo3(signature = (distance, conditions, out=None, n_threads=None))]
     fn speed_of_sound<'py>(
         &self,
-        py: Python<'py>,
-        distance: Column<'py>,
-        conditions: Vec<Column<'py>>,
-    ) -> Bound<'py, PyArray1<f64>> {
-        self.map(py, &distance, &conditions, Model::speed_of_sound)
+        distance: &Bound<'py, PyAny>,
+        conditions: Given<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        n_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(
+            ModelOutput::SpeedOfSound,
+            ("distance", distance),
+            &conditions,
+            out,
+            n_threads,
+        )
     }
 
     /// Recorded echo time \[s\] at a true distance \[m\].
+    #[pyo3(signature = (distance, conditions, out=None, n_threads=None))]
     fn time_of_flight<'py>(
         &self,
-        py: Python<'py>,
-        distance: Column<'py>,
-        conditions: Vec<Column<'py>>,
-    ) -> Bound<'py, PyArray1<f64>> {
-        self.map(py, &distance, &conditions, Model::time_of_flight)
+        distance: &Bound<'py, PyAny>,
+        conditions: Given<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        n_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(
+            ModelOutput::TimeOfFlight,
+            ("distance", distance),
+            &conditions,
+            out,
+            n_threads,
+        )
     }
 
     /// True distance \[m\] of an indication \[m\].
+    #[pyo3(signature = (indication, conditions, out=None, n_threads=None))]
     fn correct<'py>(
         &self,
-        py: Python<'py>,
-        indication: Column<'py>,
-        conditions: Vec<Column<'py>>,
-    ) -> Bound<'py, PyArray1<f64>> {
-        self.map(py, &indication, &conditions, Model::correct)
+        indication: &Bound<'py, PyAny>,
+        conditions: Given<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        n_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(
+            ModelOutput::Correction,
+            ("indication", indication),
+            &conditions,
+            out,
+            n_threads,
+        )
     }
 
     /// True distance \[m\] of a recorded echo time \[s\].
+    #[pyo3(signature = (time, conditions, out=None, n_threads=None))]
     fn distance<'py>(
         &self,
-        py: Python<'py>,
-        time: Column<'py>,
-        conditions: Vec<Column<'py>>,
-    ) -> Bound<'py, PyArray1<f64>> {
-        self.map(py, &time, &conditions, Model::distance)
+        time: &Bound<'py, PyAny>,
+        conditions: Given<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        n_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.call(
+            ModelOutput::Distance,
+            ("time", time),
+            &conditions,
+            out,
+            n_threads,
+        )
     }
 
     /// Derivatives of the indication: columns are the distance, then each parameter.
@@ -115,16 +168,49 @@ impl CoreModel {
 }
 
 impl CoreModel {
-    fn map<'py>(
+    fn call<'py>(
         &self,
-        py: Python<'py>,
-        input: &Column<'py>,
-        conditions: &[Column<'py>],
-        function: impl Fn(&Model, f64, &Conditions<f64>) -> f64,
-    ) -> Bound<'py, PyArray1<f64>> {
-        let output = rows(input, conditions).map(|(x, at)| function(&self.model, x, &at));
-        PyArray1::from_iter(py, output)
+        output: ModelOutput,
+        (name, first): (&'static str, &Bound<'py, PyAny>),
+        conditions: &Given<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        n_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = first.py();
+        let quantities = Quantity::ALL.iter().zip(conditions);
+        let recorded = quantities.map(|(facts, given)| Input {
+            name: facts.name,
+            given: given.as_ref(),
+            default: facts.default.unwrap_or(f64::NAN),
+        });
+        let first = Input {
+            name,
+            given: Some(first),
+            default: f64::NAN,
+        };
+        let inputs: Vec<_> = iter::once(first).chain(recorded).collect();
+        let options = Options {
+            out,
+            condition: None,
+            n_threads,
+        };
+        let label = label(output);
+        let entry = self.entries[output as usize].get_or_init(|| {
+            let name = format!("model_{}", label.name);
+            Entry::new(name, of_model(self.model.clone(), output))
+        });
+        call(py, entry, label, &inputs, &options)
     }
+}
+
+fn label(output: ModelOutput) -> Label {
+    let (name, unit) = match output {
+        ModelOutput::Indication => ("indication", "m"),
+        ModelOutput::SpeedOfSound => ("speed_of_sound", "m/s"),
+        ModelOutput::TimeOfFlight => ("time_of_flight", "s"),
+        ModelOutput::Correction | ModelOutput::Distance => ("distance", "m"),
+    };
+    Label { name, unit }
 }
 
 /// The rows of an input column beside the columns of conditions, in the order of the quantities.

@@ -6,7 +6,7 @@
 use super::{Formula, Kernel, kernel};
 use crate::air::{self, Air, Law};
 use crate::echo;
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 
 /// What a kernel computes. The air comes last in its inputs, as temperature \[degC\], relative
 /// humidity \[1\], pressure \[Pa\] and CO2 mole fraction \[1\].
@@ -77,7 +77,7 @@ struct Speed(Law);
 
 impl Formula<4> for Speed {
     #[inline(always)]
-    fn evaluate<S: Scalar>(&self, air: [S; 4], _: &[S]) -> S {
+    fn evaluate<S: Rows>(&self, air: [S; 4], _: &[S]) -> S {
         self.0.speed(&moist(air))
     }
 }
@@ -86,7 +86,7 @@ struct DispersedSpeed(Law);
 
 impl Formula<5> for DispersedSpeed {
     #[inline(always)]
-    fn evaluate<S: Scalar>(&self, [t, h, p, c, frequency]: [S; 5], _: &[S]) -> S {
+    fn evaluate<S: Rows>(&self, [t, h, p, c, frequency]: [S; 5], _: &[S]) -> S {
         self.0.speed_at_frequency(&moist([t, h, p, c]), frequency)
     }
 }
@@ -98,7 +98,7 @@ struct Echo {
 
 impl Formula<5> for Echo {
     #[inline(always)]
-    fn evaluate<S: Scalar>(&self, [x, t, h, p, c]: [S; 5], _: &[S]) -> S {
+    fn evaluate<S: Rows>(&self, [x, t, h, p, c]: [S; 5], _: &[S]) -> S {
         let air = moist([t, h, p, c]);
         self.output.evaluate(x, &air, self.law.speed(&air))
     }
@@ -111,7 +111,7 @@ struct DispersedEcho {
 
 impl Formula<6> for DispersedEcho {
     #[inline(always)]
-    fn evaluate<S: Scalar>(&self, [x, t, h, p, c, frequency]: [S; 6], _: &[S]) -> S {
+    fn evaluate<S: Rows>(&self, [x, t, h, p, c, frequency]: [S; 6], _: &[S]) -> S {
         let air = moist([t, h, p, c]);
         let speed = self.law.speed_at_frequency(&air, frequency);
         self.output.evaluate(x, &air, speed)
@@ -122,7 +122,7 @@ struct Absorption;
 
 impl Formula<4> for Absorption {
     #[inline(always)]
-    fn evaluate<S: Scalar>(&self, [t, h, p, frequency]: [S; 4], _: &[S]) -> S {
+    fn evaluate<S: Rows>(&self, [t, h, p, frequency]: [S; 4], _: &[S]) -> S {
         air::absorption(&moist([t, h, p, S::constant(0.0)]), frequency)
     }
 }

@@ -1,30 +1,36 @@
 //! Formulas over whole columns: blocks of rows through SIMD registers, on several threads.
 //!
-//! A [`Formula`] is written once, generic over [`Scalar`]; [`kernel`] makes it run over strided
+//! A [`Formula`] is written once, generic over [`Rows`]; [`kernel`] makes it run over strided
 //! memory in either precision. Nothing is allocated per row and no input is copied unless its
 //! rows are not side by side; a constant is one number, whatever the number of rows.
 #![allow(unsafe_code)]
 
 mod block;
 mod formulas;
+mod models;
 #[cfg(test)]
 mod tests;
 mod threads;
+mod widened;
 
 pub use formulas::{Output, absorption, echo, speed_of_sound};
+pub use models::{ModelOutput, of_model};
 pub use threads::available as available_threads;
 
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
-/// A function of `K` numbers, in any [`Scalar`].
+/// A function of `K` numbers, in any [`Rows`].
 pub trait Formula<const K: usize>: Send + Sync + 'static {
+    /// Whether rows are computed one by one and in double precision, whatever the columns hold.
+    const ROW_BY_ROW: bool = false;
+
     /// Constants of the formula that are not known when it is compiled.
     fn parameters(&self) -> Vec<f64> {
         Vec::new()
     }
 
     /// The function; `parameters` as from [`Formula::parameters`].
-    fn evaluate<S: Scalar>(&self, inputs: [S; K], parameters: &[S]) -> S;
+    fn evaluate<S: Rows>(&self, inputs: [S; K], parameters: &[S]) -> S;
 }
 
 /// Where a batch finds, or puts, one number per row.
@@ -37,6 +43,14 @@ pub struct Column {
 }
 
 impl Column {
+    /// The same value in every row.
+    fn constant(value: &f64) -> Self {
+        Self {
+            start: core::ptr::from_ref(value).cast_mut().cast(),
+            stride: 0,
+        }
+    }
+
     /// The column from this row on.
     #[inline(always)]
     fn skip(self, rows: usize) -> Self {
@@ -83,7 +97,19 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
     }
 
     fn evaluate(&self, inputs: &[f64]) -> f64 {
-        block::evaluate(&self.0, core::array::from_fn(|index| inputs[index]))
+        let inputs: [f64; K] = core::array::from_fn(|index| inputs[index]);
+        if !F::ROW_BY_ROW {
+            return block::evaluate(&self.0, inputs);
+        }
+        let mut value = f64::NAN;
+        let columns = inputs.each_ref().map(Column::constant);
+        let output = Column {
+            start: (&raw mut value).cast(),
+            stride: 0,
+        };
+        // SAFETY: one row of each input, and one of the output.
+        unsafe { block::run_rows(&self.0, columns, output, 1) };
+        value
     }
 
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
@@ -91,7 +117,13 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
         let span = |first, count| {
             let inputs = inputs.map(|column: Column| column.skip(first));
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
-            unsafe { block::run_f64(&self.0, inputs, output.skip(first), count) };
+            unsafe {
+                if F::ROW_BY_ROW {
+                    block::run_rows(&self.0, inputs, output.skip(first), count);
+                } else {
+                    block::run_f64(&self.0, inputs, output.skip(first), count);
+                }
+            }
         };
         threads::split(rows, threads, &span);
     }
@@ -101,7 +133,13 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
         let span = |first, count| {
             let inputs = inputs.map(|column: Column| column.skip(first));
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
-            unsafe { block::run_f32(&self.0, inputs, output.skip(first), count) };
+            unsafe {
+                if F::ROW_BY_ROW {
+                    widened::run(&self.0, inputs, output.skip(first), count);
+                } else {
+                    block::run_f32(&self.0, inputs, output.skip(first), count);
+                }
+            }
         };
         threads::split(rows, threads, &span);
     }

@@ -156,3 +156,63 @@ fn not_a_number_stays_in_its_row() {
         assert_eq!(value.is_nan(), row % 10 == 3 && row < 50, "{row}");
     }
 }
+
+/// Inputs of a model: a distance, then every influence quantity within reason.
+fn model_columns(rows: usize) -> Vec<Vec<f64>> {
+    let mut all = columns(&[0, 1, 2, 3, 4], rows);
+    all[0].iter_mut().for_each(|distance| *distance *= 100.0);
+    while all.len() < 1 + crate::Quantity::COUNT {
+        all.push(spread(all.len() as f64, 0.0, 1.0, rows));
+    }
+    all
+}
+
+#[test]
+fn models_have_the_same_bits_as_row_by_row() {
+    let _turn = TURN.lock().unwrap();
+    let model = crate::Model::new(Law::parse("virial").unwrap())
+        .with("fixed_delay", &[("delay", 31e-6)])
+        .and_then(|m| m.with("clock_error", &[]))
+        .and_then(|m| m.with("temperature_gain", &[]))
+        .and_then(|m| m.with("zero_error", &[("offset", -4e-3)]))
+        .unwrap();
+    let inputs = model_columns(505);
+    for output in [
+        ModelOutput::Indication,
+        ModelOutput::SpeedOfSound,
+        ModelOutput::TimeOfFlight,
+        ModelOutput::Correction,
+    ] {
+        let kernel = of_model(model.clone(), output);
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            assert!(force(Some(set)));
+            let batch = run_f64(&*kernel, &inputs, 1);
+            for (row, value) in batch.into_iter().enumerate() {
+                let inputs: Vec<_> = inputs.iter().map(|column| column[row]).collect();
+                assert_eq!(kernel.evaluate(&inputs), value, "{output:?} {}", set.name());
+            }
+        }
+        force(None);
+    }
+}
+
+#[test]
+fn a_row_without_a_distance_leaves_its_neighbors_alone() {
+    let model = crate::Model::new(Law::parse("linear").unwrap());
+    let kernel = of_model(model, ModelOutput::Correction);
+    let mut inputs = model_columns(48);
+    let expected = run_f64(&*kernel, &inputs, 1);
+    inputs[0][5] = f64::INFINITY;
+    inputs[1][7] = f64::NAN;
+    let output = run_f64(&*kernel, &inputs, 1);
+    for (row, value) in output.into_iter().enumerate() {
+        assert!(if row == 5 || row == 7 {
+            value.is_nan()
+        } else {
+            value == expected[row]
+        });
+    }
+}

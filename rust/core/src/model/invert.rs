@@ -2,10 +2,11 @@
 
 use super::{Model, constants};
 use crate::air::Air;
-use crate::chain::{Chain, Stage};
+use crate::chain::Stage;
 use crate::conditions::Conditions;
 use crate::dual::Dual;
-use crate::scalar::Scalar;
+use crate::echo;
+use crate::scalar::Rows;
 
 impl Model {
     /// The true distance \[m\] of an indication \[m\]: the inverse of [`Model::indicate`].
@@ -13,8 +14,7 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn correct(&self, indication: f64, recorded: &Conditions<f64>) -> f64 {
-        let output = |chain: &Chain<_>| chain.indication;
-        self.invert(indication, indication, recorded, Stage::Indication, output)
+        self.corrected(indication, recorded, &self.parameters())
     }
 
     /// The true distance \[m\] of a recorded echo time \[s\]: the inverse of
@@ -23,38 +23,70 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn distance(&self, time: f64, recorded: &Conditions<f64>) -> f64 {
-        let guess = 0.5 * time * self.law().speed(&Air::recorded(recorded));
-        self.invert(time, guess, recorded, Stage::Timer, |chain| chain.time)
+        self.located(time, recorded, &self.parameters())
+    }
+
+    /// [`Model::correct`] for several rows at once.
+    #[inline(always)]
+    pub(crate) fn corrected<S: Rows>(
+        &self,
+        indication: S,
+        recorded: &Conditions<S>,
+        parameters: &[S],
+    ) -> S {
+        let from = [indication, indication];
+        self.invert(Stage::Indication, from, recorded, parameters)
+    }
+
+    /// [`Model::distance`] for several rows at once.
+    #[inline(always)]
+    pub(crate) fn located<S: Rows>(
+        &self,
+        time: S,
+        recorded: &Conditions<S>,
+        parameters: &[S],
+    ) -> S {
+        let guess = echo::distance(time, self.law().speed(&Air::recorded(recorded)));
+        self.invert(Stage::Timer, [time, guess], recorded, parameters)
     }
 
     /// Newton's method on the exact derivative to the distance; NaN where it does not settle.
-    fn invert(
+    ///
+    /// A row that has settled stays as it is while its neighbors go on, so that no row depends on
+    /// which rows it is computed with.
+    #[inline(always)]
+    fn invert<S: Rows>(
         &self,
-        target: f64,
-        guess: f64,
-        recorded: &Conditions<f64>,
         last: Stage,
-        output: impl Fn(&Chain<Dual<1>>) -> Dual<1>,
-    ) -> f64 {
+        [target, guess]: [S; 2],
+        recorded: &Conditions<S>,
+        parameters: &[S],
+    ) -> S {
         const ENOUGH: usize = 20; // affine chains settle in two
         const SETTLED: f64 = 1e-15; // relative; in meters below 1 m
-        let parameters: Vec<_> = self.parameters().into_iter().map(Dual::constant).collect();
         let recorded = constants(recorded);
+        let mut fixed = Vec::with_capacity(parameters.len());
+        for &parameter in parameters {
+            fixed.push(Dual::<1, S>::fixed(parameter));
+        }
         let mut distance = guess;
+        let mut settled = S::constant(-1.0);
         for _ in 0..ENOUGH {
-            let variable = Dual::variable(distance, 0);
-            let chain = self.simulate_to(last, variable, &recorded, &parameters);
-            let reached = output(&chain);
+            let chain = self.simulate_to(last, Dual::variable(distance, 0), &recorded, &fixed);
+            let reached = match last {
+                Stage::Timer => chain.time,
+                _ => chain.indication,
+            };
             let step = (target - reached.value) / reached.derivatives[0];
-            if !step.is_finite() {
+            let next = distance + step;
+            let tolerance = S::constant(SETTLED) * next.abs().max(S::constant(1.0));
+            distance = S::select(settled, distance, next);
+            settled = S::select(settled, settled, tolerance - step.abs());
+            if settled.all_non_negative() {
                 break;
             }
-            distance += step;
-            if step.abs() <= SETTLED * distance.abs().max(1.0) {
-                return distance;
-            }
         }
-        f64::NAN
+        S::select(settled, distance, S::constant(f64::NAN))
     }
 }
 

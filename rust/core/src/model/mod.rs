@@ -168,10 +168,13 @@ impl Model {
 }
 
 /// Conditions without derivatives.
-fn constants<const N: usize>(recorded: &Conditions<f64>) -> Conditions<Dual<N>> {
-    Conditions::new(core::array::from_fn(|index| {
-        Dual::constant(recorded.get(Quantity::ALL[index].quantity))
-    }))
+#[inline(always)]
+fn constants<const N: usize, S: Scalar>(recorded: &Conditions<S>) -> Conditions<Dual<N, S>> {
+    let mut values = [Dual::constant(0.0); Quantity::COUNT];
+    for facts in &Quantity::ALL {
+        values[facts.quantity as usize] = Dual::fixed(recorded.get(facts.quantity));
+    }
+    Conditions::new(values)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::Vector;
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// `N` independent vectors, each operation done on all: it hides the latency of the units.
@@ -89,6 +89,17 @@ impl<V: Scalar, const N: usize> Scalar for Lanes<V, N> {
             result.0[i] = V::select(condition.0[i], chosen.0[i], other.0[i]);
         }
         result
+    }
+}
+
+impl<V: Rows, const N: usize> Rows for Lanes<V, N> {
+    #[inline(always)]
+    fn all_non_negative(self) -> bool {
+        let mut all = true;
+        for vector in self.0 {
+            all &= vector.all_non_negative();
+        }
+        all
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) use instruction_set::active;
 pub use instruction_set::{InstructionSet, force};
 pub(crate) use lanes::Lanes;
 
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 
 /// What the exponential needs beyond [`Scalar`]: single and double precision alike.
 pub(crate) trait Float: Scalar {
@@ -34,7 +34,7 @@ pub(crate) trait Float: Scalar {
 }
 
 /// A [`Scalar`] of `WIDTH` numbers side by side in memory.
-pub(crate) trait Vector: Scalar {
+pub(crate) trait Vector: Rows {
     /// The number type in memory.
     type Element: Copy;
 

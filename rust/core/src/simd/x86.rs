@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use super::{Float, Vector, exp32, exp64};
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -28,7 +28,7 @@ macro_rules! vector {
         $(#[$doc:meta])* $name:ident($register:ty) of $width:literal $float:ident;
         $add:ident $sub:ident $mul:ident $div:ident $fma:ident $sqrt:ident $min:ident $max:ident
         $xor:ident $andnot:ident $splat:ident $load:ident $store:ident;
-        exp $exp:ident; select($condition:ident, $chosen:ident, $other:ident) $select:block power($x:ident) $power:expr
+        exp $exp:ident; select($condition:ident, $chosen:ident, $other:ident) $select:block power($x:ident) $power:expr; all($y:ident) $all:expr
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -94,6 +94,15 @@ macro_rules! vector {
             }
         }
 
+        impl Rows for $name {
+            #[inline(always)]
+            fn all_non_negative(self) -> bool {
+                let $y = self.0;
+                // SAFETY: the module's rule.
+                unsafe { $all }
+            }
+        }
+
         impl Vector for $name {
             type Element = $float;
             const WIDTH: usize = $width;
@@ -121,7 +130,8 @@ vector!(
     select(condition, chosen, other) {
         _mm256_blendv_pd(other, chosen, _mm256_cmp_pd::<_CMP_GE_OQ>(condition, _mm256_setzero_pd()))
     }
-    power(x) _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(x)))
+    power(x) _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(x)));
+    all(x) _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GE_OQ>(x, _mm256_setzero_pd())) == 0xf
 );
 
 vector!(
@@ -134,7 +144,8 @@ vector!(
     select(condition, chosen, other) {
         _mm256_blendv_ps(other, chosen, _mm256_cmp_ps::<_CMP_GE_OQ>(condition, _mm256_setzero_ps()))
     }
-    power(x) _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(x)))
+    power(x) _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(x)));
+    all(x) _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(x, _mm256_setzero_ps())) == 0xff
 );
 
 vector!(
@@ -148,7 +159,8 @@ vector!(
         let mask = _mm512_cmp_pd_mask::<_CMP_GE_OQ>(condition, _mm512_setzero_pd());
         _mm512_mask_blend_pd(mask, other, chosen)
     }
-    power(x) _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(x)))
+    power(x) _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(x)));
+    all(x) _mm512_cmp_pd_mask::<_CMP_GE_OQ>(x, _mm512_setzero_pd()) == 0xff
 );
 
 vector!(
@@ -162,5 +174,6 @@ vector!(
         let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(condition, _mm512_setzero_ps());
         _mm512_mask_blend_ps(mask, other, chosen)
     }
-    power(x) _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(x)))
+    power(x) _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(x)));
+    all(x) _mm512_cmp_ps_mask::<_CMP_GE_OQ>(x, _mm512_setzero_ps()) == 0xffff
 );

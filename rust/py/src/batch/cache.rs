@@ -4,7 +4,7 @@
 //! asks the module for an attribute of that name.
 
 use std::collections::HashMap;
-use std::sync::{LazyLock, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
 use echocal_core::Law;
 use echocal_core::batch::{Kernel, Output, absorption, echo, speed_of_sound};
@@ -64,22 +64,25 @@ impl Function {
 /// A kernel and the ufunc made of it.
 pub struct Entry {
     name: String,
-    kernel: Box<dyn Kernel>,
-    make: (Function, String, bool),
+    kernel: Arc<dyn Kernel>,
     ufunc: PyOnceLock<Py<PyAny>>,
 }
 
 impl Entry {
+    pub fn new(name: String, kernel: Box<dyn Kernel>) -> Self {
+        Self {
+            name,
+            kernel: kernel.into(),
+            ufunc: PyOnceLock::new(),
+        }
+    }
+
     pub fn kernel(&self) -> &dyn Kernel {
         &*self.kernel
     }
 
     pub fn ufunc<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyAny>> {
-        let make = || {
-            let (function, laws, at_frequency) = &self.make;
-            let kernel = function.kernel(laws, *at_frequency)?;
-            Ok::<_, PyErr>(ufunc(py, &self.name, kernel)?.unbind())
-        };
+        let make = || ufunc(py, &self.name, self.kernel.clone()).map(Bound::unbind);
         Ok(self.ufunc.get_or_try_init(py, make)?.bind(py))
     }
 }
@@ -112,12 +115,8 @@ fn found(function: Function, laws: &str, at_frequency: bool) -> PyResult<&'stati
         return Ok(entry);
     }
     let kernel = function.kernel(laws, at_frequency)?;
-    let entry = Box::leak(Box::new(Entry {
-        name: encoded(function, laws, at_frequency),
-        kernel,
-        make: (function, laws.to_owned(), at_frequency),
-        ufunc: PyOnceLock::new(),
-    }));
+    let name = encoded(function, laws, at_frequency);
+    let entry = Box::leak(Box::new(Entry::new(name, kernel)));
     entries.insert(laws.to_owned(), entry);
     Ok(entry)
 }

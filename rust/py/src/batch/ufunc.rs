@@ -8,6 +8,7 @@
 use core::cell::Cell;
 use core::ffi::{c_char, c_int, c_void};
 use std::ffi::CString;
+use std::sync::Arc;
 
 use echocal_core::batch::{Column, Kernel};
 use numpy::npyffi::{NPY_TYPES, PY_UFUNC_API, PyUFuncGenericFunction, PyUFuncObject, npy_intp};
@@ -37,7 +38,7 @@ pub fn with_threads<R>(threads: usize, inner: impl FnOnce() -> R) -> R {
 
 /// What a ufunc refers to for as long as it lives.
 struct Backing {
-    kernel: Box<dyn Kernel>,
+    kernel: Arc<dyn Kernel>,
     loops: [PyUFuncGenericFunction; 2],
     data: [*mut c_void; 2],
     types: Vec<c_char>,
@@ -51,7 +52,7 @@ unsafe impl Send for Backing {}
 pub fn ufunc<'py>(
     py: Python<'py>,
     name: &str,
-    kernel: Box<dyn Kernel>,
+    kernel: Arc<dyn Kernel>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let arity = kernel.arity();
     assert!(arity < MOST_INPUTS);
@@ -136,10 +137,10 @@ unsafe fn run(
     run: Run,
 ) {
     let before = float_status();
-    // SAFETY: `ufunc` registered the address of a boxed kernel, and NumPy gives one address and one
+    // SAFETY: `ufunc` registered the address of a shared kernel, and NumPy gives one address and one
     // stride for each of its inputs and for the output.
     unsafe {
-        let kernel = &**kernel.cast::<Box<dyn Kernel>>();
+        let kernel = &**kernel.cast::<Arc<dyn Kernel>>();
         let column = |index: usize| Column {
             start: (*columns.add(index)).cast(),
             stride: *strides.add(index),
