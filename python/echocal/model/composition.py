@@ -62,8 +62,8 @@ class Model:
     ``radiation`` [W/m^2], ``amplitude`` [1]. They broadcast against the first argument; scalars
     alone give a float; pandas, xarray and dask come back as their own type, and the keywords `out`
     and `n_threads` act as in `echocal.distance`. Without their keyword, humidity is 0, pressure
-    101325 Pa and CO2 0.04 %;
-    NaN in gives NaN out, and `DomainWarning` tells once where a law is used outside its domain.
+    101325 Pa and CO2 0.04 %; NaN in gives NaN out, and `DomainWarning` tells once where a law is
+    used outside its domain.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ pub(super) unsafe fn run<F: Formula<K>, const K: usize>(
                 *wide = f64::from(unsafe { *input.skip(first + row).start.cast::<f32>() });
             }
         }
-        let columns = buffers.each_mut().map(|buffer| wide(buffer));
+        let columns = buffers.each_mut().map(wide);
         // SAFETY: `count` rows of the buffers are valid, and they do not overlap.
         unsafe { block::run_rows(formula, columns, wide(&mut result), count) };
         for (row, &value) in result[..count].iter().enumerate() {
