@@ -15,7 +15,9 @@ run when the measurement began) was shared, and the median of the memory roof la
 "Memory" reads as many arrays as the kernel and writes one, with the least arithmetic that the
 compiler cannot drop: no kernel that moves the same bytes can be faster. `distance` is the full
 compensation (time, temperature, humidity, pressure to distance, Cramer's law); `linear` is the
-study's law.
+study's law. Over many rows the saturation pressure of water comes from a polynomial, within 2e-9 of
+its exponential between -40 and 85 degC (below 1e-11 m/s in the speed of sound), and from the
+exponential itself elsewhere.
 """
 
 

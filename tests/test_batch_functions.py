@@ -42,7 +42,8 @@ def test_agrees_with_the_model() -> None:
     temperature = np.linspace(-10, 50, 100)
     time = echocal.time_of_flight(2.0, temperature, 0.3)
     expected = model.time_of_flight(2.0, temperature=temperature, relative_humidity=0.3)
-    np.testing.assert_array_equal(time, expected)
+    # many rows take the saturation pressure from a polynomial, within 2e-9 of the exponential
+    np.testing.assert_allclose(time, expected, rtol=1e-12)
 
 
 def test_numbers_in_float_out() -> None:

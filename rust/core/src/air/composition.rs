@@ -1,7 +1,8 @@
 //! How much water is in moist air, and what a mole of it weighs.
 
 use super::Air;
-use crate::scalar::{Scalar, polynomial};
+use super::saturation::saturation_pressure_of_rows;
+use crate::scalar::{Rows, Scalar, polynomial};
 
 /// 0 degC \[K\].
 pub const ZERO_CELSIUS: f64 = 273.15;
@@ -58,7 +59,17 @@ pub fn enhancement_factor<S: Scalar>(temperature: S, pressure: S) -> S {
 /// (WMO-No. 8, annex 4.A); over ice it would be smaller by 18 % at -20 degC.
 #[inline(always)]
 pub fn water_vapor_mole_fraction<S: Scalar>(air: &Air<S>) -> S {
-    let saturated = saturation_pressure(air.temperature);
+    diluted(air, saturation_pressure(air.temperature))
+}
+
+/// The same for many rows, whose saturation pressure comes from a polynomial where one holds.
+#[inline(always)]
+pub(crate) fn water_vapor_mole_fraction_of_rows<S: Rows>(air: &Air<S>) -> S {
+    diluted(air, saturation_pressure_of_rows(air.temperature))
+}
+
+#[inline(always)]
+fn diluted<S: Scalar>(air: &Air<S>, saturated: S) -> S {
     let enhanced = enhancement_factor(air.temperature, air.pressure) * saturated;
     air.relative_humidity * enhanced / air.pressure
 }

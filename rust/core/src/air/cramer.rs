@@ -1,6 +1,5 @@
 //! Cramer's equation for moist air with carbon dioxide.
 
-use super::composition::water_vapor_mole_fraction;
 use super::domain::{Limits, MOIST_AIR};
 use super::{Air, LawFacts, SpeedLaw};
 use crate::conditions::Quantity;
@@ -32,16 +31,7 @@ impl SpeedLaw for Cramer {
     };
 
     #[inline(always)]
-    fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
-        Self::at_composition(air, water_vapor_mole_fraction(air))
-    }
-}
-
-impl Cramer {
-    /// Speed of sound \[m/s\] at a known mole fraction of water vapor; the air's own relative
-    /// humidity is not read.
-    #[inline(always)]
-    pub fn at_composition<S: Scalar>(air: &Air<S>, xw: S) -> S {
+    fn at_composition<S: Scalar>(&self, air: &Air<S>, xw: S) -> S {
         let (t, p, xc) = (air.temperature, air.pressure, air.co2_mole_fraction);
         let dry = polynomial(t, [331.5024, 0.603_055, -0.000_528]);
         let water = polynomial(t, [51.471_935, 0.149_587_4, -0.000_782]);

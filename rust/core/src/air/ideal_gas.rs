@@ -1,8 +1,6 @@
 //! Moist air as a mixture of ideal gases of rigid molecules.
 
-use super::composition::{
-    GAS_CONSTANT, ZERO_CELSIUS, co2_excess, molar_mass, water_vapor_mole_fraction,
-};
+use super::composition::{GAS_CONSTANT, ZERO_CELSIUS, co2_excess, molar_mass};
 use super::domain::MOIST_AIR;
 use super::{Air, LawFacts, SpeedLaw};
 use crate::conditions::Quantity;
@@ -35,8 +33,7 @@ impl SpeedLaw for IdealGas {
     };
 
     #[inline(always)]
-    fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
-        let water = water_vapor_mole_fraction(air);
+    fn at_composition<S: Scalar>(&self, air: &Air<S>, water: S) -> S {
         let capacity = water.mul_add(S::constant(WATER - DIATOMIC), S::constant(DIATOMIC));
         let mass = molar_mass(water, co2_excess(air));
         let kelvin = air.temperature + S::constant(ZERO_CELSIUS);

@@ -39,7 +39,7 @@ impl SpeedLaw for Linear {
     };
 
     #[inline(always)]
-    fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
+    fn at_composition<S: Scalar>(&self, air: &Air<S>, _: S) -> S {
         if self.slope == 0.0 {
             return S::constant(self.intercept); // a fixed speed needs no thermometer
         }

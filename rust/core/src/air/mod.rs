@@ -8,10 +8,12 @@ pub mod domain;
 pub mod ideal_gas;
 pub mod linear;
 mod relaxation;
+mod saturation;
 pub mod virial;
 mod virial_coefficients;
 
 pub use absorption::absorption;
+use composition::{water_vapor_mole_fraction, water_vapor_mole_fraction_of_rows};
 pub use cramer::Cramer;
 pub use dispersion::dispersed;
 pub use domain::{Departure, Finding, Limits};
@@ -21,7 +23,7 @@ pub use virial::Virial;
 
 use crate::conditions::{Conditions, Quantity};
 use crate::error::Error;
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 
 /// The state of the air that a law reads.
 #[derive(Clone, Copy, Debug)]
@@ -83,8 +85,15 @@ pub trait SpeedLaw: Copy + Send + Sync {
     /// What is known about the law.
     const FACTS: LawFacts;
 
+    /// Speed of sound \[m/s\] at a known mole fraction of water vapor; the air's own relative
+    /// humidity is not read.
+    fn at_composition<S: Scalar>(&self, air: &Air<S>, water: S) -> S;
+
     /// Speed of sound \[m/s\].
-    fn speed<S: Scalar>(&self, air: &Air<S>) -> S;
+    #[inline(always)]
+    fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
+        self.at_composition(air, water_vapor_mole_fraction(air))
+    }
 }
 
 macro_rules! laws {
@@ -109,6 +118,13 @@ macro_rules! laws {
             #[inline(always)]
             pub fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
                 match self { $(Self::$law(law) => law.speed(air)),+ }
+            }
+
+            /// Speed of sound \[m/s\] of many rows, from the tabulated saturation pressure.
+            #[inline(always)]
+            pub(crate) fn speed_of_rows<S: Rows>(&self, air: &Air<S>) -> S {
+                let water = water_vapor_mole_fraction_of_rows(air);
+                match self { $(Self::$law(law) => law.at_composition(air, water)),+ }
             }
 
             /// Speed of sound at a frequency \[m/s\]; the law itself at frequency zero.

@@ -1,8 +1,6 @@
 //! Acoustic virial equation of moist air: holds where Cramer's polynomial ends.
 
-use super::composition::{
-    GAS_CONSTANT, ZERO_CELSIUS, co2_excess, molar_mass, water_vapor_mole_fraction,
-};
+use super::composition::{GAS_CONSTANT, ZERO_CELSIUS, co2_excess, molar_mass};
 use super::domain::MOIST_AIR;
 use super::virial_coefficients as coefficients;
 use super::{Air, LawFacts, SpeedLaw};
@@ -36,9 +34,8 @@ impl SpeedLaw for Virial {
     };
 
     #[inline(always)]
-    fn speed<S: Scalar>(&self, air: &Air<S>) -> S {
+    fn at_composition<S: Scalar>(&self, air: &Air<S>, water: S) -> S {
         let one = S::constant(1.0);
-        let water = water_vapor_mole_fraction(air);
         let hundreds = air.temperature * S::constant(0.01);
         let thermal = (air.temperature + S::constant(ZERO_CELSIUS)) * S::constant(GAS_CONSTANT);
         let capacity = heat_capacity(hundreds, water, co2_excess(air));

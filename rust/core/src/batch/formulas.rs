@@ -58,16 +58,21 @@ fn moist<S: Scalar>(air: [S; 4]) -> Air<S> {
     }
 }
 
+#[inline(always)]
+fn at_frequency<S: Rows>(law: Law, air: &Air<S>, frequency: S) -> S {
+    air::dispersed(law.speed_of_rows(air), air, frequency)
+}
+
 impl Output {
     /// Of a distance or time, the air, and its speed of sound.
     #[inline(always)]
-    fn evaluate<S: Scalar>(self, x: S, air: &Air<S>, speed: S) -> S {
+    fn evaluate<S: Rows>(self, x: S, air: &Air<S>, speed: S) -> S {
         match self {
             Self::TimeOfFlight => echo::time_of_flight(x, speed),
             Self::Distance => echo::distance(x, speed),
             Self::Error(reading) => {
                 let time = echo::time_of_flight(x, speed);
-                echo::distance(time, reading.speed(air)) - x
+                echo::distance(time, reading.speed_of_rows(air)) - x
             }
         }
     }
@@ -78,7 +83,7 @@ struct Speed(Law);
 impl Formula<4> for Speed {
     #[inline(always)]
     fn evaluate<S: Rows>(&self, air: [S; 4], _: &[S]) -> S {
-        self.0.speed(&moist(air))
+        self.0.speed_of_rows(&moist(air))
     }
 }
 
@@ -87,7 +92,7 @@ struct DispersedSpeed(Law);
 impl Formula<5> for DispersedSpeed {
     #[inline(always)]
     fn evaluate<S: Rows>(&self, [t, h, p, c, frequency]: [S; 5], _: &[S]) -> S {
-        self.0.speed_at_frequency(&moist([t, h, p, c]), frequency)
+        at_frequency(self.0, &moist([t, h, p, c]), frequency)
     }
 }
 
@@ -100,7 +105,7 @@ impl Formula<5> for Echo {
     #[inline(always)]
     fn evaluate<S: Rows>(&self, [x, t, h, p, c]: [S; 5], _: &[S]) -> S {
         let air = moist([t, h, p, c]);
-        self.output.evaluate(x, &air, self.law.speed(&air))
+        self.output.evaluate(x, &air, self.law.speed_of_rows(&air))
     }
 }
 
@@ -113,7 +118,7 @@ impl Formula<6> for DispersedEcho {
     #[inline(always)]
     fn evaluate<S: Rows>(&self, [x, t, h, p, c, frequency]: [S; 6], _: &[S]) -> S {
         let air = moist([t, h, p, c]);
-        let speed = self.law.speed_at_frequency(&air, frequency);
+        let speed = at_frequency(self.law, &air, frequency);
         self.output.evaluate(x, &air, speed)
     }
 }

@@ -38,7 +38,7 @@ fn kaye_and_laby_all_63_cells_at_314_ppm() {
         let printed = &row["speed_m_per_s"];
         let value: f64 = printed.parse().unwrap();
         // computed with the saturation pressure of Cramer's own appendix, every cell is met
-        let deviation = Cramer::at_composition(&air, giacomo_water(&air)) - value;
+        let deviation = Cramer.at_composition(&air, giacomo_water(&air)) - value;
         assert!(
             deviation.abs() <= half_digit(printed),
             "{row:?}: {deviation}"
@@ -55,7 +55,7 @@ fn kaye_and_laby_all_63_cells_at_314_ppm() {
 fn cramer_with_giacomo_to_sixteen_digits() {
     for row in published("cramer_giacomo_speed") {
         let air = air(&row);
-        let speed = Cramer::at_composition(&air, giacomo_water(&air));
+        let speed = Cramer.at_composition(&air, giacomo_water(&air));
         assert!(
             (speed - number(&row, "speed_m_per_s")).abs() < 2e-13,
             "{row:?}: {speed}"
@@ -93,7 +93,7 @@ fn the_table_tells_kelvin_from_celsius_in_the_enhancement_factor() {
         let air = air(&row);
         let kelvin = enhancement_factor(air.temperature + 273.15, air.pressure);
         let factor = kelvin / enhancement_factor(air.temperature, air.pressure);
-        let wrong = Cramer::at_composition(&air, factor * water_vapor_mole_fraction(&air));
+        let wrong = Cramer.at_composition(&air, factor * water_vapor_mole_fraction(&air));
         let error = wrong - number(&row, "speed_m_per_s");
         assert!((0.02..0.2).contains(&error), "{row:?}: {error}");
     }
