@@ -25,6 +25,11 @@ def values(effect: Effect) -> dict[str, float]:
     return {p.name: min(p.neutral + 0.5 * p.prior_scale, p.bounds[1]) for p in effect.parameters}
 
 
+def law(effect: Effect, usual: str = "linear") -> str:
+    """A law that the effect extends."""
+    return effect.extends[0] if effect.extends else usual
+
+
 def recorded(effect: Effect) -> dict[str, float]:
     return {name: value for name, value in RECORD.items() if name not in effect.excludes}
 
@@ -33,25 +38,28 @@ def recorded(effect: Effect) -> dict[str, float]:
 def test_neutral_is_identity_bit_for_bit(effect: Effect) -> None:
     distance = np.random.default_rng().uniform(0.02, 10.0, 100)
     conditions = recorded(effect)
-    base = echocal.Model("linear").indicate(distance, **conditions)
+    base = echocal.Model(law(effect)).indicate(distance, **conditions)
     shapes = {p.name: v for p in effect.parameters if p.role == "shape" for v in (p.neutral, *p.known)}
-    model = echocal.Model("linear", {effect.id: shapes})
+    model = echocal.Model(law(effect), {effect.id: shapes})
     assert model.indicate(distance, **conditions).tobytes() == base.tobytes()
 
 
 @EVERY
 def test_what_it_does_not_read_leaves_the_echo_alone(effect: Effect) -> None:
     """Twin of the core's test, through the whole chain: the linear law reads the temperature alone."""
-    model, conditions = echocal.Model("linear", {effect.id: values(effect)}), recorded(effect)
-    here = model.time_of_flight(2.0, **conditions)
-    for name, value in conditions.items():
-        there = model.time_of_flight(2.0, **{**conditions, name: SENSES[name]})
-        assert (there != here) == (name == "temperature" or name in effect.reads), f"{name} {value}"
+    model, conditions = echocal.Model(law(effect), {effect.id: values(effect)}), recorded(effect)
+
+    def chain(**at: float) -> tuple[float, float]:
+        return model.time_of_flight(2.0, **at), model.indicate(2.0, **at)
+
+    for name in conditions:
+        there = chain(**{**conditions, name: SENSES[name]})
+        assert (there != chain(**conditions)) == (name in ("temperature", *effect.reads)), name
 
 
 @EVERY
 def test_compensation_undoes_it(effect: Effect) -> None:
-    model, conditions = echocal.Model("linear", {effect.id: values(effect)}), recorded(effect)
+    model, conditions = echocal.Model(law(effect), {effect.id: values(effect)}), recorded(effect)
     distance = np.random.default_rng().uniform(0.02, 10.0, 100)
     back = model.correct(model.indicate(distance, **conditions), **conditions)
     np.testing.assert_allclose(back, distance, rtol=0, atol=1e-12)
@@ -59,14 +67,14 @@ def test_compensation_undoes_it(effect: Effect) -> None:
 
 @EVERY
 def test_save_and_load_keep_it(effect: Effect, tmp_path: Path) -> None:
-    model = echocal.Model("linear", {effect.id: values(effect)})
+    model = echocal.Model(law(effect), {effect.id: values(effect)})
     model.save(tmp_path / "model.json")
     assert echocal.Model.load(tmp_path / "model.json").effects == model.effects
 
 
 @EVERY
 def test_a_quantity_that_it_requires_must_be_given(effect: Effect) -> None:
-    model = echocal.Model("343", {effect.id: {}})
+    model = echocal.Model(law(effect, "343"), {effect.id: {}})
     for name in effect.requires:
         lacking = {other: value for other, value in recorded(effect).items() if other != name}
         with pytest.raises(echocal.DataError, match=rf"effect '{effect.id}' needs {name}"):

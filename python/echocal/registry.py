@@ -29,6 +29,15 @@ class Parameter:
         Typical magnitude of the deviation from neutral: one standard deviation of its prior.
     known : tuple of float
         The values that theory or trade fix; empty where none.
+    tried : tuple of float
+        The values of a shape at which a search tries the effect, besides `known`.
+    tried_along : str or None
+        ``"distance"`` or an influence quantity: `tried` are then quantiles (0 to 1) of that column.
+    tail : float
+        How many times wider the tail of the prior is; 1 where it has none.
+    over : tuple of (str, float) or None
+        The range of an influence quantity that `prior_scale` is meant for; over a longer range the
+        scale is smaller in proportion.
     """
 
     name: str
@@ -38,6 +47,15 @@ class Parameter:
     bounds: tuple[float, float]
     prior_scale: float
     known: tuple[float, ...]
+    tried: tuple[float, ...]
+    tried_along: str | None
+    tail: float
+    over: tuple[str, float] | None
+
+    @classmethod
+    def from_core(cls, facts: dict[str, Any]) -> "Parameter":
+        """Type what the core tells."""
+        return cls(**{**facts, **{name: tuple(facts[name]) for name in ("known", "tried")}})
 
 
 @dataclass(frozen=True)
@@ -60,6 +78,8 @@ class Effect:
         Quantity whose influence it adds: a law that reads that quantity refuses the effect.
     calls : str or None
         Law that its formula uses: the effect holds where that law holds.
+    extends : tuple of str
+        The only laws that it can extend; empty where it extends any.
     parameters : tuple of Parameter
         In the order of `Model.parameter_names`.
     domain, check : str
@@ -80,6 +100,7 @@ class Effect:
     excludes: tuple[str, ...]
     supplies: str | None
     calls: str | None
+    extends: tuple[str, ...]
     parameters: tuple[Parameter, ...]
     domain: str
     check: str
@@ -89,8 +110,8 @@ class Effect:
     @classmethod
     def from_core(cls, facts: dict[str, Any]) -> "Effect":
         """Type what the core tells."""
-        lists = {name: tuple(facts[name]) for name in ("reads", "requires", "excludes")}
-        parameters = tuple(Parameter(**{**p, "known": tuple(p["known"])}) for p in facts["parameters"])
+        lists = {name: tuple(facts[name]) for name in ("reads", "requires", "excludes", "extends")}
+        parameters = tuple(Parameter.from_core(p) for p in facts["parameters"])
         return cls(**{**facts, **lists, "parameters": parameters})
 
     def to_dict(self) -> dict[str, Any]:

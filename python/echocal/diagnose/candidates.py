@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ Column = NDArray[np.float64]
 
 UNKNOWN = "unknown"
 """Id under which a smooth shape without a cause competes."""
+
+_TAIL = 0.1  # weight of a prior's tail beside its bulk
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,8 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
         if len(finite) < len(variants):
             found.skipped[effect.id] = "not finite in these data"
             continue
-        found.variants += [replace(v, weight=1 / len(finite)) for v in finite]
+        total = sum(v.weight for v in finite)
+        found.variants += [replace(v, weight=v.weight / total) for v in finite]
 
 
 def _why_not(effect: Effect, scene: Scene) -> str:
@@ -179,9 +183,39 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
 
 
 def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
-    at = {p.name: p.neutral for p in effect.parameters}
+    """Sizes by their tangents, for every shape that is tried, with the usual and with a tail's prior."""
     sizes = [p for p in effect.parameters if p.role == "size"]
-    return [_freed(found, Variant(effect.id, at), sizes, scene.tangents(effect.id, at))]
+    neutral = {p.name: p.neutral for p in effect.parameters}
+    grid = [[(p.name, x) for x in _tried(p, scene)] for p in effect.parameters if p.role == "shape"]
+    variants = []
+    for shape in product(*grid):
+        at = {**neutral, **dict(shape)}
+        tangents = scene.tangents(effect.id, at)
+        scaled = [replace(p, prior_scale=_scale(p, scene)) for p in sizes]
+        variants.append(_freed(found, Variant(effect.id, at), scaled, tangents))
+        if any(p.tail > 1 for p in sizes):
+            wide = [replace(p, prior_scale=p.tail * p.prior_scale) for p in scaled]
+            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL), wide, tangents))
+    return variants
+
+
+def _tried(parameter: Parameter, scene: Scene) -> list[float]:
+    """Values of a shape that are worth a try in these data."""
+    values = [*parameter.known, *parameter.tried]
+    along = parameter.tried_along
+    if along is not None:
+        column = scene.distance if along == "distance" else scene.conditions[along]
+        values = np.unique(np.quantile(column, parameter.tried)).tolist()
+    return [float(value) for value in values] or [parameter.neutral]
+
+
+def _scale(parameter: Parameter, scene: Scene) -> float:
+    """Prior standard deviation of a size in a table that spans this much."""
+    if parameter.over is None:
+        return parameter.prior_scale
+    quantity, usual = parameter.over
+    span = float(np.ptp(scene.conditions[quantity]))
+    return parameter.prior_scale * usual / span if span > 0 else parameter.prior_scale
 
 
 def _freed(

@@ -11,6 +11,7 @@ DISTANCE = 2.0  # [m]
 TEMPERATURES = (0.0, 20.0, 40.0)  # [degC]
 RECORDED: Mapping[str, float] = {
     "relative_humidity": 0.5,
+    "pressure": 95e3,
     "elapsed_time": 3600.0,
     "supply_voltage": 4.8,
     "angle": 0.1,
@@ -33,7 +34,7 @@ def typical_errors(effect: Effect) -> tuple[float, ...]:
     """
     sizes = [parameter for parameter in effect.parameters if parameter.role == "size"]
     values = {p.name: p.known[0] if p.known else p.neutral + p.prior_scale for p in sizes}
-    model = Model("linear", {effect.id: values})
+    model = Model(effect.extends[0] if effect.extends else "linear", {effect.id: values})
     recorded = {name: RECORDED[name] for name in effect.requires if name in RECORDED}
     indications = (model.indicate(DISTANCE, temperature=t, **recorded) for t in TEMPERATURES)
     return tuple(indication - DISTANCE for indication in indications)
@@ -65,6 +66,7 @@ def facts(effect: Effect) -> dict[str, str]:
         "needs recorded": ", ".join(effect.requires),
         "only if not recorded": ", ".join(effect.excludes),
         "not with laws that read": effect.supplies or "",
+        "only beside": ", ".join(f"law {law}" for law in effect.extends),
         "holds for": effect.domain,
         "check": effect.check,
         "firmware": device[effect.firmware],

@@ -53,6 +53,15 @@ pub enum Error {
         /// The influence quantity in question.
         quantity: &'static str,
     },
+    /// An effect extends some laws only, and the model has another.
+    NotForThisLaw {
+        /// Id of the effect.
+        effect: &'static str,
+        /// Name of the law.
+        law: String,
+        /// Names of the laws that it extends.
+        extends: &'static [&'static str],
+    },
     /// One effect needs a quantity recorded that another needs not recorded.
     Contradiction {
         /// Id of the effect that was to be added.
@@ -107,6 +116,15 @@ impl fmt::Display for Error {
                 f,
                 "law '{law}' already reads {quantity}: effect '{effect}' would count it twice; \
                  drop the effect or choose a law that ignores {quantity} (linear)"
+            ),
+            Self::NotForThisLaw {
+                effect,
+                law,
+                extends,
+            } => write!(
+                f,
+                "effect '{effect}' has no meaning beside law '{law}'; it extends {}",
+                extends.join(", ")
             ),
             Self::Contradiction {
                 effect,

@@ -1,6 +1,6 @@
 //! Laws, effects and quantities, as data.
 
-use echocal_core::effects::{ALL, Facts, Firmware, Role};
+use echocal_core::effects::{ALL, Facts, Firmware, Role, Tried};
 use echocal_core::{Law, Quantity};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,6 +27,7 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("excludes", names(facts.excludes))?;
     dict.set_item("supplies", facts.supplies.map(|q| q.facts().name))?;
     dict.set_item("calls", facts.calls)?;
+    dict.set_item("extends", facts.extends.to_vec())?;
     dict.set_item("domain", facts.domain)?;
     dict.set_item("check", facts.check)?;
     let (form, detail) = match facts.firmware {
@@ -52,6 +53,16 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
             dict.set_item("bounds", p.bounds)?;
             dict.set_item("prior_scale", p.prior_scale)?;
             dict.set_item("known", p.known.to_vec())?;
+            let (along, tried) = match p.tried {
+                Tried::Nothing => (None, &[][..]),
+                Tried::Values(values) => (None, values),
+                Tried::DistanceQuantiles(quantiles) => (Some("distance"), quantiles),
+                Tried::Quantiles(quantity, quantiles) => (Some(quantity.facts().name), quantiles),
+            };
+            dict.set_item("tried", tried.to_vec())?;
+            dict.set_item("tried_along", along)?;
+            dict.set_item("tail", p.tail)?;
+            dict.set_item("over", p.over.map(|(q, range)| (q.facts().name, range)))?;
             Ok(dict)
         })
         .collect();

@@ -28,10 +28,12 @@ impl Effect for ClockError {
             bounds: (-0.05, 0.05),
             prior_scale: 3e-3,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "count a reference second (GPS, real-time clock) with the same timer",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

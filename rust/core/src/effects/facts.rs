@@ -29,6 +29,51 @@ pub struct ParameterFacts {
     pub prior_scale: f64,
     /// The values that theory or trade fix (a known correction has size 1); empty where none.
     pub known: &'static [f64],
+    /// The values of a shape at which a search tries the effect, besides `known`.
+    pub tried: Tried,
+    /// How many times wider the tail of the prior is: 1 where it has none.
+    pub tail: f64,
+    /// The range of a quantity that `prior_scale` is meant for: for a table that spans more of it
+    /// the scale is smaller in proportion, and the other way round.
+    pub over: Option<(Quantity, f64)>,
+}
+
+impl ParameterFacts {
+    /// A size in no unit, neutral at zero, with nothing special: what the facts of a parameter say
+    /// unless they say otherwise.
+    pub const USUAL: Self = Self {
+        name: "",
+        unit: "1",
+        role: Role::Size,
+        neutral: 0.0,
+        bounds: (-1.0, 1.0),
+        prior_scale: 1.0,
+        known: &[],
+        tried: Tried::Nothing,
+        tail: 1.0,
+        over: None,
+    };
+
+    /// The size of a correction that physics knows: 1, with room for a free fit that finds otherwise.
+    pub const COEFFICIENT: Self = Self {
+        name: "coefficient",
+        bounds: (-5.0, 5.0),
+        known: &[1.0],
+        ..Self::USUAL
+    };
+}
+
+/// The values of a shape that a search tries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tried {
+    /// None but the known ones, and the neighborhood of the usual value.
+    Nothing,
+    /// These.
+    Values(&'static [f64]),
+    /// These quantiles (0..1) of the distances of a table.
+    DistanceQuantiles(&'static [f64]),
+    /// These quantiles (0..1) of a quantity of a table.
+    Quantiles(Quantity, &'static [f64]),
 }
 
 /// Whether and how a microcontroller can compensate an effect.
@@ -65,6 +110,8 @@ pub struct Facts {
     pub supplies: Option<Quantity>,
     /// Id of a law that its formula uses: the effect holds where that law holds.
     pub calls: Option<&'static str>,
+    /// Ids of the only laws that it can extend; empty where it extends any.
+    pub extends: &'static [&'static str],
     /// Its parameters, in the order that `apply` takes them.
     pub parameters: &'static [ParameterFacts],
     /// Where it holds, in words.
@@ -76,6 +123,26 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Facts of an effect that reads nothing, asks for nothing and fits into the tables: what facts
+    /// say unless they say otherwise.
+    pub const USUAL: Self = Self {
+        id: "",
+        stage: Stage::Air,
+        sentence: "",
+        formula: "",
+        source: "",
+        reads: &[],
+        requires: &[],
+        excludes: &[],
+        supplies: None,
+        calls: None,
+        extends: &[],
+        parameters: &[],
+        domain: "any distance and air",
+        check: "",
+        firmware: Firmware::Folded,
+    };
+
     /// The position of the parameter of this name.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<usize> {

@@ -27,10 +27,12 @@ impl Effect for FixedDelay {
             bounds: (-2e-4, 2e-4), // negative where the firmware subtracts too much
             prior_scale: 3e-5,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "measure a short distance at two temperatures, or loop the echo pin back electrically",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

@@ -32,6 +32,7 @@ impl Effect for FixedSpeed {
                 bounds: (-1.0, 2.0), // room on both sides of 0 and 1 for a free fit
                 prior_scale: 1.0,
                 known: &[1.0],
+                ..ParameterFacts::USUAL
             },
             ParameterFacts {
                 name: "speed",
@@ -41,11 +42,13 @@ impl Effect for FixedSpeed {
                 bounds: (300.0, 400.0),
                 prior_scale: 5.0,
                 known: &[340.0, 343.0, 344.8, 350.9],
+                ..ParameterFacts::USUAL
             },
         ],
         domain: "indications of the device; recorded echo times do not know it",
         check: "read the firmware, or compare echo time and indication at two temperatures",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

@@ -40,10 +40,12 @@ impl Effect for Humidity {
             bounds: (-5.0, 5.0), // wide: a free fit far from 1 is a finding
             prior_scale: 1.0,
             known: &[1.0],
+            ..ParameterFacts::USUAL
         }],
         domain: "water mole fraction up to 0.06, where Cramer's equation holds",
         check: "vary the humidity at constant temperature",
         firmware: Firmware::Needs(Quantity::RelativeHumidity),
+        ..Facts::USUAL
     };
 
     #[inline(always)]

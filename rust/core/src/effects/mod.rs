@@ -8,7 +8,7 @@ mod facts;
 #[cfg(test)]
 mod testing;
 
-pub use facts::{Facts, Firmware, ParameterFacts, Role};
+pub use facts::{Facts, Firmware, ParameterFacts, Role, Tried};
 
 use crate::chain::Chain;
 use crate::scalar::Scalar;
@@ -50,14 +50,29 @@ macro_rules! registry {
 registry!(
     temperature_offset::TemperatureOffset,
     temperature_gain::TemperatureGain,
+    temperature_gradient::TemperatureGradient,
     speed_intercept::SpeedIntercept,
     speed_slope::SpeedSlope,
     humidity::Humidity,
     unrecorded_humidity::UnrecordedHumidity,
+    gas_composition::GasComposition,
+    pressure::Pressure,
+    reference_scale::ReferenceScale,
+    oblique_target::ObliqueTarget,
+    recorded_angle::RecordedAngle,
     zero_error::ZeroError,
+    drift::Drift,
+    transducer_spacing::TransducerSpacing,
+    wind_along::WindAlong,
+    wind_across::WindAcross,
     fixed_delay::FixedDelay,
+    supply_voltage::SupplyVoltage,
     clock_error::ClockError,
+    clock_temperature_coefficient::ClockTemperatureCoefficient,
+    interrupt_loss::InterruptLoss,
     fixed_speed::FixedSpeed,
+    double_correction::DoubleCorrection,
+    pressure_sqrt_law::PressureSqrtLaw,
 );
 
 /// The ids of all effects.

@@ -28,10 +28,12 @@ impl Effect for SpeedIntercept {
             bounds: (-20.0, 20.0),
             prior_scale: 1.0,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "a second thermometer and a reference clock: what they leave over is the intercept",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

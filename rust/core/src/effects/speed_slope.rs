@@ -29,10 +29,12 @@ impl Effect for SpeedSlope {
             bounds: (-0.5, 0.5),
             prior_scale: 0.02,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "check the thermometer at two temperatures; what remains is the slope",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

@@ -29,10 +29,12 @@ impl Effect for TemperatureGain {
             bounds: (-0.5, 0.5),
             prior_scale: 0.03,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "put the thermometer into an ice bath and a warm bath",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

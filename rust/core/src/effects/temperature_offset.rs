@@ -28,10 +28,12 @@ impl Effect for TemperatureOffset {
             bounds: (-20.0, 20.0),
             prior_scale: 1.0,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "a second thermometer in the sound path, or an ice bath",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

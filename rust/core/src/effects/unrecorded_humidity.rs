@@ -34,10 +34,12 @@ impl Effect for UnrecordedHumidity {
             bounds: (0.0, 1.0),
             prior_scale: 0.5,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "water mole fraction up to 0.06, where Cramer's equation holds",
         check: "record the humidity",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

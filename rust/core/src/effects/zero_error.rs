@@ -27,10 +27,12 @@ impl Effect for ZeroError {
             bounds: (-0.1, 0.1),
             prior_scale: 5e-3,
             known: &[],
+            ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
         check: "measure a second distance, and the zero again with a caliper",
         firmware: Firmware::Folded,
+        ..Facts::USUAL
     };
 
     #[inline(always)]

@@ -51,6 +51,13 @@ impl Model {
         if self.terms.iter().any(|t| t.index == term.index) {
             return Err(Error::RepeatedEffect { effect });
         }
+        if !facts.extends.is_empty() && !facts.extends.contains(&self.law.facts().id) {
+            return Err(Error::NotForThisLaw {
+                effect,
+                law: self.law.text(),
+                extends: facts.extends,
+            });
+        }
         if let Some(quantity) = facts.supplies
             && self.law.reads().contains(&quantity)
         {

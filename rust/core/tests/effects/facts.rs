@@ -4,7 +4,9 @@ use echocal_core::Law;
 use echocal_core::effects::{ALL, Facts, Firmware, Role};
 use std::collections::HashSet;
 
-const UNITS: [&str; 6] = ["1", "K", "m", "m/(s K)", "m/s", "s"];
+const UNITS: [&str; 11] = [
+    "1", "1/K", "K", "K m^2/W", "K/m", "m", "m/(s K)", "m/s", "m^2", "s", "s/V",
+];
 
 fn snake_case(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
@@ -94,7 +96,11 @@ fn laws_that_effects_use_exist() {
     let laws = Law::names();
     for facts in ALL {
         assert!(
-            facts.calls.is_none_or(|law| laws.contains(&law)),
+            facts
+                .calls
+                .iter()
+                .chain(facts.extends)
+                .all(|law| laws.contains(law)),
             "{}",
             facts.id
         );
