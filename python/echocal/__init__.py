@@ -3,7 +3,7 @@
 from echocal import firmware
 from echocal._core import absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
-from echocal.diagnose import Diagnosis, diagnose
+from echocal.diagnose import Diagnosis, diagnose, gross_faults, row_faults
 from echocal.domain import DEPARTURES, departures
 from echocal.errors import (
     BoundError,
@@ -43,7 +43,9 @@ __all__ = [
     "effects",
     "error",
     "firmware",
+    "gross_faults",
     "read_observations",
+    "row_faults",
     "speed_of_sound",
     "sweep",
     "time_of_flight",

@@ -55,7 +55,11 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
     truth = acceptable(case)
     top = max(posterior, key=lambda ids: posterior[ids])
     credible = {labels(ids) for ids in answer["credible_set"]}
-    named = {c["id"]: c["probability"] for c in answer["causes"] if c.get("in_model", True)}
+    named = {
+        c["id"]: c["probability"]
+        for c in answer["causes"]
+        if c.get("in_model", True) or c["kind"] != "effect"
+    }
     believed = [id_ for id_, p in named.items() if p >= _BELIEVED]
     return {
         "verdict": answer["verdict"],

@@ -1,6 +1,7 @@
 """Name the cause: from a table of echoes to what the base simulation gets wrong."""
 
 from echocal.diagnose.engine import diagnose
+from echocal.diagnose.faults import gross_faults, row_faults
 from echocal.diagnose.result import (
     Cause,
     Diagnosis,
@@ -22,4 +23,6 @@ __all__ = [
     "Traces",
     "Unexplained",
     "diagnose",
+    "gross_faults",
+    "row_faults",
 ]

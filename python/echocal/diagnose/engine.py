@@ -12,14 +12,16 @@ import numpy as np
 
 from echocal.diagnose.base import Base
 from echocal.diagnose.case import examine
+from echocal.diagnose.faults import find_faults
 from echocal.diagnose.gain import Folds
 from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import prepare
 from echocal.diagnose.verdict import conclude
 from echocal.diagnose.window import between, held_out
-from echocal.errors import DomainWarning, UsageError
+from echocal.errors import DataError, DomainWarning, EchocalError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations, read_observations
+from echocal.observations.plan import EVERYTHING
 
 __all__ = ["diagnose"]
 
@@ -102,18 +104,39 @@ def diagnose(
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         message = f"seed is {seed!r}; give an integer of 0 or more"
         raise UsageError(message)
+    strange: DataError | None = None
     if isinstance(observations, Observations):
         _refuse_late({"columns": columns, "reading_speed": reading_speed, "missing": missing, **table})
     else:
         law = reading_speed or (
             simulated.law if simulated.device_speed is None else str(simulated.device_speed)
         )
-        observations = read_observations(observations, columns, reading_speed=law, missing=missing, **table)
+        table = {"columns": columns, "reading_speed": law, "missing": missing, **table}
+        observations, strange = _read(observations, table)
     observations = between(observations, since, until)
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
+        faults = find_faults(observations, simulated, reference_distance, constant_distance)
+        if strange is not None and not any(f.facts.kind == "gross" for f in faults.accepted):
+            raise strange
+        observations = faults.observations
         ready = prepare(observations, simulated, reference_distance, constant_distance)
         folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
-        return conclude(examine(ready, simulated, folds, int(seed)), observations, start)
+        return conclude(examine(ready, simulated, folds, int(seed)), observations, faults, start)
+
+
+def _read(source: Any, table: Mapping[str, Any]) -> tuple[Observations, DataError | None]:
+    """Read a table; one that is refused for its values is read as it stands, with the refusal.
+
+    A column in another unit is a cause like others: where a fault explains it, it is named.
+    """
+    try:
+        return read_observations(source, **table), None
+    except DataError as refusal:
+        try:
+            with warnings.catch_warnings(action="ignore"):  # the refusal says it all
+                return read_observations(source, **{**table, "trust": (EVERYTHING,)}), refusal
+        except EchocalError:
+            raise refusal from None
 
 
 def _refuse_late(given: Mapping[str, Any]) -> None:

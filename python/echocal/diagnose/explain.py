@@ -1,8 +1,8 @@
 """A diagnosis in plain sentences."""
 
+from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.result import Cause, Diagnosis, NextMeasurement
 from echocal.diagnose.sentences import quantity_text
-from echocal.registry import find_effect
 
 __all__ = ["explain", "parameter_text", "proposal_text"]
 
@@ -40,9 +40,10 @@ def _cause(cause: Cause) -> list[str]:
     sizes = ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
+    told = cause.in_model or cause.kind != "effect"
     lines = [
-        f"{'' if cause.in_model else 'Or else '}{cause.id} (probability {cause.probability:.3f}; {sizes}): "
-        f"{find_effect(cause.id).sentence}",
+        f"{'' if told else 'Or else '}{cause.id} (probability {cause.probability:.3f}; {sizes}): "
+        f"{find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
     ]
     if cause.indistinguishable_from:

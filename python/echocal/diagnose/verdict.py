@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.alias import Geometry
 from echocal.diagnose.case import Case
-from echocal.diagnose.claims import Claim, Ranking, alternatives, claims, parameters, posterior_sets, rank
+from echocal.diagnose.claims import Claim, alternatives, claims, parameters, rank
+from echocal.diagnose.faults import Faults
 from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
+from echocal.diagnose.joint import Joint, join
 from echocal.diagnose.judge import Judgment, judge
 from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.notes import because, notes, unexplained
@@ -27,7 +29,7 @@ NAMED = 0.9
 _CREDIBLE = 0.95
 
 
-def conclude(case: Case, observations: Observations, start: float) -> Diagnosis:
+def conclude(case: Case, observations: Observations, faults: Faults, start: float) -> Diagnosis:
     """Weigh, claim, judge, and say it."""
     stack = case.stack(case.folds.fit)
     weighed, carried = posterior(case.found, stack)
@@ -38,13 +40,14 @@ def conclude(case: Case, observations: Observations, start: float) -> Diagnosis:
     believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
     judgment = judge(case, best, believed or claimed, noise)
     remainder = unexplained(case, ranking)
-    verdict = _verdict(ranking, judgment, remainder is not None)
+    joint = join(ranking, faults.found)
+    verdict = _verdict(judgment, remainder is not None, joint)
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     return Diagnosis(
         verdict=verdict,
-        causes=tuple(_cause(case, claim, judgment) for claim in (*judgment.kept, *others)),
-        posterior=tuple(posterior_sets(ranking).items()),
-        credible_set=_credible(ranking),
+        causes=tuple(_cause(case, claim, judgment) for claim in (*judgment.kept, *others)) + joint.causes,
+        posterior=tuple(joint.sets.items()),
+        credible_set=_credible(joint),
         unexplained=remainder,
         refuted=judgment.refuted,
         gain=judgment.gain,
@@ -69,17 +72,18 @@ def conclude(case: Case, observations: Observations, start: float) -> Diagnosis:
     )
 
 
-def _verdict(ranking: Ranking, judgment: Judgment, remainder: bool) -> Verdict:
-    if any(claim.probability >= NAMED for claim in judgment.kept):
+def _verdict(judgment: Judgment, remainder: bool, joint: Joint) -> Verdict:
+    probabilities = [c.probability for c in judgment.kept] + [f.probability for f in joint.telling]
+    if any(probability >= NAMED for probability in probabilities):
         return "named"
     if remainder:
         return "unknown"
-    return "ambiguous" if judgment.kept else "nothing"
+    return "ambiguous" if judgment.kept or joint.telling else "nothing"
 
 
-def _credible(ranking: Ranking) -> tuple[tuple[str, ...], ...]:
+def _credible(joint: Joint) -> tuple[tuple[str, ...], ...]:
     total, chosen = 0.0, []
-    for ids, p in ranking.sets:
+    for ids, p in joint.sets.items():
         chosen.append(ids)
         total += p
         if total >= _CREDIBLE:

@@ -15,7 +15,7 @@ from echocal.observations import checks, clock, labels
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.names import looks_like
 from echocal.observations.numbers import Missing, row, rows, to_numbers
-from echocal.observations.plan import Assignment, Plan
+from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS
 
@@ -156,7 +156,7 @@ class Assembly:
             return
         total = int(counts.sum())
         listed = ", ".join(f"{count} {reason}" for reason, count in zip(reasons, counts, strict=True))
-        if total == len(self.table):
+        if total == len(self.table) and EVERYTHING not in self.trusted:
             message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
             raise DataError(message)
         self.notes.append(f"{total} of {rows(len(self.table))} cannot be used: {listed}")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
 from echocal.observations.numbers import row, rows
-from echocal.observations.plan import Assignment
+from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.units import NAMES, Form, Unit
 
 __all__ = ["impossible", "refuse_other_unit", "refuse_without_values", "si_unit", "suspected_codes"]
@@ -52,7 +52,7 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
     known = values[np.isfinite(values)]
-    if form.label or column in trusted or not known.any():
+    if form.label or column in trusted or EVERYTHING in trusted or not known.any():
         return
     possible = known[~impossible(known, assignment)[0]]  # single impossible rows are another matter
     median = float(np.median(possible if 2 * len(possible) >= len(known) else known))

@@ -11,7 +11,10 @@ from echocal.errors import DataError, UsageError
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
 from echocal.observations.units import Form, Unit
 
-__all__ = ["Assignment", "Plan", "make", "read_columns"]
+__all__ = ["EVERYTHING", "Assignment", "Plan", "make", "read_columns"]
+
+EVERYTHING = "*"
+"""Trusted in place of a column: no column is refused, however strange, for a diagnosis to explain."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
         If a name has no known unit, or two columns hold the same quantity.
     """
     for column in (*requests, *trusted):
-        if column not in columns:
+        if column not in columns and column != EVERYTHING:
             _refuse_absent(column, columns)
     assignments: dict[str, Assignment] = {}
     others = []

@@ -8,8 +8,8 @@ from rich.table import Table
 from rich.text import Text
 
 from echocal.diagnose import Cause, Diagnosis, Gain
+from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.explain import parameter_text, proposal_text
-from echocal.registry import find_effect
 
 __all__ = ["print_diagnosis"]
 
@@ -55,7 +55,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
 
 
 def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
-    names = " and ".join(cause.id for cause in diagnosis.causes if cause.in_model)
+    names = " and ".join(cause.id for cause in diagnosis.causes if cause.in_model or cause.kind != "effect")
     lead = _LEAD[diagnosis.verdict].format(causes=names)
     yield Text.assemble((diagnosis.verdict, _STYLE[diagnosis.verdict]), f": {lead}")
     rows = diagnosis.rows
@@ -73,12 +73,12 @@ def _cause(cause: Cause) -> RenderableType:
     )
     lines = [
         Text.assemble(
-            "" if cause.in_model else "or else  ",
+            "" if cause.in_model or cause.kind != "effect" else "or else  ",
             (cause.id, "bold"),
             f"  {sizes}  ",
             (f"probability {cause.probability:.3f}", "green"),
         ),
-        Text(f"  {find_effect(cause.id).sentence}"),
+        Text(f"  {find_cause(cause.id).sentence}"),
         Text(f"  check: {cause.because}", style="italic"),
     ]
     if cause.indistinguishable_from:

@@ -1,0 +1,113 @@
+"""Readings that become consistent after one edit of their digits."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding, listed
+from echocal.diagnose.faults.values import recorded
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.result import Parameter
+
+__all__ = ["FACTS", "detect"]
+
+_DECIMALS = (3, 4)  # of a typed reading in m
+_ODD = {True: 8.0, False: 4.5}  # robust standard deviations; lower where other rows are not typed
+_CLOSE = 5.0  # and lower again once corrected
+_REPEATED = 3  # rows of one value that nobody types by chance
+_USUAL = "two digits swapped"
+_MOST = 2000  # odd rows beyond which nobody typed them
+
+FACTS = CauseFacts(
+    id="mistyped_rows",
+    kind="row",
+    sentence="A value was typed wrong: swapped digits, a lost or doubled digit, a shifted decimal point.",
+    signature="the row becomes consistent with its neighbors after one edit",
+    source="CATALOGUE, bookkeeping",
+    parameters=(Quantity("rows", "1", "rows concerned"),),
+    check="look the rows up in the notes they were typed from",
+    prior=0.02,
+)
+
+
+def edits(text: str) -> Iterator[tuple[str, str, float]]:
+    """What may have been meant: digits, the name of the slip, and how usual it is."""
+    for i in range(len(text) - 1):
+        if text[i] != text[i + 1]:
+            yield text[:i] + text[i + 1] + text[i] + text[i + 2 :], _USUAL, 1.0
+    yield text + "0", "decimal point shifted", 0.5
+    if text.endswith("0"):
+        yield text[:-1], "decimal point shifted", 0.5
+    for i in range(len(text)):
+        if i == 0 or text[i] != text[i - 1]:
+            yield text[:i] + text[i + 1 :], "a digit too many", 0.2
+    for i in range(len(text) + 1):
+        for digit in "0123456789":
+            yield text[:i] + digit + text[i:], "a digit lost", 0.02
+
+
+def detect(view: View) -> Finding | None:
+    """Try every single edit on every odd row that looks typed."""
+    values = recorded(view) if view.observations.reading is not None else view.indication
+    decimals = next((d for d in _DECIMALS if _on_lattice(values, d)[view.good].mean() > 0.5), 0)
+    typed = _on_lattice(values, decimals or _DECIMALS[0])
+    with np.errstate(invalid="ignore"):
+        odd = view.good & typed & (np.abs(view.deviation) > max(_ODD[decimals > 0] * view.scatter, 4e-3))
+    at = np.flatnonzero(odd)
+    if not 0 < len(at) < _MOST or len(at) > 0.2 * view.good.sum():
+        return None
+    seldom = dict(zip(at.tolist(), _seldom(values[at]), strict=True))
+    evidence, corrected, stories = 0.0, values.copy(), []
+    for row in at:
+        found = _meant(view, float(values[row]), int(row), decimals or _DECIMALS[0])
+        if found is None or (found[1] != _USUAL and not seldom[int(row)]):
+            odd[row] = False
+            continue
+        value, slip, bayes = found
+        evidence += bayes + (0.0 if decimals else 2.0)
+        corrected[row] = value
+        stories.append(f"row {row + 1} reads {values[row]:g} m, {value:g} m would be consistent ({slip})")
+    if evidence <= 0 or not stories:
+        return None
+    observations = view.observations
+    time = np.where(odd, observations.echo_time * corrected / values, observations.echo_time)
+    reading = None if observations.reading is None else corrected
+    return Finding(
+        FACTS,
+        min(evidence, 60.0),
+        f"{'; '.join(stories[:3])}{'; ...' if len(stories) > 3 else ''}; corrected in {listed(odd)}",
+        (Parameter("rows", float(len(stories)), 0.0, "1"),),
+        odd,
+        replace(observations, reading=reading, echo_time=time),
+    )
+
+
+def _seldom(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Values that hardly repeat: a constant in place of a reading is another fault."""
+    _, which, counts = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray(counts[which] < _REPEATED)
+
+
+def _on_lattice(values: NDArray[np.float64], decimals: int) -> NDArray[np.bool_]:
+    scaled = values * 10.0**decimals
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(scaled - np.round(scaled)) < 1e-9 * np.maximum(np.abs(scaled), 1.0))
+
+
+def _meant(view: View, value: float, row: int, decimals: int) -> tuple[float, str, float] | None:
+    """The edit that fits best, and the log Bayes factor of a slip against any other wild value."""
+    expected, scale = float(view.expected[row]), 10.0**-decimals
+    text = f"{round(value / scale):0{decimals + 1}d}"
+    close = _CLOSE * max(view.scatter, 0.3 * scale)
+    best, chance = None, 0.0
+    for meant, slip, weight in edits(text):
+        off = abs(int(meant) * scale - expected)
+        chance += weight * 2 * close / max(abs(expected), 0.2)
+        if off < close and (best is None or (weight, -off) > best[:2]):
+            best = (weight, -off, int(meant) * scale, slip)
+    if best is None:
+        return None
+    return best[2], best[3], float(np.log(best[0] / min(chance, 1.0)) + np.log(0.5))

@@ -1,0 +1,65 @@
+"""Readings and references that differ by a known factor."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.faults.view import View
+from echocal.observations import Observations
+
+__all__ = ["Factor", "divided", "factor_of"]
+
+_SPREAD = 0.03  # of the log ratio: what laws, thermometers and clocks do to it
+_NEAR = 0.15  # of the log ratio, beyond which a factor is not the explanation
+_MOST = 0.6  # part of the rows that must share the factor
+_CAP = 60.0
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor between readings and references that most rows share."""
+
+    value: float
+    ratio: float
+    log_bayes: float
+
+
+def factor_of(view: View, factors: tuple[float, ...]) -> Factor | None:
+    """The factor that turns readings into references, if one of these does.
+
+    Rows out of physical range take part: a wrong unit is what puts them there.
+    """
+    if view.reference is None:
+        return None
+    with np.errstate(all="ignore"):
+        log_ratio = np.log(view.indication / view.reference)
+    log_ratio = log_ratio[np.isfinite(log_ratio)]
+    if len(log_ratio) == 0:
+        return None
+    center = float(np.median(log_ratio))
+    nearest = min(factors, key=lambda factor: abs(center - np.log(factor)))
+    off = center - float(np.log(nearest))
+    shared = float(np.mean(np.abs(log_ratio - np.log(nearest)) < _NEAR))
+    if abs(off) > _NEAR or shared < _MOST:
+        return None
+    without, with_it = (1.5 * np.log1p((x / _SPREAD) ** 2) for x in (center, off))
+    gain = len(log_ratio) * max(shared - 0.5, 0.0)  # many rows, one story
+    return Factor(nearest, float(np.exp(center)), min(float(without - with_it) + gain, _CAP))
+
+
+def divided(view: View, factor: float, column: str) -> Observations:
+    """Divide every echo time and reading; rows that were out of range only by the factor come back."""
+    observations = view.observations
+    reading = None if observations.reading is None else observations.reading / factor
+    unusable = observations.unusable.astype(object)
+    names = {observations.source_names.get(name, name) for name in ("reading", "echo_time")} | {column}
+    sane: NDArray[np.bool_] = (view.indication / factor > 0) & (view.indication / factor <= 100.0)
+    for name in names:
+        unusable[sane & (unusable == f"{name} out of range")] = ""
+    return replace(
+        observations,
+        echo_time=observations.echo_time / factor,
+        reading=reading,
+        unusable=unusable.astype(str),
+    )

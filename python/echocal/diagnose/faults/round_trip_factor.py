@@ -1,0 +1,36 @@
+"""The round trip not halved, or halved twice."""
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding
+from echocal.diagnose.faults.ratio import divided, factor_of
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.result import Parameter
+
+__all__ = ["FACTS", "detect"]
+
+FACTS = CauseFacts(
+    id="round_trip_factor",
+    kind="gross",
+    sentence="The way out and back was not halved, or halved twice.",
+    signature="reading / reference = 2 or 1/2 in every row",
+    source="UncleRus/esp-idf-lib #699: a compensated reading of 0.2327 m for 0.1162 m",
+    parameters=(Quantity("factor", "1", "reading over what it should be"),),
+    check="measure one distance with a ruler: twice the reading means the way out and back",
+    prior=0.01,
+)
+
+
+def detect(view: View) -> Finding | None:
+    """Compare the median ratio of reading and reference with 2 and 1/2."""
+    found = factor_of(view, (2.0, 0.5, 2.54, 1 / 2.54))  # an inch is near enough to be a rival
+    if found is None or found.value not in (2.0, 0.5):
+        return None
+    because = f"readings are {found.ratio:.3f} times the reference distance (median of all rows)"
+    return Finding(
+        FACTS,
+        found.log_bayes,
+        f"{because}; the rest of the diagnosis divides them by {found.value:g}",
+        (Parameter("factor", found.value, 0.0, "1"),),
+        view.observations.usable,
+        divided(view, found.value, "reading_m"),
+    )

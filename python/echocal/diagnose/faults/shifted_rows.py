@@ -1,0 +1,118 @@
+"""Readings that stand some rows too low or too high."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.result import Parameter
+from echocal.observations import Observations
+
+__all__ = ["FACTS", "detect"]
+
+Column = NDArray[np.float64]
+
+_SHIFTS = (1, 2, 3, -1, -2, -3)
+_NEAR = 0.05  # m, and
+_NEAR_PART = 0.06  # part of the distance: what no mean effect exceeds
+_CAP = 0.5  # m; beyond that a row is wrong, however far
+
+FACTS = CauseFacts(
+    id="shifted_rows",
+    kind="row",
+    sentence="From some row on, readings stand some rows beside the distance that they belong to.",
+    signature="the reading of each row fits the reference distance of a neighbor",
+    source="CATALOGUE, bookkeeping",
+    parameters=(
+        Quantity("first_row", "1", "first row that is shifted"),
+        Quantity("shift", "1", "rows by which readings stand too low"),
+    ),
+    check="look for a line that was copied or lost in the table",
+    prior=0.01,
+)
+
+
+def detect(view: View) -> Finding | None:
+    """Find the row from which on readings fit the references of rows before, or after."""
+    if view.reference is None or view.given is not None or len(view) < 8:
+        return None
+    usual = view.indication, view.reference
+    straight = _misfit(*usual, 0)
+    best: tuple[float, int, int] = (0.0, 0, 0)
+    for shift in _SHIFTS:
+        gain = np.nan_to_num(straight - _misfit(*usual, shift))
+        suffix = np.cumsum(gain[::-1])[::-1]
+        first = len(suffix) - 1 - int(np.argmax(suffix[::-1]))
+        best = max(best, (float(suffix[first]), first, shift))
+    total, first, shift = best
+    if total <= 0:
+        return None
+    evidence = _evidence(view, first, shift)
+    if evidence <= 0:
+        return None
+    row, whence = first + 1, first + 1 - shift
+    side = f"{abs(shift)} row{'s' if abs(shift) > 1 else ''} {'above' if shift > 0 else 'below'}"
+    own, fits = view.reference[first], view.reference[whence - 1]
+    because = (
+        f"from row {row} on readings fit the reference distance {side}: row {row} reads "
+        f"{view.indication[first]:.3f} m, {own:.3f} m is its own, {fits:.3f} m that of row {whence}; moved back"
+    )
+    parameters = (Parameter("first_row", float(row), 0.0, "1"), Parameter("shift", float(shift), 0.0, "1"))
+    rows = np.arange(len(view)) >= first
+    return Finding(FACTS, evidence, because, parameters, rows, _moved(view, first, shift))
+
+
+def _misfit(indication: Column, reference: Column, shift: int) -> Column:
+    """How far each reading is from the reference `shift` rows before, capped [m]; NaN at the ends."""
+    moved = np.full(len(reference), np.nan)
+    if shift > 0:
+        moved[shift:] = reference[:-shift]
+    elif shift < 0:
+        moved[:shift] = reference[-shift:]
+    else:
+        moved = reference
+    return np.asarray(np.minimum(np.abs(indication - moved), _CAP))
+
+
+def _evidence(view: View, first: int, shift: int) -> float:
+    """Rows that only the shift explains against rows that it contradicts."""
+    assert view.reference is not None
+    near = (_NEAR + _NEAR_PART * view.reference)[first:]
+    close = np.minimum(0.4 * near, 6 * view.scatter + 1e-3)
+    wide = np.minimum(np.maximum(near, 0.1), 10 * view.scatter + 5e-3)
+    usual = view.indication - (view.expected - view.reference)
+    own, moved = (_misfit(usual, view.reference, k)[first:] for k in (0, shift))
+    with np.errstate(invalid="ignore"):
+        explained = int(((own > wide) & (moved < close)).sum())
+        unexplained = int((own > wide).sum()) - explained
+        against = int(((own < close) & (moved > wide)).sum())
+    spread = float(np.nanmax(view.reference) - np.nanmin(view.reference))
+    # a wild value would fit the neighbor's reference by chance
+    each = np.log(max(spread / (2 * float(np.median(close))), 1.5))
+    places = 1 + np.count_nonzero(np.diff(view.reference) != 0)  # where a shift could begin to show
+    net = explained - 0.3 * unexplained
+    return float(min(net * each - 4 * against - np.log(places), 60.0))
+
+
+def _moved(view: View, first: int, shift: int) -> Observations:
+    """Every reading back to its row; rows whose reading is lost are marked."""
+    observations = view.observations
+    n = len(view)
+    source = np.arange(n)
+    source[first:] += shift
+    lost = (source >= n) | (source < 0)
+    if shift < 0:  # rows lost in the table: readings come from above, and the first have none
+        lost |= (np.arange(n) >= first) & (source < first) & (np.arange(n) < first - shift)
+    source = np.where(lost, np.arange(n), source)
+    two = np.full(n, 2.0)
+    speed = view.base.indication(two, observations.conditions)
+    reading = None if observations.reading is None else observations.reading[source]
+    echo_time = observations.echo_time[source]
+    if reading is not None:
+        echo_time = 2 * view.indication[source] / speed
+    unusable = observations.unusable.astype(object)
+    unusable[lost & (unusable == "")] = FACTS.id
+    return replace(observations, echo_time=echo_time, reading=reading, unusable=unusable.astype(str))

@@ -1,0 +1,129 @@
+"""Temperature and humidity exchanged."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding, listed
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.result import Parameter
+from echocal.observations import Observations
+
+__all__ = ["FACTS", "detect"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_AROUND = 6  # rows before and after a seam that are compared
+_CANDIDATES = 12  # largest jumps that are looked at, besides the change of roughness
+_FEWEST = 30
+_LEAST = 15  # rows before a seam that tell how rough the columns are
+_WILD = 8.0  # scales beyond which a step says no more
+_FITS = 3.0  # scales that the levels may differ by across the seam
+_CAP = 40.0
+
+FACTS = CauseFacts(
+    id="swapped_columns",
+    kind="gross",
+    sentence="Temperature and humidity changed places, in all rows or from some row on.",
+    signature="from one row to the next the temperature goes on as the humidity in percent, and vice versa",
+    source="range test; CATALOGUE",
+    parameters=(Quantity("first_row", "1", "first row with the columns exchanged"),),
+    check="look at the header of the logger's file, and whether its program changed",
+    prior=0.005,
+)
+
+
+def detect(view: View) -> Finding | None:
+    """Look for a row from which on the two columns go on as each other."""
+    warm, humid = view.temperature, view.observations.conditions.get("relative_humidity")
+    if warm is None or humid is None:
+        return None
+    percent = 100.0 * humid
+    known = np.flatnonzero(np.isfinite(warm) & np.isfinite(percent))
+    if len(known) < _FEWEST:
+        return None
+    seam, evidence = _seam(warm[known], percent[known])
+    if evidence <= 0.0:
+        return None
+    edge = int(known[seam])
+    swapped = np.arange(len(warm)) >= edge
+    if _drier(warm, percent, ~swapped):
+        swapped = ~swapped
+    first = int(np.flatnonzero(swapped)[0])
+    because = (
+        f"from row {edge} to {edge + 1} the temperature goes from {warm[edge - 1]:.1f} to {warm[edge]:.1f}, "
+        f"the humidity from {percent[edge - 1]:.1f} to {percent[edge]:.1f}; each goes on as the other did; "
+        f"exchanged back in {listed(swapped)}"
+    )
+    return Finding(
+        FACTS,
+        min(evidence, _CAP),
+        because,
+        (Parameter("first_row", first + 1.0, 0.0, "1"),),
+        swapped,
+        _exchanged(view, swapped),
+    )
+
+
+def _seam(warm: Column, percent: Column) -> tuple[int, float]:
+    """Row from which on the columns go on as each other, and the evidence for that."""
+    steps = np.abs(np.stack([np.diff(warm), np.diff(percent)]))
+    floor = 0.02 + 0.02 * np.median(steps, axis=1, keepdims=True)
+    rough = np.log(steps[0] + floor[0]) - np.log(steps[1] + floor[1])
+    change = np.abs(np.cumsum(rough - rough.mean()))
+    jump = steps.sum(axis=0)
+    rows = {int(np.argmax(change)) + 1, *(1 + np.argsort(-jump)[:_CANDIDATES]).tolist()}
+    inside = [row for row in rows if _LEAST < row < len(warm) - 2]
+    scored = [(_evidence(warm, percent, row), row) for row in inside]
+    best, row = max(scored, default=(0.0, 0))
+    return row, best - float(np.log(len(warm)))
+
+
+def _evidence(warm: Column, percent: Column, row: int) -> float:
+    """Log likelihood ratio of the rows from `row` on: exchanged against as they stand.
+
+    Steps from row to row are Laplace distributed, with the scales of the rows before; the levels
+    across the seam must fit too.
+    """
+    steps = np.abs(np.stack([np.diff(warm), np.diff(percent)]))
+    scale = np.median(steps[:, : row - 1], axis=1) / np.log(2) + 0.05  # of a Laplace distribution
+    after = steps[:, row:]
+    stays, changes = (float(np.minimum(after / s[:, None], _WILD).sum()) for s in (scale, scale[::-1]))
+    part = min(1.0, 60.0 / max(after.shape[1], 1))  # neighbors are no independent witnesses
+    sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
+    ends = np.array([[np.median(column[side]) for side in sides] for column in (warm, percent)])
+    wide = 3 * scale + 2.0
+    straight = np.abs(ends[:, 1] - ends[:, 0]) / wide
+    crossed = np.abs(ends[::-1, 1] - ends[:, 0]) / wide
+    if crossed.max() > _FITS:
+        return -np.inf
+    levels = float(np.minimum(straight, 12.0).sum() - np.minimum(crossed, 12.0).sum())
+    return float(part * (stays - changes) + levels)
+
+
+def _drier(warm: Column, percent: Column, rows: Mask) -> bool:
+    """Whether it is the other part that has the colder, more humid air of this planet."""
+    return float(np.nanmedian(warm[rows])) > float(np.nanmedian(percent[rows]))
+
+
+def _exchanged(view: View, rows: Mask) -> Observations:
+    observations = view.observations
+    warm, humid = observations.conditions["temperature"], observations.conditions["relative_humidity"]
+    temperature = np.where(rows, 100.0 * humid, warm)
+    fraction = np.where(rows, warm / 100.0, humid)
+    unusable = observations.unusable.astype(object)
+    possible = (fraction >= 0) & (fraction <= 1) & (temperature < 100.0)
+    for name in ("temperature", "relative_humidity"):
+        source = observations.source_names.get(name, name)
+        unusable[rows & possible & (unusable == f"{source} out of range")] = ""
+    unusable[rows & ~possible & (unusable == "")] = FACTS.id
+    conditions = {**observations.conditions, "temperature": temperature, "relative_humidity": fraction}
+    echo_time = observations.echo_time
+    if observations.reading is not None:  # the device knew its air; its reading stands
+        two = np.full(len(view), 2.0)
+        wrong, right = (view.base.indication(two, c) for c in (observations.conditions, conditions))
+        echo_time = np.where(rows, echo_time * wrong / right, echo_time)
+    return replace(observations, echo_time=echo_time, conditions=conditions, unusable=unusable.astype(str))

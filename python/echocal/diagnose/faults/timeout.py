@@ -1,0 +1,63 @@
+"""No echo: a constant in place of a time."""
+
+import numpy as np
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding, listed
+from echocal.diagnose.faults.values import far, recorded
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.result import Parameter
+
+__all__ = ["FACTS", "detect"]
+
+_SAME = 1e-10  # relative; what arithmetic leaves of one constant
+_KNOWN = 38e-3  # s, length of the HC-SR04's pulse without an echo (data sheet)
+_TOLERANCE = 5e-5  # s
+_LONE = 3  # wild rows among which a single one at 38 ms means something
+_PART = 0.5  # of the wild rows that share the constant, or
+_MANY = 5
+_EVERY_ROW = 8.0  # log Bayes factor of a row that repeats a far value exactly
+
+FACTS = CauseFacts(
+    id="timeout",
+    kind="row",
+    sentence="No echo came back; the device reports a constant instead.",
+    signature="one value far from all others, repeated exactly: 38 ms, 0, a largest range",
+    source="HC-SR04 data sheet (38 ms); forum.arduino.cc 613370: plateaus at 16 to 18 and 70 ms on a clone",
+    parameters=(Quantity("echo_time", "s", "time reported without an echo"), Quantity("rows", "1", "rows")),
+    check="point the sensor into the open: what it then reports is its timeout",
+    prior=0.02,
+)
+
+
+def detect(view: View) -> Finding | None:
+    """Look for a far value that repeats exactly, as a time or as a reading."""
+    wild = np.flatnonzero(far(view))
+    candidates = [_largest(view.observations.echo_time, wild), _largest(recorded(view), wild)]
+    known = wild[np.abs(view.observations.echo_time[wild] - _KNOWN) < _TOLERANCE]
+    rows = max([*candidates, known if len(wild) <= _LONE else wild[:0]], key=len)
+    if not len(rows) or (len(rows) < _MANY and len(rows) < _PART * len(wild)):
+        return None
+    time = float(np.median(view.observations.echo_time[rows]))
+    mask = np.zeros(len(view), dtype=bool)
+    mask[rows] = True
+    because = (
+        f"{listed(mask)}: an echo time of {1e3 * time:.3f} ms ({view.indication[rows[0]]:.2f} m) again and "
+        f"again, where {view.expected[rows[0]]:.2f} m is expected; left out"
+    )
+    parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
+    evidence = min(_EVERY_ROW * len(rows), 60.0)
+    return Finding(FACTS, evidence, because, parameters, mask, view.without(mask, FACTS.id))
+
+
+def _largest(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Rows of the largest group of one value, two at least."""
+    if len(rows) < 2:
+        return rows[:0]
+    order = rows[np.argsort(values[rows], kind="stable")]
+    sorted_ = values[order]
+    new = np.concatenate([[True], np.diff(sorted_) > _SAME * np.abs(sorted_[1:])])
+    group = np.cumsum(new) - 1
+    counts = np.bincount(group)
+    best = int(counts.argmax())
+    return order[group == best] if counts[best] > 1 else rows[:0]

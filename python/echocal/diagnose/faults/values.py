@@ -1,0 +1,52 @@
+"""What was written down: values as they stand, and rows that are far off."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.faults.view import View
+
+__all__ = ["chance_far", "far", "millimeters", "recorded", "repeats"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_FAR = 12.0  # robust standard deviations
+_FAR_PART = 0.015  # and part of the reading
+
+
+def recorded(view: View) -> Column:
+    """Values as the logger wrote them: readings, else echo times."""
+    reading = view.observations.reading
+    return view.observations.echo_time if reading is None else reading
+
+
+def far(view: View) -> Mask:
+    """Rows farther off than noise or air."""
+    with np.errstate(invalid="ignore"):
+        limit = np.maximum(_FAR * view.scatter, _FAR_PART * np.abs(view.expected))
+        return np.asarray(view.good & (np.abs(view.deviation) > limit))
+
+
+def chance_far(view: View) -> float:
+    """Rows that heavy-tailed noise alone would put that far: Student's t of 3 degrees, whole table."""
+    from scipy.stats import t as student  # takes long to import
+
+    with np.errstate(invalid="ignore"):
+        limit = np.maximum(_FAR * view.scatter, _FAR_PART * np.abs(view.expected))[view.good]
+    part = len(limit) / max(len(limit[::97]), 1)
+    scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
+    return float(2 * part * student.sf(limit[::97] / scale, 3).sum()) + 1e-3
+
+
+def repeats(values: Column) -> float:
+    """Part of the rows whose value some other row has too, to a part in 1e9."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return 0.0
+    _, counts = np.unique(np.round(finite / max(abs(float(np.median(finite))), 1e-12), 9), return_counts=True)
+    return float(counts[counts > 1].sum() / len(finite))
+
+
+def millimeters(value: float) -> str:
+    """A distance as people read it."""
+    return f"{1e3 * value:.1f} mm"
