@@ -58,7 +58,7 @@ def detect(view: View) -> Finding | None:
     own, fits = view.reference[first], view.reference[whence - 1]
     because = (
         f"from row {row} on readings fit the reference distance {side}: row {row} reads "
-        f"{view.indication[first]:.3f} m, {own:.3f} m is its own, {fits:.3f} m that of row {whence}; moved back"
+        f"{view.indication[first]:.3f} m, {own:.3f} m is its own, {fits:.3f} m that of {whence}; moved back"
     )
     parameters = (Parameter("first_row", float(row), 0.0, "1"), Parameter("shift", float(shift), 0.0, "1"))
     rows = np.arange(len(view)) >= first
