@@ -19,6 +19,7 @@ UNKNOWN = "unknown"
 """Id under which a smooth shape without a cause competes."""
 
 _TAIL = 0.1  # weight of a prior's tail beside its bulk
+_CLOSEST = 0.5  # rows between two places at which an effect may begin
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,10 @@ class Scene:
         ``relevel(model)`` is every row's distance [m] if that model were right.
     groups : ndarray of int, shape (n,), or None
         Stretch of each row where the level is unknown; None where the distance is.
+    residual : ndarray, shape (n,)
+        Reading less what the base simulation predicts [m].
+    slope : ndarray, shape (n,)
+        Derivative of the reading to the distance.
     """
 
     base: Base
@@ -99,6 +104,8 @@ class Scene:
     conditions: Mapping[str, Column]
     relevel: Callable[[Model], Column]
     groups: NDArray[np.int64] | None
+    residual: Column
+    slope: Column
 
     def shift(self, id_: str, at: Mapping[str, float]) -> Column:
         """Change of the reading [m] if the effect were there with these parameters."""
@@ -186,27 +193,63 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     """Sizes by their tangents, for every shape that is tried, with the usual and with a tail's prior."""
     sizes = [p for p in effect.parameters if p.role == "size"]
     neutral = {p.name: p.neutral for p in effect.parameters}
-    grid = [[(p.name, x) for x in _tried(p, scene)] for p in effect.parameters if p.role == "shape"]
     variants = []
-    for shape in product(*grid):
-        at = {**neutral, **dict(shape)}
+    for shape, weight in _shapes(effect, scene):
+        at = {**neutral, **shape}
         tangents = scene.tangents(effect.id, at)
         scaled = [replace(p, prior_scale=_scale(p, scene)) for p in sizes]
-        variants.append(_freed(found, Variant(effect.id, at), scaled, tangents))
+        variants.append(_freed(found, Variant(effect.id, at, weight=weight), scaled, tangents))
         if any(p.tail > 1 for p in sizes):
             wide = [replace(p, prior_scale=p.tail * p.prior_scale) for p in scaled]
-            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL), wide, tangents))
+            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL * weight), wide, tangents))
     return variants
 
 
-def _tried(parameter: Parameter, scene: Scene) -> list[float]:
-    """Values of a shape that are worth a try in these data."""
-    values = [*parameter.known, *parameter.tried]
+def _shapes(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]:
+    """Shapes that are worth a try in these data, each with its share of the prior."""
+    shapes = [p for p in effect.parameters if p.role == "shape"]
+    fixed = [
+        [(p.name, float(x)) for x in (*p.known, *p.tried) or (p.neutral,)]
+        for p in shapes
+        if not p.tried_along
+    ]
+    at = [(dict(values), 1.0) for values in product(*fixed)]
+    for p in (p for p in shapes if p.tried_along):
+        at = [({**a, p.name: x}, w) for a, _ in at for x, w in _places(effect, p, a, scene)]
+    return at
+
+
+def _places(
+    effect: Effect, parameter: Parameter, at: dict[str, float], scene: Scene
+) -> list[tuple[float, float]]:
+    """Places along a column at which an effect may begin, closer where it explains most.
+
+    The share of a place is the part of the rows that is nearer to it than to any other.
+    """
     along = parameter.tried_along
-    if along is not None:
-        column = scene.distance if along == "distance" else scene.conditions[along]
-        values = np.unique(np.quantile(column, parameter.tried)).tolist()
-    return [float(value) for value in values] or [parameter.neutral]
+    assert along is not None
+    column = np.sort(scene.distance if along == "distance" else scene.conditions[along])
+    neutral = {p.name: p.neutral for p in effect.parameters}
+
+    def explained(q: float) -> float:
+        place = {**neutral, **at, parameter.name: float(np.quantile(column, q))}
+        tangents = scene.tangents(effect.id, place)
+        design = np.stack([scene.slope, *(tangents[p.name] for p in effect.parameters if p.role == "size")])
+        fit = np.linalg.lstsq(design @ design.T, design @ scene.residual, rcond=1e-9)[0]
+        return float(fit @ design @ scene.residual)
+
+    scores = {q: explained(q) for q in parameter.tried}
+    step = float(np.diff(parameter.tried).min()) / 2
+    while step * len(column) > _CLOSEST:
+        best = max(scores, key=lambda q: scores[q])
+        scores |= {q: explained(q) for q in (best - step, best + step)}
+        step /= 2
+    places = sorted(scores)
+    middles = np.array([0.0, *(np.diff(places) / 2 + places[:-1]), 1.0])
+    values: dict[float, float] = {}
+    for value, share in zip(np.quantile(column, places).tolist(), np.diff(middles).tolist(), strict=True):
+        values[value] = values.get(value, 0.0) + share
+    return list(values.items())
 
 
 def _scale(parameter: Parameter, scene: Scene) -> float:

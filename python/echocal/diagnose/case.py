@@ -74,9 +74,10 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     known = table.reference is not None
     found = Candidates([base.model().jacobian(distance, **table.conditions)[:, 0]])
     groups = None if known else table.groups
-    effect_candidates(found, Scene(base, distance, table.conditions, table.distance, groups))
-    shape_candidates(found, table.against())
     residual = table.indication - base.expected(distance, table.conditions)
+    scene = Scene(base, distance, table.conditions, table.distance, groups, residual, found.columns[0])
+    effect_candidates(found, scene)
+    shape_candidates(found, table.against())
     columns = np.stack([*found.columns, residual])
     sums = Sums.gather(columns, table.starts, folds.blocks, table.groups, flat_level=not known)
     _drop_invisible(found, sums)

@@ -1,6 +1,6 @@
 """What to measure next: where causes that these data cannot separate would differ."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations, product
 
 import numpy as np
@@ -50,8 +50,9 @@ def _best(
     case: Case, judgment: Judgment, pair: tuple[str, str], variance: float
 ) -> tuple[dict[str, list[float]], float]:
     distance, temperature = (np.array(x) for x in zip(*product(_DISTANCES, _TEMPERATURES), strict=True))
-    signals = [_at(case, cause, distance, temperature) for cause in pair]
-    size = judgment.model.effects[pair[0]]
+    found = judgment.model.effects
+    signals = [_at(case, cause, found.get(cause, {}), distance, temperature) for cause in pair]
+    size = found[pair[0]]
     true = _scaled(signals[0], size, pair[0])
     if true is None or signals[1] is None:
         return {}, 0.0
@@ -73,15 +74,21 @@ def _best(
 
 
 def _at(
-    case: Case, cause: str, distance: NDArray[np.float64], temperature: NDArray[np.float64]
+    case: Case,
+    cause: str,
+    found: Mapping[str, float],
+    distance: NDArray[np.float64],
+    temperature: NDArray[np.float64],
 ) -> dict[str, NDArray[np.float64]] | None:
-    """Tangents of a cause under proposed conditions; None where it needs more than these."""
+    """Tangent of a cause's size under proposed conditions; None where it needs more than these."""
     effect = find_effect(cause)
-    if not set(effect.requires) <= {"temperature"} or len(effect.parameters) != 1:
+    sizes = [p.name for p in effect.parameters if p.role == "size"]
+    if not set(effect.requires) <= {"temperature"} or len(sizes) != 1:
         return None
-    model = case.base.model({cause: {}})
+    shape = {name: value for name, value in found.items() if name not in sizes}
+    model = case.base.model({cause: shape})
     jacobian = model.jacobian(distance, temperature=temperature)
-    name = effect.parameters[0].name
+    name = sizes[0]
     return {name: jacobian[:, 1 + model.parameter_names.index(f"{cause}.{name}")]}
 
 

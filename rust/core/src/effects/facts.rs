@@ -63,6 +63,9 @@ impl ParameterFacts {
     };
 }
 
+/// Quantiles that cut a table into eight parts; a search goes on between them.
+pub(super) const EVENLY: &[f64] = &[0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
+
 /// The values of a shape that a search tries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tried {

@@ -20,7 +20,7 @@ pub fn range(quantity: Quantity) -> (f64, f64) {
         Quantity::RelativeHumidity => (0.05, 0.95),
         Quantity::Pressure => (60e3, 110e3),
         Quantity::Co2MoleFraction => (0.0, 0.01),
-        Quantity::ElapsedTime => (0.0, 1e5),
+        Quantity::ElapsedTime => (0.0, 1e4),
         Quantity::SupplyVoltage => (3.0, 5.5),
         Quantity::Angle => (-0.5, 0.5),
         Quantity::WindSpeed => (0.0, 20.0),

@@ -4,8 +4,8 @@ use echocal_core::Law;
 use echocal_core::effects::{ALL, Facts, Firmware, Role};
 use std::collections::HashSet;
 
-const UNITS: [&str; 11] = [
-    "1", "1/K", "K", "K m^2/W", "K/m", "m", "m/(s K)", "m/s", "m^2", "s", "s/V",
+const UNITS: [&str; 12] = [
+    "1", "1/K", "Hz", "K", "K m^2/W", "K/m", "m", "m/(s K)", "m/s", "m^2", "s", "s/V",
 ];
 
 fn snake_case(name: &str) -> bool {
