@@ -5,6 +5,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _Column = NDArray[np.float64]
+_Form = tuple[int | None, list[int], list[int], list[tuple[float, float]], float]
+_Weighed = tuple[float, _Column, _Column, _Column, float]
 
 @final
 class Model:
@@ -71,6 +73,23 @@ class Firmware:
 def design_firmware(
     model: Model, wish: dict[str, Any], progress: Callable[[str, int, int], object] | None
 ) -> Firmware: ...
+def weigh(
+    products: NDArray[np.float64],
+    log_weight: NDArray[np.float64],
+    degrees: float,
+    finest: float,
+    forms: list[_Form],
+) -> _Weighed: ...
+def posterior(
+    products: NDArray[np.float64],
+    log_weight: NDArray[np.float64],
+    degrees: float,
+    finest: float,
+    forms: list[_Form],
+    causes: list[float],
+    shape: float,
+    threads: int,
+) -> tuple[list[tuple[list[int], float, _Weighed]], list[bool]]: ...
 def products(
     columns: NDArray[np.float64],
     starts: NDArray[np.bool_],

@@ -1,7 +1,8 @@
 //! Sums of products for diagnosis, over arrays.
 
-use echocal_core::evidence::{Layout, Products};
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use echocal_core::evidence::{self, Layout, Outcome, Prior, Products, Stack, Variant, Weighed};
+use numpy::prelude::*;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -46,4 +47,110 @@ pub fn products<'py>(
     Ok(results
         .map(|p| (arrays(p.blocks), arrays(p.cells)))
         .collect())
+}
+
+/// A form of a cause: cause (none for a shape), fixed columns, free columns, their bounds, weight.
+type Form = (Option<usize>, Vec<usize>, Vec<usize>, Vec<(f64, f64)>, f64);
+
+/// Log evidence, mean, covariance, probability of each noise, variance.
+type Result<'py> = (
+    f64,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    f64,
+);
+
+fn stack(
+    products: &PyReadonlyArray3<'_, f64>,
+    log_weight: &PyReadonlyArray1<'_, f64>,
+    degrees: f64,
+    finest: f64,
+) -> PyResult<Stack> {
+    let &[noises, width, other] = products.shape() else {
+        unreachable!("a three-dimensional array has three lengths")
+    };
+    if width != other || noises != log_weight.len() || noises == 0 || width == 0 {
+        return Err(PyValueError::new_err(
+            "products and weights differ in shape",
+        ));
+    }
+    Ok(Stack {
+        products: products.as_array().iter().copied().collect(),
+        log_weight: log_weight.as_slice()?.to_vec(),
+        width,
+        degrees,
+        finest,
+    })
+}
+
+fn variants(forms: Vec<Form>, width: usize) -> PyResult<Vec<Variant>> {
+    let variant = |(cause, offsets, free, bounds, weight): Form| {
+        if free.len() != bounds.len() || offsets.iter().chain(&free).any(|&column| column >= width)
+        {
+            return Err(PyValueError::new_err(
+                "a form has columns that are not there",
+            ));
+        }
+        Ok(Variant {
+            cause: cause.unwrap_or(usize::MAX),
+            is_shape: cause.is_none(),
+            offsets,
+            free,
+            bounds,
+            weight,
+        })
+    };
+    forms.into_iter().map(variant).collect()
+}
+
+fn result<'py>(py: Python<'py>, weighed: Weighed) -> PyResult<Result<'py>> {
+    let order = weighed.mean.len();
+    Ok((
+        weighed.log_evidence,
+        PyArray1::from_vec(py, weighed.mean),
+        PyArray1::from_vec(py, weighed.covariance).reshape([order, order])?,
+        PyArray1::from_vec(py, weighed.noise),
+        weighed.variance,
+    ))
+}
+
+/// Weighs one hypothesis, all its forms at once.
+#[pyfunction]
+pub fn weigh<'py>(
+    py: Python<'py>,
+    products: PyReadonlyArray3<'py, f64>,
+    log_weight: PyReadonlyArray1<'py, f64>,
+    degrees: f64,
+    finest: f64,
+    forms: Vec<Form>,
+) -> PyResult<Result<'py>> {
+    let stack = stack(&products, &log_weight, degrees, finest)?;
+    let variants = variants(forms, stack.width)?;
+    let weighed = py.detach(|| evidence::weigh(&stack, &variants));
+    result(py, weighed)
+}
+
+/// Weighs every hypothesis that competes: forms, prior and result of each, and the noises carried
+/// along.
+#[pyfunction]
+#[allow(clippy::type_complexity, clippy::too_many_arguments)] // as Python sees them
+pub fn posterior<'py>(
+    py: Python<'py>,
+    products: PyReadonlyArray3<'py, f64>,
+    log_weight: PyReadonlyArray1<'py, f64>,
+    degrees: f64,
+    finest: f64,
+    forms: Vec<Form>,
+    causes: [f64; 4],
+    shape: f64,
+    threads: usize,
+) -> PyResult<(Vec<(Vec<usize>, f64, Result<'py>)>, Vec<bool>)> {
+    let stack = stack(&products, &log_weight, degrees, finest)?;
+    let variants = variants(forms, stack.width)?;
+    let prior = Prior { causes, shape };
+    let (outcomes, noises) = py.detach(|| evidence::posterior(&stack, &variants, &prior, threads));
+    let outcome = |o: Outcome| Ok((o.variants, o.prior, result(py, o.weighed)?));
+    let outcomes: PyResult<Vec<_>> = outcomes.into_iter().map(outcome).collect();
+    Ok((outcomes?, noises))
 }

@@ -21,7 +21,7 @@ mod _core {
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
-    use super::evidence::products;
+    use super::evidence::{posterior, products, weigh};
     #[pymodule_export]
     use super::firmware::{CoreFirmware, design_firmware};
     #[pymodule_export]

@@ -3,6 +3,14 @@
 //! Everything that follows (evidence, alias classes, hold-out) works on these sums and costs the
 //! same for a thousand rows and for a million.
 
+mod cholesky;
+mod hypothesis;
+mod normal;
+mod posterior;
 mod products;
+mod weigh;
 
+pub use hypothesis::Variant;
+pub use posterior::{Outcome, Prior, posterior, weigh};
 pub use products::{Layout, Products};
+pub use weigh::{Stack, Weighed};

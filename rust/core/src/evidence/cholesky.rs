@@ -1,0 +1,80 @@
+//! Small symmetric positive definite systems.
+#![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
+
+/// Lower triangle of a matrix of `order`, row by row, factored in place: `L` with `L L' = A`.
+///
+/// `added` was added to the diagonal of a matrix without negative eigenvalues, so no pivot squared
+/// can be smaller; rounding would make it so where columns are nearly the same.
+pub(super) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
+    for i in 0..order {
+        for j in 0..=i {
+            let mut sum = matrix[i * order + j];
+            for k in 0..j {
+                sum -= matrix[i * order + k] * matrix[j * order + k];
+            }
+            matrix[i * order + j] = if i == j {
+                sum.max(added[i]).sqrt()
+            } else {
+                sum / matrix[j * order + j]
+            };
+        }
+    }
+}
+
+/// Solves `L x = b` in place.
+pub(super) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
+    for i in 0..order {
+        let mut sum = b[i];
+        for k in 0..i {
+            sum -= lower[i * order + k] * b[k];
+        }
+        b[i] = sum / lower[i * order + i];
+    }
+}
+
+/// Solves `L' x = b` in place.
+pub(super) fn backward(lower: &[f64], order: usize, b: &mut [f64]) {
+    for i in (0..order).rev() {
+        let mut sum = b[i];
+        for k in i + 1..order {
+            sum -= lower[k * order + i] * b[k];
+        }
+        b[i] = sum / lower[i * order + i];
+    }
+}
+
+/// The inverse of `L L'`, row by row, into `inverse`.
+pub(super) fn invert(lower: &[f64], order: usize, inverse: &mut Vec<f64>) {
+    inverse.clear();
+    inverse.resize(order * order, 0.0);
+    for column in 0..order {
+        let line = &mut inverse[column * order..(column + 1) * order];
+        line[column] = 1.0;
+        forward(lower, order, line);
+        backward(lower, order, line);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_by_hand() {
+        let mut matrix = [4.0, 0.0, 0.0, 2.0, 5.0, 0.0, 0.0, 1.0, 3.0]; // the upper triangle is not read
+        factor(&mut matrix, 3, &[0.0; 3]);
+        let mut inverse = Vec::new();
+        invert(&matrix, 3, &mut inverse);
+        let expected = [14.0, -6.0, 2.0, -6.0, 12.0, -4.0, 2.0, -4.0, 16.0].map(|x| x / 44.0);
+        for (found, right) in inverse.iter().zip(expected) {
+            assert!((found - right).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_direction_without_information_stays_finite() {
+        let mut matrix = [1.0, 0.0, 1.0, 1.0]; // 1e-20 added, and lost
+        factor(&mut matrix, 2, &[1e-20; 2]);
+        assert_eq!(matrix[3], 1e-10);
+    }
+}
