@@ -4,6 +4,7 @@ __all__ = [
     "BoundError",
     "DataError",
     "DataWarning",
+    "DisagreementWarning",
     "DomainWarning",
     "EchocalError",
     "ModelError",
@@ -41,6 +42,10 @@ class BoundError(EchocalError, ValueError):
 
 class DataWarning(UserWarning):
     """Rows of a table cannot be used; the text gives counts, reasons and first rows."""
+
+
+class DisagreementWarning(UserWarning):
+    """The causes that a table leaves possible predict differently at the point asked."""
 
 
 class DomainWarning(UserWarning):

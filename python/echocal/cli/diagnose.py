@@ -22,13 +22,15 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.errors import DataWarning
+from echocal.diagnose.ranges import parsed_range
+from echocal.errors import DataWarning, UsageError
 from echocal.model import Model
 from echocal.report import print_diagnosis
 
 
 def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes: CSV, TSV, Parquet.")],
+    ranges: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="NAME=LOW:HIGH")] = None,
     base: Annotated[str, typer.Option(help="Law, expression, fixed speed in m/s, or model file.")] = "linear",
     column: Columns = None,
     reference_distance: Annotated[
@@ -54,6 +56,13 @@ def command(
     ] = None,
     model: Annotated[Path | None, typer.Option(metavar="OUT.json", help="Write the extended model.")] = None,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
+    can_vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=LOW:HIGH ...",
+            help="What can be varied for the next measurements: distance=0.2:4 temperature=5:40 (m, degC).",
+        ),
+    ] = None,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     quiet: Quiet = False,
@@ -69,6 +78,7 @@ def command(
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
+            can_vary=_ranges(can_vary, ranges),
             seed=seed,
             **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
         )
@@ -85,6 +95,15 @@ def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None) -> None
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 
         save_diagnosis(diagnosis, plots)
+
+
+def _ranges(first: list[str] | None, more: list[str] | None) -> dict[str, tuple[float, float]] | None:
+    """Ranges after ``--can-vary``, however many follow it."""
+    if more and not first:
+        message = f"'{more[0]}' is one argument too many: a diagnosis reads one table"
+        raise UsageError(message)
+    texts = [text for joined in (*(first or ()), *(more or ())) for text in joined.split()]
+    return dict(parsed_range(text) for text in texts) or None
 
 
 def _time(text: str | None) -> str | float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from echocal.diagnose.base import Base
 from echocal.diagnose.case import examine
 from echocal.diagnose.faults import find_faults
 from echocal.diagnose.gain import Folds
+from echocal.diagnose.ranges import checked_ranges
 from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import prepare
 from echocal.diagnose.verdict import conclude
@@ -38,6 +39,7 @@ def diagnose(
     since: str | None = None,
     until: str | None = None,
     hold_out_after: str | float | None = None,
+    can_vary: Mapping[str, Sequence[float]] | None = None,
     seed: int = 0,
     **table: Any,
 ) -> Diagnosis:
@@ -69,6 +71,9 @@ def diagnose(
     hold_out_after : str or float, optional
         Rows from this time on are held out from everything: ISO 8601, or seconds since the first
         row. Default: folds take turns.
+    can_vary : mapping of str to (float, float), optional
+        What can be varied for the next measurements, and how far: ``{"distance": (0.2, 4.0),
+        "temperature": (5.0, 40.0)}`` in m and degC; names are those of recorded conditions.
     seed : int
         Seed of the resampling behind the interval of the gain, not negative.
     **table
@@ -119,9 +124,10 @@ def diagnose(
         if strange is not None and not any(f.facts.kind == "gross" for f in faults.accepted):
             raise strange
         observations = faults.observations
+        ranges = None if can_vary is None else checked_ranges(can_vary, list(observations.conditions))
         ready = prepare(observations, simulated, reference_distance, constant_distance)
         folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
-        return conclude(examine(ready, simulated, folds, int(seed)), observations, faults, start)
+        return conclude(examine(ready, simulated, folds, int(seed)), observations, faults, ranges, start)
 
 
 def _read(source: Any, table: Mapping[str, Any]) -> tuple[Observations, DataError | None]:

@@ -13,6 +13,8 @@ _LEAD = {
     "nothing": "Nothing is found beyond noise.",
 }
 
+_SHOWN = 6  # causes named in one proposal
+
 _READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
 
 
@@ -81,18 +83,38 @@ def _gain(diagnosis: Diagnosis) -> list[str]:
 
 def proposal_text(proposal: NextMeasurement) -> str:
     """What to measure, and what for, as a phrase."""
-    pair = " from ".join(proposal.separates)
+    pair = _pair(proposal.separates)
     side = proposal.conditions.get("side_measurement")
     if side is not None:
-        return f"to tell {pair}: {side}"
-    places = zip(proposal.conditions["distance"], proposal.conditions["temperature"], strict=True)
-    where = " and at ".join(
-        f"{quantity_text('distance', d)}, {quantity_text('temperature', t)}" for d, t in places
+        return f"{pair}: {side}"
+    varied = {name: values for name, values in proposal.conditions.items() if name != "rows"}
+    where = "; ".join(
+        f"{rows} at " + ", ".join(_at(name, values[place]) for name, values in varied.items())
+        for place, rows in enumerate(proposal.conditions["rows"])
     )
     return (
-        f"to tell {pair}: measure {sum(proposal.conditions['rows'])} rows, at {where} (the right one would "
-        f"then have a probability of about {proposal.expected_probability:.2f})"
+        f"{pair}: measure {sum(proposal.conditions['rows'])} rows, {where} (the right one has a "
+        f"probability of about {proposal.probability_now:.2f} now, and would then have "
+        f"{proposal.expected_probability:.2f})"
     )
+
+
+def _pair(separates: tuple[str, ...]) -> str:
+    shown = separates[:_SHOWN]
+    if len(shown) == 1:
+        return f"to tell whether {shown[0]} is at work"
+    rest = [f"{len(separates) - _SHOWN} others"] if len(separates) > _SHOWN else []
+    *first, last = [*shown, *rest]
+    return (
+        f"to tell {', '.join(first)} from {last}"
+        if len(shown) == 2
+        else f"to tell {', '.join(first)} and {last} apart"
+    )
+
+
+def _at(name: str, value: float) -> str:
+    text = quantity_text(name, value)
+    return text if name in {"distance", "temperature"} else f"{name.replace('_', ' ')} {text}"
 
 
 def _joined(ids: tuple[str, ...]) -> str:

@@ -1,101 +1,89 @@
 """What to measure next: where causes that these data cannot separate would differ."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.average import Member
 from echocal.diagnose.case import Case
-from echocal.diagnose.claims import Claim
-from echocal.diagnose.judge import Judgment
+from echocal.diagnose.catalogue import find_cause
+from echocal.diagnose.design import Plan, Prospect, best_plan
+from echocal.diagnose.noise import Noise
+from echocal.diagnose.ranges import Ranges, grid
 from echocal.diagnose.result import NextMeasurement
-from echocal.registry import find_effect
 
 __all__ = ["propose"]
 
-_DISTANCES = (0.3, 1.0, 3.0)  # m: where any sensor of this kind reads
-_TEMPERATURES = (5.0, 20.0, 35.0)  # degC: a fridge, a room, a warm box
+Column = NDArray[np.float64]
+
+_WORKSHOP = {"distance": (0.3, 3.0), "temperature": (5.0, 35.0)}
+"""What anybody can vary, in m and degC: a tape, a fridge and a warm box."""
+
 _ROWS = 10  # rows proposed
-_WORTH = 0.75  # probability below which a proposal is not worth the work
+_WORTH = 0.05  # probability that rows must add to be worth the work
+_SURE = 0.999
+_MOST = 6  # side measurements, of the most probable rivals
 
 
 def propose(
-    case: Case, judgment: Judgment, others: Sequence[Claim], variance: float
+    case: Case, members: Sequence[Member], noise: Noise, variance: float, can_vary: Ranges | None
 ) -> tuple[NextMeasurement, ...]:
-    """Propose rows, or a side measurement, for every pair that cannot be separated.
-
-    Ten rows, shared by two conditions within the reach of a workshop; the probability is what
-    the right cause of the pair would then have, if the found size is right and both started
-    equal.
-    """
-    proposals = []
-    for claim in judgment.kept:
-        for rival in (*claim.rivals, *(other.cause for other in others)):
-            pair = (claim.cause, rival)
-            conditions, probability = _best(case, judgment, pair, variance)
-            if probability >= _WORTH:
-                proposals.append(NextMeasurement(conditions, pair, probability))
-            else:
-                side = {"side_measurement": _check(rival)}
-                proposals.append(NextMeasurement(side, pair, None))
-    return tuple(proposals)
+    """Propose the rows that best separate what is possible, and side measurements for the rest."""
+    if len(members) < 2 or members[0].probability >= _SURE:
+        return ()
+    ranges = _ranges(case, can_vary)
+    varied = grid(ranges)
+    conditions = _conditions(case, varied)
+    known = case.table.reference is not None or "distance" in ranges
+    prospect = Prospect.of(members, conditions, noise, variance, known)
+    if not np.isfinite(prospect.mean).all() or not np.isfinite(prospect.spread).all():
+        return _sides(members, (tuple(range(len(members))),))
+    probability = np.array([member.probability for member in members])
+    plan = best_plan(prospect, probability, _ROWS, case.seed)
+    rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
+    return (*rows, *_sides(members, plan.classes))
 
 
-def _check(cause: str) -> str:
-    return find_effect(cause).check
+def _ranges(case: Case, can_vary: Ranges | None) -> Ranges:
+    if can_vary:
+        return can_vary
+    return {k: v for k, v in _WORKSHOP.items() if k == "distance" or k in case.table.conditions}
 
 
-def _best(
-    case: Case, judgment: Judgment, pair: tuple[str, str], variance: float
-) -> tuple[dict[str, list[float]], float]:
-    distance, temperature = (np.array(x) for x in zip(*product(_DISTANCES, _TEMPERATURES), strict=True))
-    found = judgment.model.effects
-    signals = [_at(case, cause, found.get(cause, {}), distance, temperature) for cause in pair]
-    size = found[pair[0]]
-    true = _scaled(signals[0], size, pair[0])
-    if true is None or signals[1] is None:
-        return {}, 0.0
-    best: tuple[dict[str, list[float]], float] = ({}, 0.0)
-    for chosen in combinations(range(len(distance)), 2):
-        rows = list(chosen)
-        mimic = np.array([next(iter(signals[1].values()))[rows]]).T
-        rest = true[rows] - mimic @ np.linalg.lstsq(mimic, true[rows], rcond=None)[0]
-        odds = 0.25 * _ROWS * float(rest @ rest) / variance
-        probability = 1.0 / (1.0 + np.exp(-odds))
-        if probability > best[1] + 1e-3:
-            where = {
-                "distance": distance[rows].tolist(),
-                "temperature": temperature[rows].tolist(),
-                "rows": [_ROWS // 2] * 2,
-            }
-            best = (where, float(probability))
-    return best
+def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
+    """Conditions of each place: what varies, and the median of everything else; later than all rows."""
+    places = len(next(iter(varied.values())))
+    recorded = {
+        name: np.full(places, column.max() if name == "elapsed_time" else np.median(column))
+        for name, column in case.table.conditions.items()
+    }
+    level = float(np.median(case.table.distance(case.base.model())))
+    return {"distance": np.full(places, level), **recorded, **varied}
 
 
-def _at(
-    case: Case,
-    cause: str,
-    found: Mapping[str, float],
-    distance: NDArray[np.float64],
-    temperature: NDArray[np.float64],
-) -> dict[str, NDArray[np.float64]] | None:
-    """Tangent of a cause's size under proposed conditions; None where it needs more than these."""
-    effect = find_effect(cause)
-    sizes = [p.name for p in effect.parameters if p.role == "size"]
-    if not set(effect.requires) <= {"temperature"} or len(sizes) != 1:
-        return None
-    shape = {name: value for name, value in found.items() if name not in sizes}
-    model = case.base.model({cause: shape})
-    jacobian = model.jacobian(distance, temperature=temperature)
-    name = sizes[0]
-    return {name: jacobian[:, 1 + model.parameter_names.index(f"{cause}.{name}")]}
+def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -> NextMeasurement:
+    where = {name: [float(f"{column[p]:.3g}") for p in plan.places] for name, column in varied.items()}
+    firsts = [members[group[0]].ids for group in plan.classes]
+    separates = _differing(firsts)
+    return NextMeasurement({**where, "rows": list(plan.rows)}, separates, plan.expected, plan.now)
 
 
-def _scaled(
-    tangents: dict[str, NDArray[np.float64]] | None, size: dict[str, float], cause: str
-) -> NDArray[np.float64] | None:
-    if tangents is None:
-        return None
-    ((name, tangent),) = tangents.items()
-    return tangent * size[name]
+def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    """Causes that some of these sets have and others have not; an empty set is ``nothing``."""
+    shared = set.intersection(*(set(ids) for ids in sets))
+    names = [id_ for ids in sets for id_ in ids or ("nothing",) if id_ not in shared]
+    return tuple(dict.fromkeys(names))
+
+
+def _sides(members: Sequence[Member], classes: Sequence[tuple[int, ...]]) -> tuple[NextMeasurement, ...]:
+    """A check of each cause that no row in reach tells from the first of its class."""
+    sides: dict[tuple[str, ...], NextMeasurement] = {}
+    for first, *others in classes:
+        for other in others:
+            pair = _differing([members[first].ids, members[other].ids])
+            rival = next((id_ for id_ in reversed(pair) if id_ != "nothing"), None)
+            if rival is not None and pair not in sides:
+                check = {"side_measurement": find_cause(rival).check}
+                sides[pair] = NextMeasurement(check, pair, None)
+    return tuple(sides.values())[:_MOST]

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from echocal.diagnose.average import Estimate, Member, averaged
 from echocal.errors import DataError
 from echocal.model import Model
 
@@ -140,12 +141,16 @@ class NextMeasurement:
         Where to measure, or ``{"side_measurement": ...}``.
     separates : tuple of str
     expected_probability : float or None
-        Probability that the right one of the causes would then have; None for a side measurement.
+        Probability that the right one of the causes (or what no row in reach tells from it) would
+        then have, by simulation; None for a side measurement.
+    probability_now : float or None
+        The same before measuring.
     """
 
     conditions: Mapping[str, Any]
     separates: tuple[str, ...]
     expected_probability: float | None
+    probability_now: float | None = None
 
 
 @dataclass(frozen=True)
@@ -202,6 +207,9 @@ class Diagnosis:
         recorded humidity, pressure and CO2: what it assumes where they are not given.
     traces : Traces
         Columns for plots.
+    members : tuple of Member
+        The sets of causes that the data leave possible, each with its model: what `predict` and
+        `correct` average over.
 
     Examples
     --------
@@ -231,6 +239,7 @@ class Diagnosis:
     seconds: float
     model: Model = field(repr=False)
     traces: Traces = field(repr=False)
+    members: tuple[Member, ...] = field(repr=False, default=())
 
     def to_dict(self) -> dict[str, Any]:
         """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
@@ -259,6 +268,53 @@ class Diagnosis:
         except OSError as error:
             message = f"{path} cannot be written: {error.strerror}"
             raise DataError(message) from None
+
+    def predict(self, distance: ArrayLike, **conditions: ArrayLike) -> Estimate:
+        """Reading that the device would give at a true distance, all possible causes averaged.
+
+        Parameters
+        ----------
+        distance : array_like
+            True distance [m].
+        **conditions
+            Influence quantities, as for `echocal.Model`; humidity, pressure and CO2 that are not
+            given are the medians of the table.
+
+        Returns
+        -------
+        Estimate
+            Of the reading [m]. A `DisagreementWarning` tells where the sets of causes that the
+            data leave possible predict differently.
+
+        Examples
+        --------
+        >>> import echocal
+        >>> import numpy as np
+        >>> reading = 1.01 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+        >>> table = {"reading_m": reading, "temperature_C": np.linspace(0.0, 40.0, 40)}
+        >>> diagnosis = echocal.diagnose(table, reference_distance=1.0)
+        >>> estimate = diagnosis.predict([1.0, 3.0], temperature=20.0)
+        >>> [round(float(value), 2) for value in estimate.value[:1]], estimate.agreed.tolist()
+        ([1.01], [True, False])
+        """
+        return averaged(self.members, "indicate", distance, conditions, self.noise["standard_deviation_m"])
+
+    def correct(self, indication: ArrayLike, **conditions: ArrayLike) -> Estimate:
+        """True distance that a reading means, all possible causes averaged; see `predict`.
+
+        Parameters
+        ----------
+        indication : array_like
+            Reading of the device [m], with the base's speed of sound.
+        **conditions
+            Influence quantities, as for `predict`.
+
+        Returns
+        -------
+        Estimate
+            Of the true distance [m].
+        """
+        return averaged(self.members, "correct", indication, conditions, self.noise["standard_deviation_m"])
 
     def explain(self) -> str:
         """Plain sentences that a user can check in the data."""

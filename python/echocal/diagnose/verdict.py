@@ -14,8 +14,10 @@ from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
 from echocal.diagnose.joint import Joint, join
 from echocal.diagnose.judge import Judgment, judge
+from echocal.diagnose.members import members
 from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.notes import because, notes, unexplained
+from echocal.diagnose.ranges import Ranges
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
 from echocal.errors import DomainWarning
 from echocal.observations import Observations
@@ -29,7 +31,9 @@ NAMED = 0.9
 _CREDIBLE = 0.95
 
 
-def conclude(case: Case, observations: Observations, faults: Faults, start: float) -> Diagnosis:
+def conclude(
+    case: Case, observations: Observations, faults: Faults, can_vary: Ranges | None, start: float
+) -> Diagnosis:
     """Weigh, claim, judge, and say it."""
     stack = case.stack(case.folds.fit)
     weighed, carried = posterior(case.found, stack)
@@ -43,6 +47,7 @@ def conclude(case: Case, observations: Observations, faults: Faults, start: floa
     joint = join(ranking, faults.found)
     verdict = _verdict(judgment, remainder is not None, joint)
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
+    possible = members(case, ranking, claimed, judgment, carried)
     return Diagnosis(
         verdict=verdict,
         causes=tuple(_cause(case, claim, judgment) for claim in (*judgment.kept, *others)) + joint.causes,
@@ -51,7 +56,7 @@ def conclude(case: Case, observations: Observations, faults: Faults, start: floa
         unexplained=remainder,
         refuted=judgment.refuted,
         gain=judgment.gain,
-        next_measurements=propose(case, judgment, others, best.variance),
+        next_measurements=propose(case, possible, noise, best.variance, can_vary),
         rows={
             "total": len(observations),
             "used": len(case.table),
@@ -69,6 +74,7 @@ def conclude(case: Case, observations: Observations, faults: Faults, start: floa
         seconds=time.perf_counter() - start,
         model=judgment.model,
         traces=_traces(case, judgment),
+        members=possible,
     )
 
 

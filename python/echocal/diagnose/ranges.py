@@ -1,0 +1,61 @@
+"""What a user can vary: names and ranges of conditions for the next measurements."""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import UsageError
+
+__all__ = ["Ranges", "checked_ranges", "grid", "parsed_range"]
+
+Ranges = Mapping[str, tuple[float, float]]
+Column = NDArray[np.float64]
+
+_POINTS = {1: 9, 2: 7, 3: 4}
+"""Levels of each condition, by how many vary; more vary at their ends alone."""
+
+
+def parsed_range(text: str) -> tuple[str, tuple[float, float]]:
+    """Read ``distance=0.2:4``."""
+    name, equals, ends = text.partition("=")
+    low, colon, high = ends.partition(":")
+    try:
+        if equals and colon:
+            return name, (float(low), float(high))
+    except ValueError:
+        pass
+    message = f"--can-vary '{text}' is not a range such as distance=0.2:4"
+    raise UsageError(message)
+
+
+def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[str]) -> Ranges:
+    """Refuse names that are not recorded and ranges that are none."""
+    names = ["distance", *(name for name in recorded if name != "elapsed_time")]
+    for name, ends in can_vary.items():
+        if name not in names:
+            message = (
+                f"can_vary names '{name}', which the table does not record; it can be {', '.join(names)}: a "
+                "condition that nobody records separates nothing"
+            )
+            raise UsageError(message)
+        if len(ends) != 2 or not all(math.isfinite(end) for end in ends) or not ends[0] < ends[1]:
+            message = f"can_vary gives {name} the range {tuple(ends)}; give two ends, the lower one first"
+            raise UsageError(message)
+        if name == "distance" and ends[0] <= 0:
+            message = f"can_vary lets the distance begin at {ends[0]:g} m; give a positive one"
+            raise UsageError(message)
+    return {name: (float(low), float(high)) for name, (low, high) in can_vary.items()}
+
+
+def grid(ranges: Ranges) -> dict[str, Column]:
+    """Conditions that are tried: every combination of a few levels, distances in equal ratios."""
+    count = _POINTS.get(len(ranges), 2)
+    levels = [
+        np.geomspace(*ends, count) if name == "distance" else np.linspace(*ends, count)
+        for name, ends in ranges.items()
+    ]
+    points = np.array(list(product(*levels)))
+    return {name: points[:, i] for i, name in enumerate(ranges)}

@@ -1,0 +1,84 @@
+"""What to measure next, and predicting with everything that is possible."""
+
+import numpy as np
+import pytest
+from hidden_effects.planting import EFFECTS, bench, noise, table
+
+import echocal
+
+RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
+
+
+def one_distance(shift: float = 6e-3) -> echocal.Diagnosis:
+    """Twenty-six rows at two meters: many causes look the same."""
+    random = np.random.default_rng()
+    data = {"temperature_C": np.linspace(0, 50, 26), "reading_m": 2.0 + shift + random.normal(0, 1e-3, 26)}
+    return echocal.diagnose(data, reference_distance=2.0, can_vary=RANGES)
+
+
+@pytest.fixture(scope="module")
+def open_case() -> echocal.Diagnosis:
+    return one_distance()
+
+
+def test_rows_lie_within_what_can_be_varied(open_case: echocal.Diagnosis) -> None:
+    (plan,) = [p for p in open_case.next_measurements if p.expected_probability is not None]
+    for name, (low, high) in RANGES.items():
+        assert all(low <= value <= high for value in plan.conditions[name])
+    assert sum(plan.conditions["rows"]) == 10
+    assert plan.probability_now is not None
+    assert plan.expected_probability is not None
+    assert plan.probability_now + 0.05 <= plan.expected_probability <= 1.0
+
+
+def test_another_distance_tells_an_offset_from_a_scale(open_case: echocal.Diagnosis) -> None:
+    (plan,) = [p for p in open_case.next_measurements if p.expected_probability is not None]
+    assert max(abs(distance - 2.0) for distance in plan.conditions["distance"]) > 0.5
+
+
+def test_without_another_distance_less_can_be_told(open_case: echocal.Diagnosis) -> None:
+    random = np.random.default_rng()
+    data = {"temperature_C": np.linspace(0, 50, 26), "reading_m": 2.006 + random.normal(0, 1e-3, 26)}
+    fixed = echocal.diagnose(data, reference_distance=2.0, can_vary={"temperature": (5.0, 40.0)})
+    plans = [p for p in fixed.next_measurements if p.expected_probability is not None]
+    (free,) = [p for p in open_case.next_measurements if p.expected_probability is not None]
+    assert free.expected_probability is not None
+    assert len(free.separates) > max((len(p.separates) for p in plans), default=0)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "words"),
+    [
+        ({"humidity": (0, 1)}, "does not record"),
+        ({"distance": (4.0, 0.2)}, "lower one first"),
+        ({"distance": (0.0, 2.0)}, "give a positive one"),
+        ({"temperature": (1.0,)}, "two ends"),
+        ({"temperature": (1.0, float("nan"))}, "two ends"),
+    ],
+)
+def test_bad_ranges(ranges: dict[str, tuple[float, ...]], words: str) -> None:
+    data = {"temperature_C": np.linspace(0, 50, 26), "reading_m": np.full(26, 2.0)}
+    with pytest.raises(echocal.UsageError, match=words):
+        echocal.diagnose(data, reference_distance=2.0, can_vary=ranges)
+
+
+def test_the_average_warns_where_causes_part(open_case: echocal.Diagnosis) -> None:
+    with pytest.warns(echocal.DisagreementWarning, match="at 1 of 2 points"):
+        reading = open_case.predict([2.0, 0.3], temperature=25.0)
+    assert reading.agreed.tolist() == [True, False]
+    assert reading.value[0] == pytest.approx(2.006, abs=1e-3)
+    assert reading.standard_uncertainty[1] > 2 * reading.standard_uncertainty[0]
+    assert sum(m.probability for m in open_case.members) == pytest.approx(1.0)
+    weights = np.array([m.probability for m in open_case.members])
+    assert reading.value == pytest.approx(weights @ np.array(list(reading.by_cause.values())))
+
+
+def test_the_average_corrects_what_it_predicts() -> None:
+    random = np.random.default_rng()
+    rows = bench(random)
+    data = table(rows, EFFECTS["fixed_delay"](rows, 2.0) + noise(rows, random))
+    diagnosis = echocal.diagnose(data)
+    air = {"temperature": 20.0, "relative_humidity": 0.5, "elapsed_time": 0.0}
+    reading = diagnosis.predict(1.0, **air)
+    distance = diagnosis.correct(reading.value, **air)
+    assert distance.value == pytest.approx(1.0, abs=1e-4)
