@@ -89,6 +89,39 @@ impl Axis {
         })
     }
 
+    /// Relative humidities from `low` to `high` in steps of `lsb` \[1\], code 0 standing for dry air.
+    ///
+    /// # Errors
+    /// If the range is empty, leaves 0 .. 1, or needs codes outside `uint8_t`.
+    pub fn humidity(lsb: f64, low: f64, high: f64) -> Result<Self, Error> {
+        let inside = lsb > 0.0 && 0.0 <= low && low <= high && high <= 1.0;
+        if !inside {
+            return Err(Error::Codes(format!(
+                "relative humidity {low}:{high} with LSB {lsb} is not a range of codes: give 0 <= low <= high <= 1 and LSB > 0"
+            )));
+        }
+        let slack = 1e-9;
+        let codes = Range {
+            minimum: (low / lsb - slack).ceil() as i64,
+            maximum: (high / lsb + slack).floor() as i64,
+        };
+        if codes.maximum > 255 || codes.minimum > codes.maximum {
+            return Err(Error::Codes(format!(
+                "relative humidity {low}:{high} with LSB {lsb} needs codes {} .. {}, a uint8_t holds 0 .. 255: change the LSB",
+                codes.minimum, codes.maximum
+            )));
+        }
+        Ok(Self {
+            name: "humidity_code".into(),
+            quantity: "relative_humidity".into(),
+            unit: "1".into(),
+            lsb,
+            zero: 0.0,
+            codes,
+            ty: IntegerType::U8,
+        })
+    }
+
     /// The quantity at `code`, in `unit`.
     #[must_use]
     pub fn value(&self, code: i64) -> f64 {
@@ -146,6 +179,24 @@ impl Device {
         }
         codes.reverse();
         codes
+    }
+
+    /// Rows that stand for all while forms are chosen: every code of the first condition, and about `columns` of the
+    /// combinations of the others, the first and the last among them.
+    #[must_use]
+    pub fn thinned(&self, columns: usize) -> Vec<usize> {
+        let first = self.conditions.first().map_or(1, Axis::len);
+        let wide = self.rows() / first;
+        let kept = wide.min(columns.max(2));
+        let column = |k: usize| {
+            if kept < 2 {
+                0
+            } else {
+                k * (wide - 1) / (kept - 1)
+            }
+        };
+        let row = |index: usize| (0..kept).map(move |k| index * wide + column(k));
+        (0..first).flat_map(row).collect()
     }
 
     /// Condition values of row `row`, in the units of their axes.

@@ -52,17 +52,18 @@ impl Line {
     }
 }
 
-/// The model at every combination of conditions.
+/// The model at the combinations of conditions `rows`.
 ///
 /// # Errors
 /// If the model gives no finite distance somewhere, or one that does not grow with the echo time.
 pub fn sample(
     reference: &dyn Reference,
     device: &Device,
+    rows: &[usize],
     maximum_distance: f64,
 ) -> Result<Vec<Line>, Error> {
-    (0..device.rows())
-        .map(|row| line(reference, device, row, maximum_distance))
+    rows.iter()
+        .map(|row| line(reference, device, *row, maximum_distance))
         .collect()
 }
 fn line(

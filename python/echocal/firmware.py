@@ -21,7 +21,7 @@ from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.registry import find_effect
 
-__all__ = ["Firmware", "TemperatureCodes", "generate"]
+__all__ = ["Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
 
 Progress = Callable[[str, int, int], object]
 
@@ -50,6 +50,23 @@ class TemperatureCodes:
 
 
 @dataclass(frozen=True)
+class HumidityCodes:
+    """Integer codes of a hygrometer: relative humidity = lsb * code.
+
+    Parameters
+    ----------
+    lsb : float
+        Step of one code [1]; 0.01 for whole percents.
+    low, high : float
+        Range that the firmware accepts [1].
+    """
+
+    lsb: float = 0.01
+    low: float = 0.0
+    high: float = 1.0
+
+
+@dataclass(frozen=True)
 class Firmware:
     """A generated function, its proof and its bit-exact twin.
 
@@ -66,7 +83,9 @@ class Firmware:
     report: dict[str, Any]
     _twin: _core.Firmware = field(repr=False)
 
-    def distance_um(self, echo_us: ArrayLike, temperature_code: ArrayLike) -> NDArray[np.int32]:
+    def distance_um(
+        self, echo_us: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
+    ) -> NDArray[np.int32]:
         """Return what the C function returns, bit for bit [um].
 
         Parameters
@@ -75,6 +94,8 @@ class Firmware:
             Echo time codes [us].
         temperature_code : array_like of int, shape (...)
             Temperature codes, broadcast against `echo_us`.
+        humidity_code : array_like of int, shape (...), optional
+            Humidity codes, where the function takes them.
 
         Returns
         -------
@@ -84,9 +105,15 @@ class Firmware:
         Raises
         ------
         UsageError
-            If codes are no integers or do not broadcast.
+            If codes are no integers or do not broadcast, or humidity codes are missing or too many.
         """
         given = {"echo_us": np.asarray(echo_us), "temperature_code": np.asarray(temperature_code)}
+        takes = len(self.report["device"]["conditions"]) == 2
+        if takes != (humidity_code is not None):
+            message = f"this function takes {'a' if takes else 'no'} humidity_code"
+            raise UsageError(message)
+        if humidity_code is not None:
+            given["humidity_code"] = np.asarray(humidity_code)
         for name, code in given.items():
             if code.dtype.kind not in "iu":
                 message = f"{name} must be integer codes, but has dtype {code.dtype}"
@@ -129,6 +156,7 @@ def generate(
     target: str = "c99",
     *,
     temperature: TemperatureCodes | tuple[float, float, float] = TemperatureCodes(),
+    humidity: HumidityCodes | tuple[float, float, float] | None = None,
     echo: int = 38_000,
     max_error: float = 0.5e-3,
     max_distance: float = 4.0,
@@ -152,6 +180,8 @@ def generate(
         any compiler with ``stdint.h``.
     temperature : TemperatureCodes or tuple of (lsb, low, high)
         Codes of the thermometer [degC].
+    humidity : HumidityCodes or tuple of (lsb, low, high), optional
+        Codes of the hygrometer [1]; default: the device has none.
     echo : int
         Longest echo time that is accepted [us].
     max_error : float
@@ -160,7 +190,7 @@ def generate(
         Distances up to this meet `max_error` [m].
     prefer : {"size", "speed"}
         What to save.
-    form : {"polynomial", "interpolated_table", "segments", "full_table"}, optional
+    form : {"polynomial", "interpolated_table", "segments", "square", "full_table", "additive"}, optional
         The only form to try; default: the cheapest of all.
     accept : iterable of str
         Effects that may be left out although they change the distance.
@@ -202,12 +232,17 @@ def generate(
     if codes.low < _ABSOLUTE_ZERO:
         message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
         raise UsageError(message)
+    damp = HumidityCodes(*humidity) if isinstance(humidity, tuple) else humidity
+    if damp is not None and "relative_humidity" in (assume or {}):
+        message = "relative_humidity is measured: it cannot be assumed as well"
+        raise UsageError(message)
     air = _assumed(model, assume or {})
     wish = {
         "target": target,
         "prefer": prefer,
         "form": form,
         "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
+        "humidity": None if damp is None else (float(damp.lsb), float(damp.low), float(damp.high)),
         "echo_max_us": _count("echo", echo, 2**31 - 1),
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
@@ -263,6 +298,9 @@ def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, floa
     words = ["echocal", "firmware", model_name, "--target", wish["target"], "--temperature-lsb", _number(lsb)]
     words += [f"--temperature-range={_number(low)}:{_number(high)}"]
     words += [f"--temperature-zero={_number(zero)}"] if zero else []
+    if wish["humidity"]:
+        lsb, low, high = wish["humidity"]
+        words += ["--humidity-lsb", _number(lsb), f"--humidity-range={_number(low)}:{_number(high)}"]
     words += [
         "--echo-max-us",
         str(wish["echo_max_us"]),

@@ -29,6 +29,7 @@ CASES: dict[str, tuple[Model, dict[str, Any]]] = {
     "falling_table": (Model("320-0.5*T"), {"form": "interpolated_table"}),
     "avr_polynomial": (Model("cramer"), {"target": "avr", "max_error": 0.1e-3}),
     "avr_table": (Model("cramer", DELAY_AND_ZERO), {"target": "avr", "form": "interpolated_table"}),
+    "square": (Model("cramer"), {"form": "square", "max_error": 0.2e-3}),
     "avr_segments": (
         Model("cramer"),
         {"target": "avr", "form": "segments", "temperature": (0.0625, -5.0, 30.0)},

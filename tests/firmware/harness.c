@@ -1,11 +1,18 @@
 /*
  * Runs generated firmware: `harness all` prints the hash over every accepted input, `harness each` answers
- * "echo_us temperature_code" lines. The hash is defined in firmware_gen/src/prove.rs.
+ * "echo_us temperature_code" lines (and the humidity code
+ * where it is taken). The hash is defined in firmware_gen/src/prove.rs.
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "echocal_correction.h"
+
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define CALL(echo, code, damp) echocal_distance_um((uint16_t)(echo), (int16_t)(code), (uint8_t)(damp))
+#else
+#define CALL(echo, code, damp) echocal_distance_um((uint16_t)(echo), (int16_t)(code))
+#endif
 
 static uint32_t fold(uint32_t hash, uint32_t word)
 {
@@ -18,11 +25,17 @@ static uint32_t hash_of_all(void)
     int32_t code;
     int32_t echo;
     for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code++) {
-        uint32_t row = UINT32_C(2166136261);
-        for (echo = ECHOCAL_ECHO_US_FIRST; echo <= ECHOCAL_ECHO_US_LAST; echo++) {
-            row = fold(row, (uint32_t)echocal_distance_um((uint16_t)echo, (int16_t)code));
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+        int32_t damp;
+        for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp++)
+#endif
+        {
+            uint32_t row = UINT32_C(2166136261);
+            for (echo = ECHOCAL_ECHO_US_FIRST; echo <= ECHOCAL_ECHO_US_LAST; echo++) {
+                row = fold(row, (uint32_t)CALL(echo, code, damp));
+            }
+            all = fold(all, row);
         }
-        all = fold(all, row);
     }
     return all;
 }
@@ -31,12 +44,20 @@ int main(int count, char **arguments)
 {
     unsigned int echo;
     int code;
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+    unsigned int damp;
+    const int inputs = 3;
+#define READ(echo, code) scanf("%u %d %u", &(echo), &(code), &damp)
+#else
+    const int inputs = 2;
+#define READ(echo, code) scanf("%u %d", &(echo), &(code))
+#endif
     if (count > 1 && strcmp(arguments[1], "all") == 0) {
         printf("%08lx\n", (unsigned long)hash_of_all());
         return 0;
     }
-    while (scanf("%u %d", &echo, &code) == 2) {
-        printf("%ld\n", (long)echocal_distance_um((uint16_t)echo, (int16_t)code));
+    while (READ(echo, code) == inputs) {
+        printf("%ld\n", (long)CALL(echo, code, damp));
     }
     return 0;
 }

@@ -63,10 +63,15 @@ def test_c_twin_and_model_agree_within_the_bound(
         assert enough * 1e-3 > max_error
         made = firmware.generate(model, max_error=enough * 1e-3, **request)
         max_error = enough * 1e-3
+    except ModelError as error:
+        assert "gives no distance" in str(error)  # noqa: PT017
+        reject()  # some effects leave the shortest echoes without a distance
     assert made.report["error_proven_m"] <= max_error
     codes = made.report["device"]["conditions"][0]["codes"]
     times, temperatures = np.meshgrid(np.arange(echo + 1), np.arange(codes["minimum"], codes["maximum"] + 1))
     truth = model.distance(times * 1e-6, temperature=temperatures * lsb)
+    if not np.isfinite(truth).all():
+        reject()  # where the core itself finds no distance, there is nothing to agree with
     outputs = made.distance_um(times, temperatures)
     error = np.abs(outputs * 1e-6 - truth)
     assert error.max() == pytest.approx(made.report["error_overall_m"], rel=1e-6, abs=1e-12)

@@ -121,7 +121,7 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error>
             && search.refine(&mut candidate)
             && candidate.screened <= bound
         {
-            match search.prove(&candidate, listen) {
+            match search.prove(&mut candidate, listen) {
                 Ok(proof) if proof.bounded.error <= bound => return Ok(candidate.proven(proof)),
                 Ok(_) | Err(Error::Proof(_)) => {}
                 Err(error) => return Err(error),
@@ -152,10 +152,10 @@ fn check(request: &Request<'_>) -> Result<(), Error> {
             known.join(", ")
         )));
     }
-    if request.device.conditions.len() != 1 {
+    if !(1..=2).contains(&request.device.conditions.len()) {
         let given = request.device.conditions.len();
         return Err(Error::Request(format!(
-            "the device has {given} condition inputs; this version designs for one"
+            "the device has {given} condition inputs; this version designs for one or two"
         )));
     }
     Ok(())

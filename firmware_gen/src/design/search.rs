@@ -2,7 +2,7 @@
 
 use super::{Design, Listen, Progress, Reachable, Request};
 use crate::error::Error;
-use crate::form::{FORMS, Fit, Form, Tail};
+use crate::form::{ADDITIVE, FORMS, Fit, Form, Tail};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
 use crate::reference::{Line, sample};
@@ -38,20 +38,42 @@ impl Candidate {
 
 pub(super) struct Search<'a> {
     request: Request<'a>,
+    /// Rows that stand for all until the proof.
+    picked: Vec<usize>,
     lines: Vec<Line>,
 }
 
+/// Columns of the second condition that the search looks at.
+const COLUMNS: usize = 17;
+/// Rows that are enough to rank candidates by cost.
+const ENOUGH: usize = 400;
+/// Every so many rows are screened where there are many; no divisor of [`COLUMNS`].
+const STRIDE: usize = 5;
+
 impl<'a> Search<'a> {
     pub(super) fn new(request: Request<'a>) -> Result<Self, Error> {
-        let lines = sample(request.reference, request.device, request.maximum_distance)?;
-        Ok(Self { request, lines })
+        let picked = request.device.thinned(COLUMNS);
+        let lines = sample(
+            request.reference,
+            request.device,
+            &picked,
+            request.maximum_distance,
+        )?;
+        Ok(Self {
+            request,
+            picked,
+            lines,
+        })
     }
 
     pub(super) fn candidates(&self) -> Vec<Candidate> {
         let tails = Tail::propose(&self.lines, self.request.device);
         let of_tail = |tail: &Tail| {
             let fit = self.fit(tail);
-            let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
+            let two = self.request.device.conditions.len() == 2;
+            let wanted = |name: &str| {
+                (name == ADDITIVE) == two && self.request.form.is_none_or(|form| form == name)
+            };
             let proposals = FORMS.iter().filter(|(name, _)| wanted(name));
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
@@ -66,6 +88,8 @@ impl<'a> Search<'a> {
         let unit = f64::from(tail.scale_bits).exp2();
         Fit {
             device: self.request.device,
+            picked: self.picked.clone(),
+            bound: self.request.maximum_error * 1e6,
             target: self
                 .lines
                 .iter()
@@ -76,14 +100,21 @@ impl<'a> Search<'a> {
                 .iter()
                 .map(|line| tail.lever(line) / unit)
                 .collect(),
-            least_bits: self.request.target.least_bits,
-            byte_shifts: self.request.target.byte_shifts,
+            core: self.request.target,
         }
     }
 
     /// `None` where some value fits no type, or the tables are larger than allowed.
     fn candidate(&self, form: Box<dyn Form>, tail: Tail) -> Option<Candidate> {
-        let program = self.program(form.as_ref(), &tail)?;
+        let step = (self.picked.len() / ENOUGH).max(1);
+        let few = self.picked.iter().copied().step_by(step);
+        let few = few.chain(self.picked.last().copied());
+        let rows = if self.picked.len() < 10 * ENOUGH {
+            self.picked.clone()
+        } else {
+            few.collect()
+        };
+        let program = self.program(form.as_ref(), &tail, rows)?;
         let allowed = program.table_bytes() <= self.request.maximum_table;
         let cost = self.request.target.cost(&program);
         let rest = tail.rest(&self.lines);
@@ -97,8 +128,9 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn program(&self, form: &dyn Form, tail: &Tail) -> Option<Program> {
-        let mut builder = Builder::new(self.request.device, self.request.target.least_bits);
+    /// The function, its types following from `rows`.
+    fn program(&self, form: &dyn Form, tail: &Tail, rows: Vec<usize>) -> Option<Program> {
+        let mut builder = Builder::over(self.request.device, self.request.target.least_bits, rows);
         let factor = form.build(&mut builder);
         let distance = tail.build(&mut builder, factor);
         let mut program = builder.finish(distance)?;
@@ -111,7 +143,8 @@ impl<'a> Search<'a> {
     /// Round jointly and look at a few echo times of every row; `false` if the program is no longer possible.
     pub(super) fn refine(&self, candidate: &mut Candidate) -> bool {
         candidate.form.refine(&self.fit(&candidate.tail));
-        let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail) else {
+        let rows = self.picked.clone();
+        let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail, rows) else {
             return false;
         };
         candidate.program = program;
@@ -119,8 +152,14 @@ impl<'a> Search<'a> {
         true
     }
     fn screen(&self, program: &Program) -> f64 {
-        let errors = self.lines.iter().enumerate().flat_map(|(row, line)| {
-            let codes = self.request.device.codes(row);
+        let stride = if self.lines.len() < 10 * ENOUGH {
+            1
+        } else {
+            STRIDE
+        };
+        let rows = self.picked.iter().zip(&self.lines).step_by(stride);
+        let errors = rows.flat_map(|(row, line)| {
+            let codes = self.request.device.codes(*row);
             line.samples().map(move |(echo, truth)| {
                 let inputs: Vec<i64> = std::iter::once(echo).chain(codes.iter().copied()).collect();
                 program
@@ -131,7 +170,16 @@ impl<'a> Search<'a> {
         errors.fold(0.0, f64::max)
     }
 
-    pub(super) fn prove(&self, candidate: &Candidate, listen: Listen<'_>) -> Result<Proof, Error> {
+    /// Check the candidate, its types now following from every row, on every input.
+    pub(super) fn prove(
+        &self,
+        candidate: &mut Candidate,
+        listen: Listen<'_>,
+    ) -> Result<Proof, Error> {
+        let all = (0..self.request.device.rows()).collect();
+        candidate.program = self
+            .program(candidate.form.as_ref(), &candidate.tail, all)
+            .ok_or_else(|| Error::Proof("a value fits no type".into()))?;
         if !listen(Progress::Candidate(&candidate.form.describe())) {
             return Err(Error::Stopped);
         }
@@ -171,7 +219,7 @@ impl<'a> Search<'a> {
         }
         failed.sort_by(|a, b| a.screened.total_cmp(&b.screened));
         let proven = failed
-            .iter()
+            .iter_mut()
             .find_map(|candidate| match self.prove(candidate, listen) {
                 Ok(proof) => Some(Ok((proof.bounded.error, candidate.form.describe()))),
                 Err(Error::Proof(_)) => None,

@@ -5,12 +5,12 @@ use serde::Serialize;
 
 /// A local variable of the generated function.
 #[derive(Debug, Serialize)]
-pub struct Local {
+pub struct Local<'a> {
     /// Its type in C.
     #[serde(rename = "type")]
     pub ty: &'static str,
     /// Its name.
-    pub name: &'static str,
+    pub name: &'a str,
     /// Its value.
     pub expression: String,
     /// What it is, with its unit.
@@ -19,7 +19,7 @@ pub struct Local {
 
 /// The statements of a program: its locals, and what it returns.
 #[must_use]
-pub fn statements(program: &Program) -> (Vec<Local>, String) {
+pub fn statements(program: &Program) -> (Vec<Local<'_>>, String) {
     let named = program
         .nodes
         .iter()
@@ -47,15 +47,32 @@ fn kept(program: &Program, value: Value) -> String {
         // A variable that is only another name for a constant or a code.
         Operation::Constant(constant) => literal(constant, node.held),
         _ if node.computed == node.held => expression(program, value),
+        // What is known to end up natural is computed modulo its type from the start: compilers then know it for natural.
+        Operation::Add(a, b) if modular(node) => modulo(program, node, a, "+", b),
+        Operation::Subtract(a, b) if modular(node) => modulo(program, node, a, "-", b),
         _ => format!("({})({})", node.held.c_name(), expression(program, value)),
     }
+}
+
+fn modular(node: &Node) -> bool {
+    node.computed.is_signed() && !node.held.is_signed()
+}
+
+fn modulo(program: &Program, node: &Node, a: Value, sign: &str, b: Value) -> String {
+    let operand = |value| read(program, value, node.held);
+    format!(
+        "({})({} {sign} {})",
+        node.held.c_name(),
+        operand(a),
+        operand(b)
+    )
 }
 
 /// The value of a node as an operand of type `wanted`.
 fn read(program: &Program, value: Value, wanted: IntegerType) -> String {
     let node = program.node(value);
     let (text, given) = match (&node.name, node.operation) {
-        (Some((name, _)), _) => ((*name).to_owned(), node.held),
+        (Some((name, _)), _) => (name.clone(), node.held),
         (None, Operation::Constant(constant)) => return literal(constant, wanted),
         (None, Operation::Input(index)) => {
             (program.inputs[index].0.clone(), program.inputs[index].1)

@@ -32,7 +32,7 @@ pub struct Artifacts {
 #[derive(Serialize)]
 struct TableText<'a> {
     ty: &'static str,
-    name: &'static str,
+    name: &'a str,
     note: &'a str,
     rows: Vec<String>,
     place: &'static str,
@@ -56,7 +56,7 @@ fn table_text(table: &Table) -> TableText<'_> {
     };
     TableText {
         ty: table.ty.c_name(),
-        name: table.name,
+        name: &table.name,
         note: &table.note,
         rows: table.entries.chunks(PER_LINE).map(line).collect(),
         place: if table.program_memory { " PROGMEM" } else { "" },

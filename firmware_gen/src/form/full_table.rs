@@ -4,7 +4,7 @@ use super::{Fit, Form, warmth};
 use crate::ir::{Builder, Value};
 
 /// A full table of speed factors.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct FullTable {
     entries: Vec<i64>,
 }
@@ -50,7 +50,7 @@ impl Form for FullTable {
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let index = warmth(builder);
         let table = builder.table(
-            "echocal_speed",
+            "speed",
             "speed factor at each temperature code".into(),
             self.entries.clone(),
         );
@@ -58,4 +58,8 @@ impl Form for FullTable {
     }
 
     fn refine(&mut self, _fit: &Fit<'_>) {}
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.clone())
+    }
 }

@@ -4,7 +4,7 @@ use super::{Fit, Form, warmth};
 use crate::ir::{Builder, Value};
 
 /// A uniform table with linear interpolation.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct InterpolatedTable {
     /// Binary logarithm of the number of codes between entries.
     bits: u32,
@@ -117,7 +117,7 @@ impl Form for InterpolatedTable {
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let code = warmth(builder);
         let note = format!("speed factor at every {} codes", 1 << self.bits);
-        let table = builder.table("echocal_speed", note, self.entries.clone());
+        let table = builder.table("speed", note, self.entries.clone());
         let cell = builder.shift_right(code, self.bits);
         let cell = builder.name(cell, "cell", "cell of the table");
         let within = builder.low_bits(code, self.bits);
@@ -155,5 +155,9 @@ impl Form for InterpolatedTable {
                 return;
             }
         }
+    }
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.clone())
     }
 }

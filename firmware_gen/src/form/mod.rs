@@ -3,16 +3,21 @@
 //! A form proposes candidates for a [`Fit`], each of which builds the same steps into any [`Builder`]. A new form is a
 //! new file and one line in [`FORMS`].
 
+mod additive;
 mod full_table;
 mod interpolated_table;
 mod polynomial;
 mod segments;
+mod square;
 mod tail;
 
+pub use additive::NAME as ADDITIVE;
 pub use tail::Tail;
 
 use crate::device::Device;
 use crate::ir::{Builder, Value};
+use crate::minimax::{Points, minimax};
+use crate::target::Target;
 use std::fmt::Debug;
 
 /// What a form must follow: the speed factor at every combination of conditions.
@@ -20,14 +25,16 @@ use std::fmt::Debug;
 pub struct Fit<'a> {
     /// The device.
     pub device: &'a Device,
+    /// The combinations of conditions that the targets belong to.
+    pub picked: Vec<usize>,
     /// Ideal speed factors, in units of the last binary place of the format.
     pub target: Vec<f64>,
     /// Error of the distance at the far end of the bounded domain [um], per unit of `target`.
     pub weight: Vec<f64>,
-    /// Least width of a local variable [bit].
-    pub least_bits: u32,
-    /// Whether shifts by whole bytes are much cheaper than others.
-    pub byte_shifts: bool,
+    /// The error to stay below [um].
+    pub bound: f64,
+    /// Where it is to run.
+    pub core: Target,
 }
 
 impl Fit<'_> {
@@ -60,6 +67,9 @@ pub trait Form: Debug + Send + Sync {
 
     /// Round its constants jointly, so that the largest error is as small as the form allows.
     fn refine(&mut self, fit: &Fit<'_>);
+
+    /// The same once more.
+    fn duplicate(&self) -> Box<dyn Form>;
 }
 
 type Propose = fn(&Fit<'_>) -> Vec<Box<dyn Form>>;
@@ -69,13 +79,15 @@ pub const FORMS: &[(&str, Propose)] = &[
     (polynomial::NAME, polynomial::propose),
     (interpolated_table::NAME, interpolated_table::propose),
     (segments::NAME, segments::propose),
+    (square::NAME, square::propose),
+    (additive::NAME, additive::propose),
     (full_table::NAME, full_table::propose),
 ];
 
 /// The speed factors that `form` gives at every combination of conditions.
 #[must_use]
 pub fn factors(form: &dyn Form, fit: &Fit<'_>) -> Vec<i64> {
-    let mut builder = Builder::new(fit.device, fit.least_bits);
+    let mut builder = Builder::over(fit.device, fit.core.least_bits, fit.picked.clone());
     let value = form.build(&mut builder);
     builder.per_row(value).to_vec()
 }
@@ -101,5 +113,28 @@ fn warmth(builder: &mut Builder<'_>) -> Value {
     } else {
         builder.subtract(code, offset)
     };
-    builder.name(value, "warmth", note)
+    let prefix = builder.set_prefix(""); // shared by all that reads the temperature
+    let value = builder.name(value, "warmth", note);
+    builder.set_prefix(prefix);
+    value
+}
+
+/// The constant that leaves the least error beside `settled`.
+pub(crate) fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
+    let rests: Vec<f64> = fit
+        .target
+        .iter()
+        .zip(settled)
+        .map(|(target, settled)| target - settled)
+        .collect();
+    let x: Vec<f64> = (0..rests.len()).map(|u| u as f64).collect();
+    let (constant, _) = minimax(
+        Points {
+            x: &x,
+            y: &rests,
+            weight: &fit.weight,
+        },
+        0,
+    );
+    constant[0].round() as i64
 }

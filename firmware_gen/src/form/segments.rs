@@ -5,7 +5,7 @@ use super::{Fit, Form, warmth};
 use crate::ir::{Builder, Value};
 
 /// Segments of 256 codes, each with a start of 16 bits and a slope of 8 bits above a slope that all share.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Segments {
     /// Speed factors per code that all segments share.
     steady: i64,
@@ -29,7 +29,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let steady = slopes.iter().copied().fold(f64::INFINITY, f64::min).floor();
     let fits = |slope: &f64| ((slope - steady) * CODES as f64).round() < CODES as f64;
     let narrow = fit.target.iter().all(|factor| *factor < 65_000.0);
-    if !fit.byte_shifts
+    if !fit.core.byte_shifts
         || fit.target.len() <= CODES
         || steady < 0.0
         || !narrow
@@ -110,10 +110,10 @@ impl Form for Segments {
         let back =
             |(cell, (start, _)): (usize, &(i64, i64))| start - self.steady * (cell * CODES) as i64;
         let starts = self.entries.iter().enumerate().map(back).collect();
-        let starts = builder.table("echocal_start", note.into(), starts);
+        let starts = builder.table("start", note.into(), starts);
         let note = "slope of each segment above that, 1/256 speed factor per code";
         let slopes = self.entries.iter().map(|(_, slope)| *slope).collect();
-        let slopes = builder.table("echocal_slope", note.into(), slopes);
+        let slopes = builder.table("slope", note.into(), slopes);
         let start = builder.load(starts, cell);
         let slope = builder.load(slopes, cell);
         let product = builder.multiply(within, slope);
@@ -128,5 +128,9 @@ impl Form for Segments {
     fn refine(&mut self, fit: &Fit<'_>) {
         let starts = (0..fit.target.len()).step_by(CODES);
         self.entries = starts.map(|first| self.segment(fit, first)).collect();
+    }
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.clone())
     }
 }

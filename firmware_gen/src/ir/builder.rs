@@ -15,7 +15,11 @@ struct Rows {
 #[derive(Debug)]
 pub struct Builder<'a> {
     device: &'a Device,
+    /// The combinations of conditions that are followed; the proof checks what follows from them on all.
+    picked: Vec<usize>,
     least_bits: u32,
+    /// Put before every name, so that two forms can live in one program.
+    prefix: &'static str,
     tables: Vec<Table>,
     nodes: Vec<Node>,
     rows: Vec<Rows>,
@@ -34,8 +38,17 @@ impl<'a> Builder<'a> {
     /// An empty program for `device`, its local variables at least `least_bits` wide.
     #[must_use]
     pub fn new(device: &'a Device, least_bits: u32) -> Self {
+        Self::over(device, least_bits, (0..device.rows()).collect())
+    }
+
+    /// An empty program that follows only the combinations of conditions `picked`: quicker, and good enough to choose
+    /// by; what it claims about the others is for the proof to find out.
+    #[must_use]
+    pub fn over(device: &'a Device, least_bits: u32, picked: Vec<usize>) -> Self {
         Self {
             device,
+            picked,
+            prefix: "",
             least_bits,
             tables: Vec::new(),
             nodes: Vec::new(),
@@ -48,6 +61,11 @@ impl<'a> Builder<'a> {
     #[must_use]
     pub fn device(&self) -> &'a Device {
         self.device
+    }
+
+    /// Put `prefix` before the names of what comes next; returns the one before.
+    pub fn set_prefix(&mut self, prefix: &'static str) -> &'static str {
+        std::mem::replace(&mut self.prefix, prefix)
     }
 
     /// Every value that `value` takes.
@@ -90,7 +108,7 @@ impl<'a> Builder<'a> {
     /// The echo time code.
     pub fn echo(&mut self) -> Value {
         let codes = self.device.echo.codes;
-        let rows = self.device.rows();
+        let rows = self.picked.len();
         let rows = Rows {
             low: vec![codes.minimum; rows],
             high: vec![codes.maximum; rows],
@@ -100,9 +118,11 @@ impl<'a> Builder<'a> {
 
     /// The code of condition `index`.
     pub fn condition(&mut self, index: usize) -> Value {
-        let low: Vec<i64> = (0..self.device.rows())
-            .map(|row| self.device.codes(row)[index])
-            .collect();
+        if let Some(known) = self.known(Operation::Input(index + 1)) {
+            return known;
+        }
+        let code = |row: &usize| self.device.codes(*row)[index];
+        let low: Vec<i64> = self.picked.iter().map(code).collect();
         let rows = Rows {
             high: low.clone(),
             low,
@@ -117,7 +137,10 @@ impl<'a> Builder<'a> {
 
     /// A constant.
     pub fn constant(&mut self, constant: i64) -> Value {
-        let low = vec![constant; self.device.rows()];
+        if let Some(known) = self.known(Operation::Constant(constant)) {
+            return known;
+        }
+        let low = vec![constant; self.picked.len()];
         let rows = Rows {
             high: low.clone(),
             low,
@@ -191,7 +214,7 @@ impl<'a> Builder<'a> {
     pub fn table(&mut self, name: &'static str, note: String, entries: Vec<i64>) -> TableId {
         let range = hull(&entries, &entries);
         self.tables.push(Table {
-            name,
+            name: format!("echocal_{}{name}", self.prefix),
             note,
             ty: IntegerType::holding(range, 8),
             entries,
@@ -211,7 +234,7 @@ impl<'a> Builder<'a> {
         };
         let found: Option<Vec<i64>> = self.rows[index.0].low.iter().map(entry).collect();
         self.overflowed |= found.is_none() || self.nodes[index.0].per_echo;
-        let low = found.unwrap_or_else(|| vec![0; self.device.rows()]);
+        let low = found.unwrap_or_else(|| vec![0; self.picked.len()]);
         let held = self.tables[table.0].ty;
         let held = IntegerType::holding(held.range(), self.least_bits);
         self.append(
@@ -227,7 +250,7 @@ impl<'a> Builder<'a> {
 
     /// Give `value` a local variable and a comment.
     pub fn name(&mut self, value: Value, name: &'static str, note: impl Into<String>) -> Value {
-        self.nodes[value.0].name = Some((name, note.into()));
+        self.nodes[value.0].name = Some((format!("{}{name}", self.prefix), note.into()));
         value
     }
 
@@ -255,9 +278,12 @@ impl<'a> Builder<'a> {
         b: Value,
         interval: impl Fn((i64, i64), (i64, i64)) -> [Option<i64>; 2],
     ) -> Value {
+        if let Some(known) = self.known(operation) {
+            return known;
+        }
         let (mut low, mut high) = (
-            Vec::with_capacity(self.device.rows()),
-            Vec::with_capacity(self.device.rows()),
+            Vec::with_capacity(self.picked.len()),
+            Vec::with_capacity(self.picked.len()),
         );
         let mut overflowed = false;
         let (left, right) = (&self.rows[a.0], &self.rows[b.0]);
@@ -277,6 +303,12 @@ impl<'a> Builder<'a> {
         let value = self.append(operation, Rows { low, high }, computed, per_echo);
         self.nodes[value.0].held = IntegerType::holding(range, self.least_bits);
         value
+    }
+
+    /// The node that does the same already: what two forms need is computed once.
+    fn known(&self, operation: Operation) -> Option<Value> {
+        let same = |node: &Node| node.operation == operation;
+        self.nodes.iter().position(same).map(Value)
     }
 
     fn append(

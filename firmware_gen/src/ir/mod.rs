@@ -89,14 +89,14 @@ pub struct Node {
     /// Whether it depends on the echo time.
     pub per_echo: bool,
     /// Local variable in C and the comment that explains it; a node without a name is written inside its reader.
-    pub name: Option<(&'static str, String)>,
+    pub name: Option<(String, String)>,
 }
 
 /// A table of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table {
     /// Its name in C.
-    pub name: &'static str,
+    pub name: String,
     /// What an entry is, with its unit.
     pub note: String,
     /// Type of an entry.

@@ -32,11 +32,19 @@ impl Program {
     /// # Errors
     /// If any intermediate does not fit the type it is computed or held in.
     pub fn evaluate(&self, inputs: &[i64]) -> Result<i64, Overflow> {
+        Ok(self.trace(inputs)?[self.result.0])
+    }
+
+    /// The value of every step for one input.
+    ///
+    /// # Errors
+    /// If any of them does not fit the type it is computed or held in.
+    pub fn trace(&self, inputs: &[i64]) -> Result<Vec<i64>, Overflow> {
         let mut values = Vec::with_capacity(self.nodes.len());
         for index in 0..self.nodes.len() {
             values.push(self.step(index, &values, inputs)?);
         }
-        Ok(values[self.result.0])
+        Ok(values)
     }
 
     /// The value of node `index`, given those before it.

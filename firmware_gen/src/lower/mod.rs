@@ -41,7 +41,8 @@ pub fn lower(
 ) -> Result<Lowered, Error> {
     let base = Lowered::new(Model::new(model.law()), frozen, measured(device)?);
     let mut kept = base.clone();
-    for term in model.terms() {
+    // At neutral parameters an effect does nothing, whatever it needs.
+    for term in model.terms().iter().filter(|term| !is_neutral(term)) {
         let Some((quantity, reason)) = lacking(term, &base.measured) else {
             kept.extend(term)?;
             continue;
@@ -78,6 +79,11 @@ pub fn lower(
     }
     kept.state_law(device, distance);
     Ok(kept)
+}
+
+fn is_neutral(term: &Term) -> bool {
+    let mut pairs = term.facts().parameters.iter().zip(&term.parameters);
+    pairs.all(|(parameter, value)| parameter.neutral == *value)
 }
 
 /// The quantities that the device measures.

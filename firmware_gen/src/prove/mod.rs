@@ -1,6 +1,7 @@
 //! The proof: the twin against the model on every input that the function accepts.
 
 mod checker;
+mod straight;
 
 use crate::device::Device;
 use crate::error::Error;

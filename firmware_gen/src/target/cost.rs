@@ -49,7 +49,9 @@ pub(super) fn avr(program: &Program, node: &Node) -> Cost {
             (None, 4) => product(program, a, b),
             (None, _) => (90, 500),
         },
-        Operation::ShiftRight(_, bits) if bits % 8 == 0 => (2 * held, held),
+        // Half a product is where it is already; a quarter off its end moves the rest, unused bytes too.
+        Operation::ShiftRight(_, bits) if bits % 16 == 0 || held == 1 && bits % 8 == 0 => (0, 0),
+        Operation::ShiftRight(_, bits) if bits % 8 == 0 => (2 * bytes, bytes),
         Operation::ShiftRight(_, bits) => (2 * bytes + 6, u64::from(bits) * (bytes + 3)),
         Operation::LowBits(_, bits) if bits % 8 == 0 => (0, 0),
         Operation::LowBits(..) => (2 * held, held),
@@ -67,9 +69,15 @@ fn product(program: &Program, a: Value, b: Value) -> (u64, u64) {
         let range = program.node(value).range;
         range.minimum >= 0 && range.maximum < 1 << 16
     };
+    let signed = |value: Value| {
+        let range = program.node(value).range;
+        range.minimum >= -(1 << 15) && range.maximum < 1 << 15
+    };
     if narrow(a) && narrow(b) {
         (10, 28)
+    } else if (narrow(a) || signed(a)) && (narrow(b) || signed(b)) {
+        (22, 40)
     } else {
-        (40, 75)
+        (60, 110)
     }
 }

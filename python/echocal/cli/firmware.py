@@ -19,7 +19,7 @@ from rich.progress import (
 from rich.table import Table
 
 from echocal.errors import DomainWarning, UsageError
-from echocal.firmware import Firmware, TemperatureCodes, generate
+from echocal.firmware import Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
 
 
@@ -35,6 +35,10 @@ def command(
     temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
     temperature_range: Annotated[str, option("LOW:HIGH accepted [degC].")] = "-20:60",
     temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,
+    humidity_lsb: Annotated[
+        float | None, option("Step of one humidity code [1], if humidity is measured.")
+    ] = None,
+    humidity_range: Annotated[str, option("LOW:HIGH accepted [1].")] = "0:1",
     echo_max_us: Annotated[int, option("Longest echo time accepted [us].")] = 38_000,
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
@@ -49,7 +53,10 @@ def command(
 ) -> None:
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
-    low, high = _range(temperature_range)
+    low, high = _range("--temperature-range", temperature_range, "-20:60")
+    damp = None
+    if humidity_lsb is not None:
+        damp = HumidityCodes(humidity_lsb, *_range("--humidity-range", humidity_range, "0:1"))
     bar = Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -66,6 +73,7 @@ def command(
             Model.load(model),
             target,
             temperature=TemperatureCodes(temperature_lsb, low, high, temperature_zero),
+            humidity=damp,
             echo=echo_max_us,
             max_error=max_error_mm * 1e-3,
             max_distance=max_distance_m,
@@ -96,12 +104,12 @@ def _write(path: Path, text: str) -> None:
         raise UsageError(message) from None
 
 
-def _range(text: str) -> tuple[float, float]:
+def _range(name: str, text: str, example: str) -> tuple[float, float]:
     low, separator, high = text.partition(":")
     try:
         return float(low), float(high if separator else "missing")
     except ValueError:
-        message = f"--temperature-range is '{text}': give LOW:HIGH, as in --temperature-range=-20:60"
+        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
         raise UsageError(message) from None
 
 
@@ -125,7 +133,8 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     table.add_row(
         "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (asked for {asked:g} mm)"
     )
-    table.add_row("worst at", f"echo {worst['echo_us']} us, {worst['temperature']:g} degC")
+    damp = f", relative humidity {worst['relative_humidity']:g}" if "relative_humidity" in worst else ""
+    table.add_row("worst at", f"echo {worst['echo_us']} us, {worst['temperature']:g} degC{damp}")
     table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
     table.add_row("", "no overflow; never falls as the echo time grows")
     for line in report["assumptions"]:

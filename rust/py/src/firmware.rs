@@ -69,6 +69,7 @@ pub struct Wish {
     prefer: String,
     form: Option<String>,
     temperature: (f64, f64, f64, f64),
+    humidity: Option<(f64, f64, f64)>,
     echo_max_us: i64,
     maximum_error: f64,
     maximum_distance: f64,
@@ -110,10 +111,13 @@ fn fulfil(
     progress: &mut dyn FnMut(&str, u64, u64) -> bool,
 ) -> Result<CoreFirmware, Error> {
     let (lsb, low, high, zero) = wish.temperature;
-    let device = Device {
+    let mut device = Device {
         echo: Axis::echo(wish.echo_max_us)?,
         conditions: vec![Axis::temperature(lsb, low, high, zero)?],
     };
+    if let Some((lsb, low, high)) = wish.humidity {
+        device.conditions.push(Axis::humidity(lsb, low, high)?);
+    }
     let assumed = Conditions::new(core::array::from_fn(|quantity| wish.assumed[quantity]));
     let lowered = lower(
         model,

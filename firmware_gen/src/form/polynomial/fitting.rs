@@ -1,7 +1,7 @@
 //! Choosing the constants: from the top, each by a minimax fit to what those above it leave.
 
 use super::{Inner, Polynomial, exp2};
-use crate::form::Fit;
+use crate::form::{Fit, center};
 use crate::ir::{Builder, Value};
 use crate::minimax::{Points, minimax};
 
@@ -125,24 +125,4 @@ impl Search<'_, '_> {
             self.best = (error, coefficients.to_vec());
         }
     }
-}
-
-/// The constant that leaves the least error beside `settled`.
-fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
-    let rests: Vec<f64> = fit
-        .target
-        .iter()
-        .zip(settled)
-        .map(|(target, settled)| target - settled)
-        .collect();
-    let x: Vec<f64> = (0..rests.len()).map(|u| u as f64).collect();
-    let (constant, _) = minimax(
-        Points {
-            x: &x,
-            y: &rests,
-            weight: &fit.weight,
-        },
-        0,
-    );
-    constant[0].round() as i64
 }

@@ -43,7 +43,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let mut forms: Vec<Box<dyn Form>> = Vec::new();
     for degree in (0..=DEGREES).filter(|degree| *degree == 0 || degree + 2 <= codes) {
         let mut formats: Vec<(u32, i32, u32)> = vec![(0, 16, 1), (0, 31, 1)];
-        if fit.byte_shifts {
+        if fit.core.byte_shifts {
             // As far as the code still fits 16 bits.
             formats.extend((0..=(codes as u32).leading_zeros() - 16).map(|spread| (spread, 16, 8)));
         }
@@ -222,7 +222,7 @@ impl Form for Polynomial {
     }
 
     fn refine(&mut self, fit: &Fit<'_>) {
-        let mut builder = Builder::new(fit.device, fit.least_bits);
+        let mut builder = Builder::new(fit.device, fit.core.least_bits);
         let u = self.argument(&mut builder);
         let start = fit.error(&super::factors(self, fit));
         let mut search = Search {
@@ -232,5 +232,9 @@ impl Form for Polynomial {
         };
         self.descend(&mut search, u, None, self.degree());
         self.coefficients = search.best.1;
+    }
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.clone())
     }
 }

@@ -25,7 +25,7 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
         return ECHOCAL_OUT_OF_RANGE;
     }
     /* codes above -20 degC */
-    const uint8_t warmth = (uint8_t)((int16_t)(temperature_code + 40));
+    const uint8_t warmth = (uint8_t)((uint8_t)temperature_code + 40U);
     /* cell of the table */
     const uint8_t cell = (uint8_t)(warmth >> 4);
     /* position in the cell */

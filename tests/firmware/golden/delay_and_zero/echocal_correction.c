@@ -12,7 +12,7 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
         return ECHOCAL_OUT_OF_RANGE;
     }
     /* codes above -20 degC */
-    const uint16_t warmth = (uint16_t)((int16_t)(temperature_code + 40));
+    const uint16_t warmth = (uint16_t)((uint16_t)temperature_code + 40U);
     /* 2^-21 of the last place of speed, its sign left out */
     const uint16_t bend = (uint16_t)(40664U - (uint16_t)(((uint32_t)warmth * 59413U) >> 11));
     /* 2^-10 of the last place of speed */

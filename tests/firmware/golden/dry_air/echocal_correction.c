@@ -12,7 +12,7 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
         return ECHOCAL_OUT_OF_RANGE;
     }
     /* codes above -20 degC */
-    const uint16_t warmth = (uint16_t)((int16_t)(temperature_code + 40));
+    const uint16_t warmth = (uint16_t)((uint16_t)temperature_code + 40U);
     /* 2^-10 of the last place of speed */
     const uint16_t slope = (uint16_t)(41225U - (uint16_t)(((uint32_t)warmth * 37426U) >> 11));
     /* half the speed of sound, 2^-8 um per echo code */

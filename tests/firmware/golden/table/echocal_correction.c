@@ -17,7 +17,7 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
         return ECHOCAL_OUT_OF_RANGE;
     }
     /* codes above -20 degC */
-    const uint16_t warmth = (uint16_t)((int16_t)(temperature_code + 40));
+    const uint16_t warmth = (uint16_t)((uint16_t)temperature_code + 40U);
     /* cell of the table */
     const uint16_t cell = (uint16_t)(warmth >> 4);
     /* position in the cell */

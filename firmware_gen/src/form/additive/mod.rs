@@ -1,0 +1,209 @@
+//! Two conditions: `A(T) + h * B(T)`, or `A(T) + h * (B(T) + h * C(T))`, where A, B and C are forms of the temperature alone.
+
+mod fitting;
+
+use super::tail::floor_shift;
+use super::{FORMS, Fit, Form};
+use crate::ir::{Builder, Value};
+use crate::target::Cost;
+use fitting::Plane;
+
+/// Name of the form.
+pub const NAME: &str = "additive";
+
+/// Binary places that the product with the second condition loses.
+const SHIFTS: [u32; 2] = [8, 11];
+/// Share of the bound by which a form may be less exact than a cheaper one and still beat it.
+const NEAR: f64 = 0.05;
+/// Binary places that the second condition's square loses first.
+const SQUARE_SHIFTS: [u32; 1] = [8];
+
+/// Forms of the temperature, and how they are joined by the second condition.
+#[derive(Debug)]
+struct Additive {
+    base: Box<dyn Form>,
+    slope: Box<dyn Form>,
+    /// Binary places of `slope`.
+    bits: u32,
+    /// The form of the square, and its binary places beyond those of `slope`.
+    bend: Option<(Box<dyn Form>, u32)>,
+    floor: f64,
+}
+
+/// Every pair of forms that could stay within the bound.
+pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
+    let plane = Plane::new(fit);
+    let mut found: Vec<Box<dyn Form>> = Vec::new();
+    for degree in [1, 2] {
+        let lines = plane.lines(degree);
+        let floor = plane.residual(&lines);
+        if floor >= fit.bound {
+            continue;
+        }
+        let bases = forms(&plane.ideal(&lines, 0, 0));
+        for bits in if fit.core.byte_shifts {
+            &SHIFTS[..1]
+        } else {
+            &SHIFTS
+        } {
+            let bits = *bits;
+            let slopes = forms(&plane.ideal(&lines, 1, bits));
+            let bends: Vec<Option<(Box<dyn Form>, u32)>> = if degree == 1 {
+                vec![None]
+            } else {
+                let of = |more: &u32| {
+                    let found = forms(&plane.ideal(&lines, 2, bits + more));
+                    found
+                        .into_iter()
+                        .map(|form| Some((form, *more)))
+                        .collect::<Vec<_>>()
+                };
+                SQUARE_SHIFTS.iter().flat_map(of).collect()
+            };
+            for (base, slope, bend) in triples(&bases, &slopes, &bends) {
+                found.push(Box::new(Additive {
+                    base,
+                    slope,
+                    bits,
+                    bend,
+                    floor,
+                }));
+            }
+        }
+    }
+    found
+}
+
+type Bend = Option<(Box<dyn Form>, u32)>;
+type Triple = (Box<dyn Form>, Box<dyn Form>, Bend);
+
+fn triples(bases: &[Box<dyn Form>], slopes: &[Box<dyn Form>], bends: &[Bend]) -> Vec<Triple> {
+    let mut found = Vec::new();
+    for base in bases {
+        for slope in slopes {
+            for bend in bends {
+                let bend = bend.as_ref().map(|(form, more)| (form.duplicate(), *more));
+                found.push((base.duplicate(), slope.duplicate(), bend));
+            }
+        }
+    }
+    found
+}
+
+/// The forms of one condition that can follow `fit` within its bound, none of them beaten by another in every respect.
+fn forms(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
+    let proposals = FORMS.iter().filter(|(name, _)| *name != NAME);
+    let made = proposals.flat_map(|(_, propose)| propose(fit));
+    let costed = made
+        .filter(|form| form.floor() <= fit.bound)
+        .filter_map(|form| Some((cost(form.as_ref(), fit)?, form)));
+    let all: Vec<(Cost, Box<dyn Form>)> = costed.collect();
+    let beaten = |(cost, form): &(Cost, Box<dyn Form>)| {
+        all.iter().any(|(other, better)| {
+            let no_worse = other.size <= cost.size && other.time <= cost.time;
+            let differs = (other.size, other.time) != (cost.size, cost.time);
+            no_worse && better.floor() <= NEAR.mul_add(fit.bound, form.floor()) && differs
+        })
+    };
+    let kept = all.iter().filter(|candidate| !beaten(candidate));
+    kept.map(|(_, form)| form.duplicate()).collect()
+}
+
+/// What a form costs alone.
+fn cost(form: &dyn Form, fit: &Fit<'_>) -> Option<Cost> {
+    let mut builder = Builder::over(fit.device, fit.core.least_bits, fit.picked.clone());
+    let value = form.build(&mut builder);
+    Some(fit.core.cost(&builder.finish(value)?))
+}
+
+impl Additive {
+    fn copy(&self) -> Self {
+        let bend = self.bend.as_ref();
+        Self {
+            base: self.base.duplicate(),
+            slope: self.slope.duplicate(),
+            bits: self.bits,
+            bend: bend.map(|(form, bits)| (form.duplicate(), *bits)),
+            floor: self.floor,
+        }
+    }
+
+    /// The second condition's code.
+    fn damp(builder: &mut Builder<'_>) -> Value {
+        let lowest = builder.device().conditions[1].codes.minimum;
+        let code = builder.condition(1);
+        super::tail::plus(builder, code, -lowest)
+    }
+}
+
+impl Form for Additive {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn describe(&self) -> String {
+        let bend = self.bend.as_ref().map_or(String::new(), |(form, _)| {
+            format!(" plus its square times a {}", form.describe())
+        });
+        format!(
+            "{} plus the humidity code times a {}{bend}",
+            self.base.describe(),
+            self.slope.describe()
+        )
+    }
+
+    fn parameters(&self) -> serde_json::Value {
+        let part = |form: &dyn Form| serde_json::json!({ "name": form.name(), "parameters": form.parameters() });
+        serde_json::json!({
+            "base": part(self.base.as_ref()),
+            "slope": part(self.slope.as_ref()),
+            "slope_bits": self.bits,
+            "bend": self.bend.as_ref().map(|(form, _)| part(form.as_ref())),
+            "bend_bits": self.bend.as_ref().map(|(_, bits)| bits),
+        })
+    }
+
+    fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    fn build(&self, builder: &mut Builder<'_>) -> Value {
+        let damp = Self::damp(builder);
+        let bend = self.bend.as_ref().map(|(form, more)| {
+            let before = builder.set_prefix("damp_square_");
+            let factor = form.build(builder);
+            let product = builder.multiply(damp, factor);
+            let value = floor_shift(builder, product, *more);
+            let value = builder.name(
+                value,
+                "part",
+                "what the square adds to the growth with humidity",
+            );
+            builder.set_prefix(before);
+            value
+        });
+        let before = builder.set_prefix("damp_");
+        let slope = self.slope.build(builder);
+        let slope = bend.map_or(slope, |bend| builder.add(slope, bend));
+        let note = format!(
+            "growth with humidity, 2^-{} of the last place of speed per code",
+            self.bits
+        );
+        let slope = builder.name(slope, "growth", note);
+        let product = builder.multiply(damp, slope);
+        let part = floor_shift(builder, product, self.bits);
+        let part = builder.name(part, "part", "what humidity adds to the speed");
+        builder.set_prefix("dry_");
+        let base = self.base.build(builder);
+        builder.set_prefix(before);
+        builder.add(base, part)
+    }
+
+    fn refine(&mut self, fit: &Fit<'_>) {
+        self.settle(&Plane::new(fit));
+    }
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.copy())
+    }
+}

@@ -1,0 +1,173 @@
+//! Choosing the constants of a square: minimax in real numbers, then a descent over integers that looks at every code.
+
+use super::{CODE_BITS, Layer, SQUARE_BITS, Square};
+use crate::form::{Fit, center};
+use crate::minimax::{Points, minimax};
+
+/// Points of a minimax fit.
+const POINTS: usize = 200;
+/// Constants of the outer square that are tried.
+const CONSTANTS: usize = 24;
+/// Steps of the descent over integers.
+const STEPS: [i64; 5] = [64, 16, 4, 2, 1];
+/// Rounds with each step after which the descent goes on to the next.
+const ROUNDS: usize = 40;
+
+/// A square with real constants.
+#[derive(Clone, Debug)]
+pub(super) struct Ideal {
+    /// Value at code 0, and growth per code.
+    straight: (f64, f64),
+    /// Constant and sign of each squaring.
+    layers: Vec<(f64, f64)>,
+    error: f64,
+}
+
+/// `sign * (start + growth * code)^2 / 2^16 + constant` nearest to `y`; `None` where the points have no bend.
+fn single(x: &[f64], y: &[f64], weight: &[f64]) -> Option<Ideal> {
+    let span = x[x.len() - 1];
+    let scaled: Vec<f64> = x.iter().map(|x| x / span).collect();
+    let (found, error) = minimax(
+        Points {
+            x: &scaled,
+            y,
+            weight,
+        },
+        2,
+    );
+    let (constant, slope, bend) = (found[0], found[1] / span, found[2] / span / span);
+    let growth = (bend.abs() * f64::from(SQUARE_BITS).exp2()).sqrt();
+    let vertex = -slope / (2.0 * bend);
+    // The square runs the way that keeps its argument positive over most of the codes.
+    let way = if vertex < span / 2.0 { 1.0 } else { -1.0 };
+    let ideal = Ideal {
+        straight: (-way * vertex * growth, way * growth),
+        layers: vec![((bend * vertex).mul_add(-vertex, constant), bend.signum())],
+        error,
+    };
+    (vertex.is_finite() && growth > 0.0).then_some(ideal)
+}
+
+/// Codes, targets and weights, thinned out.
+fn points(fit: &Fit<'_>) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let span = fit.target.len() - 1;
+    let count = fit.target.len().min(POINTS);
+    let picked: Vec<usize> = (0..count).map(|k| k * span / (count - 1)).collect();
+    let of = |values: &[f64]| picked.iter().map(|&code| values[code]).collect();
+    (
+        picked.iter().map(|&code| code as f64).collect(),
+        of(&fit.target),
+        of(&fit.weight),
+    )
+}
+
+impl Ideal {
+    pub(super) fn single(fit: &Fit<'_>) -> Option<Self> {
+        let (x, y, weight) = points(fit);
+        single(&x, &y, &weight)
+    }
+
+    /// The outer constant is tried out; the rest is a square fitted to the root that it leaves.
+    pub(super) fn nested(fit: &Fit<'_>) -> Option<Self> {
+        let (x, y, weight) = points(fit);
+        let (low, high) = y
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |ends, y| {
+                (y.min(ends.0), y.max(ends.1))
+            });
+        let unit = f64::from(SQUARE_BITS).exp2();
+        let trial = |share: usize| {
+            let constant = (high - low).mul_add(-(share as f64 / CONSTANTS as f64).powi(2), low);
+            let root: Vec<f64> = y.iter().map(|y| ((y - constant) * unit).sqrt()).collect();
+            let pairs = weight.iter().zip(&root);
+            let weight: Vec<f64> = pairs
+                .map(|(w, root)| w * 2.0 * root.max(1.0) / unit)
+                .collect();
+            let mut inner = single(&x, &root, &weight)?;
+            inner.layers.push((constant, 1.0));
+            Some(inner)
+        };
+        (0..CONSTANTS)
+            .filter_map(trial)
+            .min_by(|a, b| a.error.total_cmp(&b.error))
+    }
+
+    pub(super) fn rounded(&self) -> Square {
+        let layer = |&(constant, sign): &(f64, f64)| Layer {
+            constant: constant.round() as i64,
+            sign: sign as i64,
+        };
+        let (start, growth) = self.straight;
+        Square {
+            start: start.round() as i64,
+            multiplier: (growth.abs() * f64::from(CODE_BITS).exp2()).round() as i64,
+            sign: growth.signum() as i64,
+            layers: self.layers.iter().map(layer).collect(),
+            floor: self.error,
+        }
+    }
+}
+
+impl Square {
+    /// The largest error \[um\], the outermost constant set to what suits the others best.
+    fn settle(&mut self, fit: &Fit<'_>) -> f64 {
+        let last = self.layers.len() - 1;
+        self.layers[last].constant = 0;
+        let settled: Vec<f64> = (0..fit.target.len())
+            .map(|code| self.at(code as i64) as f64)
+            .collect();
+        self.layers[last].constant = center(fit, &settled);
+        let constant = self.layers[last].constant as f64;
+        let rests = settled.iter().zip(&fit.target).zip(&fit.weight);
+        rests.fold(0.0, |worst, ((settled, target), weight)| {
+            ((settled + constant - target) * weight).abs().max(worst)
+        })
+    }
+
+    /// Change the constants by ever smaller steps while that helps.
+    pub(super) fn descend(&mut self, fit: &Fit<'_>) {
+        let half = fit.target.len() as i64 / 2;
+        let mut best = (self.settle(fit), self.clone());
+        for step in STEPS {
+            for _ in 0..ROUNDS {
+                let before = best.0;
+                for (start, multiplier, inner) in [
+                    (1, 0, 0),
+                    (0, 1, 0),
+                    (0, 0, 1),
+                    (2, 1, 0),
+                    (3, 1, 0),
+                    (1, 0, 1),
+                    (1, 0, -1),
+                ] {
+                    for way in [step, -step] {
+                        let mut trial = best.1.clone();
+                        // A steeper line is turned about the middle of the codes.
+                        let turn = if start > 1 {
+                            (multiplier * half * way) >> CODE_BITS
+                        } else {
+                            start * way
+                        };
+                        trial.start += if start > 1 {
+                            -trial.sign * turn + start - 2
+                        } else {
+                            turn
+                        };
+                        trial.multiplier += multiplier * way;
+                        trial.layers[0].constant += inner * way;
+                        if trial.multiplier > 0 {
+                            let error = trial.settle(fit);
+                            if error < best.0 {
+                                best = (error, trial);
+                            }
+                        }
+                    }
+                }
+                if best.0 >= before {
+                    break;
+                }
+            }
+        }
+        *self = best.1;
+    }
+}

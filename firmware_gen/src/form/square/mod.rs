@@ -1,0 +1,126 @@
+//! A completed square, or the square of one: `c + (w * w >> 16)`, where `w` is straight in the code, or itself such a
+//! square. One constant fewer than Horner's rule of the same degree, and no shift but by whole bytes.
+
+mod fitting;
+
+use super::tail::plus;
+use super::{Fit, Form, warmth};
+use crate::ir::{Builder, Value};
+use fitting::Ideal;
+
+/// Binary places of the multiplier of the code.
+const CODE_BITS: u32 = 8;
+/// Binary places that a square loses.
+const SQUARE_BITS: u32 = 16;
+/// Name of the form.
+pub(super) const NAME: &str = "square";
+
+/// One squaring: `constant + sign * (w * w >> 16)`.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    constant: i64,
+    sign: i64,
+}
+
+/// A square, or a square of a square.
+#[derive(Clone, Debug)]
+struct Square {
+    /// The straight start: `start + sign * (code * multiplier >> 8)`.
+    start: i64,
+    multiplier: i64,
+    sign: i64,
+    layers: Vec<Layer>,
+    floor: f64,
+}
+
+pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
+    if fit.target.len() < 4 {
+        return Vec::new();
+    }
+    let ideals = [Ideal::single(fit), Ideal::nested(fit)];
+    let made = ideals.into_iter().flatten().map(|ideal| ideal.rounded());
+    made.map(|form| Box::new(form) as _).collect()
+}
+
+impl Square {
+    /// The factor at a code counted from the coldest.
+    fn at(&self, code: i64) -> i64 {
+        let straight = self.start + self.sign * ((code * self.multiplier) >> CODE_BITS);
+        self.layers.iter().fold(straight, |w, layer| {
+            layer.constant + layer.sign * ((w * w) >> SQUARE_BITS)
+        })
+    }
+}
+
+/// `constant + sign * value`.
+fn signed(builder: &mut Builder<'_>, constant: i64, sign: i64, value: Value) -> Value {
+    if sign > 0 {
+        plus(builder, value, constant)
+    } else {
+        let constant = builder.constant(constant);
+        builder.subtract(constant, value)
+    }
+}
+
+impl Form for Square {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn describe(&self) -> String {
+        match self.layers.len() {
+            1 => "completed square in the temperature code".into(),
+            _ => "square of a completed square in the temperature code".into(),
+        }
+    }
+
+    fn parameters(&self) -> serde_json::Value {
+        let layers: Vec<_> = self
+            .layers
+            .iter()
+            .map(|layer| (layer.sign, layer.constant))
+            .collect();
+        serde_json::json!({
+            "start": self.start, "multiplier": self.sign * self.multiplier, "multiplier_bits": CODE_BITS,
+            "square_bits": SQUARE_BITS, "layers": layers,
+        })
+    }
+
+    fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    fn build(&self, builder: &mut Builder<'_>) -> Value {
+        let code = warmth(builder);
+        let multiplier = builder.constant(self.multiplier);
+        let product = builder.multiply(code, multiplier);
+        let way = builder.shift_right(product, CODE_BITS);
+        let root = signed(builder, self.start, self.sign, way);
+        let mut value = builder.name(root, "root", "straight in the code");
+        for (index, layer) in self.layers.iter().enumerate() {
+            let square = builder.multiply(value, value);
+            let high = builder.shift_right(square, SQUARE_BITS);
+            value = signed(builder, layer.constant, layer.sign, high);
+            if index + 1 < self.layers.len() {
+                value = builder.name(value, "square", "its square, 2^-16, and a constant");
+            }
+        }
+        value
+    }
+
+    fn refine(&mut self, fit: &Fit<'_>) {
+        let ideal = if self.layers.len() == 1 {
+            Ideal::single(fit)
+        } else {
+            Ideal::nested(fit)
+        };
+        if let Some(ideal) = ideal {
+            *self = ideal.rounded();
+        }
+        self.descend(fit);
+    }
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.clone())
+    }
+}

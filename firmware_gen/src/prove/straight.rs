@@ -1,0 +1,144 @@
+//! A row of echo times at the speed of additions, where the program itself shows that it can be had: at fixed conditions
+//! each step of most programs is a straight line in the echo time, or one such line cut off. Lines are monotone, so what
+//! every step claims holds at all echo codes if it holds at the first and the last; every output is still computed.
+
+use crate::ir::{LANES, Operation, Overflow, Program, Value};
+
+/// The output `(start + slope * echo) >> bits`, and `after` on top of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Straight {
+    start: i64,
+    slope: i64,
+    bits: u32,
+    after: i64,
+}
+
+impl Straight {
+    const fn fixed(start: i64) -> Self {
+        Self {
+            start,
+            slope: 0,
+            bits: 0,
+            after: 0,
+        }
+    }
+
+    /// The value, if it does not depend on the echo time.
+    fn constant(self) -> Option<i64> {
+        (self.slope == 0).then_some((self.start >> self.bits) + self.after)
+    }
+
+    fn plus(self, more: i64) -> Option<Self> {
+        let after = self.after.checked_add(more)?;
+        Some(Self { after, ..self })
+    }
+
+    /// The line alone, if nothing was cut off.
+    fn line(self) -> Option<(i64, i64)> {
+        (self.bits == 0).then_some((self.start + self.after, self.slope))
+    }
+
+    fn of_line(start: i64, slope: i64) -> Self {
+        Self {
+            start,
+            slope,
+            bits: 0,
+            after: 0,
+        }
+    }
+
+    fn add(self, other: Self) -> Option<Self> {
+        match (self.constant(), other.constant()) {
+            (_, Some(constant)) => self.plus(constant),
+            (Some(constant), _) => other.plus(constant),
+            _ => {
+                let ((a, b), (c, d)) = (self.line()?, other.line()?);
+                Some(Self::of_line(a.checked_add(c)?, b.checked_add(d)?))
+            }
+        }
+    }
+
+    fn times(self, other: Self) -> Option<Self> {
+        let (line, factor) = match (self.constant(), other.constant()) {
+            (_, Some(factor)) => (self.line()?, factor),
+            (Some(factor), _) => (other.line()?, factor),
+            _ => return None,
+        };
+        Some(Self::of_line(
+            line.0.checked_mul(factor)?,
+            line.1.checked_mul(factor)?,
+        ))
+    }
+
+    fn cut(self, bits: u32) -> Option<Self> {
+        let (start, slope) = self.line()?;
+        Some(Self {
+            start,
+            slope,
+            bits,
+            after: 0,
+        })
+    }
+
+    /// The output of `program` at these conditions, its claims checked at the `first` and the `last` echo code; nothing
+    /// if it is not such a line, rising.
+    pub(super) fn of(
+        program: &Program,
+        conditions: &[i64],
+        (first, last): (i64, i64),
+    ) -> Result<Option<Self>, Overflow> {
+        let inputs = |echo: i64| [&[echo], conditions].concat();
+        let (low, high) = (
+            program.trace(&inputs(first))?,
+            program.trace(&inputs(last))?,
+        );
+        let mut lines: Vec<Option<Self>> = Vec::with_capacity(program.nodes.len());
+        for (index, node) in program.nodes.iter().enumerate() {
+            let of = |value: Value| lines[value.index()];
+            let line = || {
+                Some(match node.operation {
+                    _ if !node.per_echo => Self::fixed(low[index]),
+                    Operation::Input(_) => Self::of_line(0, 1),
+                    Operation::Add(a, b) => of(a)?.add(of(b)?)?,
+                    Operation::Subtract(a, b) => of(a)?.plus(of(b)?.constant()?.checked_neg()?)?,
+                    Operation::Multiply(a, b) => of(a)?.times(of(b)?)?,
+                    Operation::ShiftRight(a, bits) => of(a)?.cut(bits)?,
+                    _ => return None,
+                })
+            };
+            let found = line().filter(|line| line.slope >= 0);
+            // The lines must say what the twin says, or they are not the program's.
+            let agrees = found.is_none_or(|line| {
+                line.at(first) == Some(low[index]) && line.at(last) == Some(high[index])
+            });
+            lines.push(found.filter(|_| agrees));
+            if node.per_echo && lines[index].is_none() {
+                return Ok(None);
+            }
+        }
+        Ok(lines[program.result.index()].filter(|line| line.at(last).is_some()))
+    }
+
+    fn at(self, echo: i64) -> Option<i64> {
+        let line = self.slope.checked_mul(echo)?.checked_add(self.start)?;
+        (line >> self.bits).checked_add(self.after)
+    }
+
+    /// Outputs for the echo codes from `first`.
+    pub(super) fn fill(self, first: i64, outputs: &mut [i32; LANES]) {
+        let start = self.slope * first + self.start;
+        let end = start + self.slope * LANES as i64;
+        if start >= 0 && end <= i64::from(u32::MAX) {
+            let (start, slope, after) = (start as u32, self.slope as u32, self.after as i32);
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                let line = slope.wrapping_mul(lane as u32).wrapping_add(start);
+                *output = ((line >> self.bits) as i32).wrapping_add(after);
+            }
+        } else {
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                let line = start + self.slope * lane as i64;
+                *output = ((line >> self.bits) + self.after) as i32;
+            }
+        }
+    }
+}

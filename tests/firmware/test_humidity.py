@@ -1,0 +1,104 @@
+"""Functions of echo time, temperature and humidity: bound, twin, C, and what is refused."""
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from toolchain import C_COMPILERS, build, hash_of_all
+
+from echocal import Model, UsageError, firmware
+from echocal.firmware import Firmware, HumidityCodes
+
+COARSE: dict[str, Any] = {"temperature": (1.0, -20.0, 60.0), "humidity": (0.05, 0.0, 1.0), "echo": 26_000}
+DIAGNOSED = Model("linear", {"humidity": {"coefficient": 0.9}, "fixed_delay": {"delay": 31e-6}})
+
+
+def every_input(made: Firmware) -> tuple[np.ndarray, ...]:
+    """All codes, as the axes of a box."""
+    device = made.report["device"]
+    axes = [device["echo"], *device["conditions"]]
+    codes = [np.arange(axis["codes"]["minimum"], axis["codes"]["maximum"] + 1) for axis in axes]
+    return tuple(np.meshgrid(*codes, indexing="ij"))
+
+
+@pytest.mark.parametrize("compiler", C_COMPILERS)
+@pytest.mark.parametrize("model", [Model("cramer"), DIAGNOSED], ids=["cramer", "diagnosed"])
+@pytest.mark.parametrize("target", ["c99", "avr", "cortex-m0"])
+def test_c_is_the_twin_on_every_input(model: Model, target: str, compiler: str, tmp_path: Path) -> None:
+    made = firmware.generate(model, target, **COARSE)
+    assert made.report["inputs_checked"] == 81 * 21 * 26_001
+    assert made.report["error_proven_m"] <= 0.5e-3
+    flags = ("-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
+    assert hash_of_all(build(made, tmp_path, compiler, *flags)) == made.report["output_hash"]
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    delay=st.floats(0.0, 1e-4),
+    law=st.sampled_from(["cramer", "ideal_gas"]),
+    low=st.floats(-25.0, 20.0),
+    span=st.floats(5.0, 40.0),
+    max_error=st.floats(-3.8, -2.5).map(lambda exponent: 10.0**exponent),
+    prefer=st.sampled_from(["size", "speed"]),
+    target=st.sampled_from(["avr", "c99", "rv32"]),
+)
+def test_twin_and_model_agree_within_the_bound(
+    delay: float, law: str, low: float, span: float, max_error: float, prefer: str, target: str
+) -> None:
+    model = Model(law, {"fixed_delay": {"delay": delay}})
+    request: dict[str, Any] = {"temperature": (1.0, low, low + span), "humidity": (0.1, 0.0, 0.9)}
+    made = firmware.generate(model, target, echo=1500, max_error=max_error, prefer=prefer, **request)
+    echo, temperature, damp = every_input(made)
+    truth = model.distance(echo * 1e-6, temperature=temperature * 1.0, relative_humidity=damp * 0.1)
+    outputs = made.distance_um(echo, temperature, damp)
+    error = np.abs(outputs * 1e-6 - truth)
+    assert error.max() == pytest.approx(made.report["error_overall_m"], rel=1e-6, abs=1e-12)
+    assert error.max() <= max_error  # every echo is near
+    assert (np.diff(outputs, axis=0) >= 0).all()
+
+
+def test_a_tight_bound_takes_the_square_of_the_humidity() -> None:
+    made = firmware.generate(Model("cramer"), max_error=0.1e-3, **COARSE)
+    assert "plus its square times" in made.report["form"]["description"]
+    assert made.report["error_proven_m"] <= 0.1e-3
+
+
+def test_worst_input_and_golden_vectors_name_the_humidity() -> None:
+    made = firmware.generate(Model("cramer"), **COARSE)
+    worst = made.report["worst_input"]
+    assert worst["relative_humidity"] == pytest.approx(worst["humidity_code"] * 0.05)
+    codes = (worst["echo_us"], worst["temperature_code"], worst["humidity_code"])
+    quantities = {"temperature": worst["temperature"], "relative_humidity": worst["relative_humidity"]}
+    truth = float(Model("cramer").distance(codes[0] * 1e-6, **quantities))
+    error = abs(int(made.distance_um(*codes)) * 1e-6 - truth)
+    assert error == pytest.approx(made.report["error_proven_m"], rel=1e-6)
+    lines = made.files["echocal_golden.csv"].splitlines()
+    assert lines[0] == "echo_us,temperature_code,humidity_code,distance_um"
+    for line in itertools.islice(lines, 1, None, 37):
+        *inputs, output = map(int, line.split(","))
+        assert int(made.distance_um(*inputs)) == output
+
+
+@pytest.mark.parametrize(
+    ("humidity", "message"),
+    [
+        (HumidityCodes(0.01, 0.0, 1.5), "0 <= low <= high <= 1"),
+        (HumidityCodes(0.001), r"needs codes 0 \.\. 1000, a uint8_t holds"),
+        (HumidityCodes(0.0), "LSB > 0"),
+    ],
+)
+def test_humidity_codes_that_make_no_sense(humidity: HumidityCodes, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        firmware.generate(Model("cramer"), humidity=humidity)
+
+
+def test_humidity_is_measured_or_assumed() -> None:
+    with pytest.raises(UsageError, match="cannot be assumed as well"):
+        firmware.generate(Model("cramer"), humidity=HumidityCodes(), assume={"relative_humidity": 0.5})
+    dry = firmware.generate(Model("cramer"), temperature=(1.0, 0.0, 20.0), echo=500)
+    with pytest.raises(UsageError, match="takes no humidity_code"):
+        dry.distance_um(1, 1, 1)
