@@ -16,11 +16,15 @@ __all__ = ["QUANTITIES", "Quantity", "columns", "numbers", "refuse_unknown", "un
 
 @dataclass(frozen=True)
 class Quantity:
-    """An influence quantity (VIM 2.52)."""
+    """An influence quantity (VIM 2.52).
+
+    `derived_from` says what a table must hold for it to be derived; None where it is recorded.
+    """
 
     name: str
     unit: str
     default: float | None
+    derived_from: str | None
 
 
 QUANTITIES: dict[str, Quantity] = {facts["name"]: Quantity(**facts) for facts in _core.quantities()}

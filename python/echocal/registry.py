@@ -82,6 +82,8 @@ class Effect:
         The only laws that it can extend; empty where it extends any.
     parameters : tuple of Parameter
         In the order of `Model.parameter_names`.
+    edges : bool
+        Whether its formula has edges, where a derivative jumps.
     domain, check : str
         Where it holds, and the measurement that confirms or refutes it.
     firmware : {"folded", "needs", "refused"}
@@ -102,6 +104,7 @@ class Effect:
     calls: str | None
     extends: tuple[str, ...]
     parameters: tuple[Parameter, ...]
+    edges: bool
     domain: str
     check: str
     firmware: Literal["folded", "needs", "refused"]

@@ -15,6 +15,14 @@ pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
     (Quantity::WindSpeed, 0.0, 10.0),
     (Quantity::Radiation, 0.0, 1000.0),
     (Quantity::Amplitude, 0.05, 1.0),
+    (Quantity::TemperatureRate, -0.01, 0.01),
+    (Quantity::TemperatureLater1, -20.0, 60.0),
+    (Quantity::TemperatureLater2, -20.0, 60.0),
+    (Quantity::TemperatureLater3, -20.0, 60.0),
+    (Quantity::TemperatureLater4, -20.0, 60.0),
+    (Quantity::TemperatureLater5, -20.0, 60.0),
+    (Quantity::RadiationRate, -0.5, 0.5),
+    (Quantity::PositionInGroup, 0.0, 10.0),
 ];
 
 /// What a firmware leaves out, and what that costs.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.conditions import QUANTITIES
 from echocal.diagnose.base import Base
 from echocal.diagnose.rows import far_rows, level_steps, series_starts
 from echocal.errors import DataError, UsageError
@@ -82,7 +83,8 @@ class Table:
 
     def against(self) -> dict[str, Column]:
         """Columns that a remainder may be a function of, by the name a person knows."""
-        columns = {"time" if name == "elapsed_time" else name: c for name, c in self.conditions.items()}
+        recorded = {n: c for n, c in self.conditions.items() if QUANTITIES[n].derived_from is None}
+        columns = {"time" if name == "elapsed_time" else name: c for name, c in recorded.items()}
         if "time" not in columns:
             columns["row"] = (self.row + 1).astype(float)  # as messages count
         if self.reference is not None:

@@ -49,8 +49,10 @@ class Needs:
         """Raise `DataError` where what is given does not fit the model."""
         for name, who in self.required.items():
             if name not in conditions:
+                source = QUANTITIES[name].derived_from
+                record = f"record {source} (read_observations derives it)" if source else "record it"
                 message = (
-                    f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; record it, "
+                    f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; {record}, "
                     f"pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
                 )
                 raise DataError(message)

@@ -18,6 +18,10 @@ RECORDED: Mapping[str, float] = {
     "wind_speed": 3.0,
     "radiation": 500.0,
     "amplitude": 0.5,
+    "temperature_rate": 1e-3,
+    **{f"temperature_later_{rows}": 20.0 + 0.3 * rows for rows in range(1, 6)},
+    "radiation_rate": 0.1,
+    "position_in_group": 0.0,
 }
 
 

@@ -12,6 +12,7 @@ from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import checks, clock, labels
+from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.names import looks_like
 from echocal.observations.numbers import Missing, row, rows, to_numbers
@@ -51,14 +52,15 @@ class Assembly:
         echo_time = self._echo_time(values, conditions, reading_speed)
         self._note_lookalikes()
         self._summarize()
+        named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         return Observations(
             echo_time=echo_time,
-            conditions=conditions,
+            conditions={**conditions, **derived(conditions, named)},
             reference_distance=values.get("reference_distance"),
             unusable=self.unusable.astype(np.str_),
             reading=values.get("reading"),
             time=self.time,
-            labels={name: self._labels(name) for name in ("stand", "group", "order") if name in held},
+            labels=named,
             extra=self._extra(),
             source_names={name: source.column for name, source in held.items()},
             notes=tuple(self.notes),

@@ -25,7 +25,7 @@ class Observations:
         ``2 reading / c`` with the speed that the firmware used.
     conditions : mapping of str to ndarray, shape (n,)
         Recorded influence quantities by name (see `echocal.conditions.QUANTITIES`), only those
-        that the source has.
+        that the source has, and those that are derived from its rows, such as rates of change.
     reference_distance : ndarray, shape (n,), or None
         Reference distance [m]; None where the source has none.
     unusable : ndarray of str, shape (n,)

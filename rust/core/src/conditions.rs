@@ -24,6 +24,22 @@ pub enum Quantity {
     Radiation,
     /// Echo amplitude relative to full scale \[1\].
     Amplitude,
+    /// Rate of change of the recorded temperature \[K/s\].
+    TemperatureRate,
+    /// Temperature recorded one row later \[degC\].
+    TemperatureLater1,
+    /// Temperature recorded two rows later \[degC\].
+    TemperatureLater2,
+    /// Temperature recorded three rows later \[degC\].
+    TemperatureLater3,
+    /// Temperature recorded four rows later \[degC\].
+    TemperatureLater4,
+    /// Temperature recorded five rows later \[degC\].
+    TemperatureLater5,
+    /// Rate of change of the irradiance \[W/(m^2 s)\].
+    RadiationRate,
+    /// Position of a row in its burst, 0 for the first \[1\].
+    PositionInGroup,
 }
 
 /// Name, unit and default of an influence quantity.
@@ -37,11 +53,13 @@ pub struct QuantityFacts {
     pub unit: &'static str,
     /// The value assumed where nothing was recorded; `None`: must be given where it is read.
     pub default: Option<f64>,
+    /// What a table must hold for it to be derived row by row; `None`: it is recorded itself.
+    pub derived_from: Option<&'static str>,
 }
 
 impl Quantity {
     /// How many quantities there are.
-    pub const COUNT: usize = 10;
+    pub const COUNT: usize = 18;
 
     /// All quantities, in the order of [`Conditions`].
     pub const ALL: [QuantityFacts; Self::COUNT] = [
@@ -55,6 +73,29 @@ impl Quantity {
         facts(Self::WindSpeed, "wind_speed", "m/s", None),
         facts(Self::Radiation, "radiation", "W/m^2", None),
         facts(Self::Amplitude, "amplitude", "1", None),
+        derived(
+            Self::TemperatureRate,
+            "temperature_rate",
+            "K/s",
+            "time and temperature",
+        ),
+        later(Self::TemperatureLater1, "temperature_later_1"),
+        later(Self::TemperatureLater2, "temperature_later_2"),
+        later(Self::TemperatureLater3, "temperature_later_3"),
+        later(Self::TemperatureLater4, "temperature_later_4"),
+        later(Self::TemperatureLater5, "temperature_later_5"),
+        derived(
+            Self::RadiationRate,
+            "radiation_rate",
+            "W/(m^2 s)",
+            "time and radiation",
+        ),
+        derived(
+            Self::PositionInGroup,
+            "position_in_group",
+            "1",
+            "group or order",
+        ),
     ];
 
     /// Name, unit and default.
@@ -82,7 +123,24 @@ const fn facts(
         name,
         unit,
         default,
+        derived_from: None,
     }
+}
+
+const fn derived(
+    quantity: Quantity,
+    name: &'static str,
+    unit: &'static str,
+    from: &'static str,
+) -> QuantityFacts {
+    QuantityFacts {
+        derived_from: Some(from),
+        ..facts(quantity, name, unit, None)
+    }
+}
+
+const fn later(quantity: Quantity, name: &'static str) -> QuantityFacts {
+    derived(quantity, name, "degC", "time and temperature")
 }
 
 /// The value of every influence quantity for one echo, as recorded.

@@ -28,6 +28,7 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("supplies", facts.supplies.map(|q| q.facts().name))?;
     dict.set_item("calls", facts.calls)?;
     dict.set_item("extends", facts.extends.to_vec())?;
+    dict.set_item("edges", facts.edges)?;
     dict.set_item("domain", facts.domain)?;
     dict.set_item("check", facts.check)?;
     let (form, detail) = match facts.firmware {
@@ -94,6 +95,7 @@ pub fn quantities(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         dict.set_item("name", facts.name)?;
         dict.set_item("unit", facts.unit)?;
         dict.set_item("default", facts.default)?;
+        dict.set_item("derived_from", facts.derived_from)?;
         Ok(dict)
     });
     all.collect()

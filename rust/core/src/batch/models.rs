@@ -3,7 +3,7 @@
 use super::{Formula, Kernel, kernel};
 use crate::chain::Stage;
 use crate::conditions::{Conditions, Quantity};
-use crate::model::Model;
+use crate::model::{Given, Model};
 use crate::scalar::Rows;
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
@@ -49,8 +49,13 @@ impl Formula<INPUTS> for Simulation {
     fn evaluate<S: Rows>(&self, [first, rest @ ..]: [S; INPUTS], parameters: &[S]) -> S {
         let recorded = Conditions::new(rest);
         let last = match self.output {
-            ModelOutput::Correction => return self.model.corrected(first, &recorded, parameters),
-            ModelOutput::Distance => return self.model.located(first, &recorded, parameters),
+            ModelOutput::Correction | ModelOutput::Distance => {
+                let given = match self.output {
+                    ModelOutput::Correction => Given::Indication(first),
+                    _ => Given::Time(first),
+                };
+                return self.model.invert(given, &recorded, parameters);
+            }
             ModelOutput::Indication => Stage::Indication,
             ModelOutput::TimeOfFlight => Stage::Timer,
             ModelOutput::SpeedOfSound => Stage::Speed,

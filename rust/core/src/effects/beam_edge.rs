@@ -40,6 +40,7 @@ impl Effect for BeamEdge {
                 ..ParameterFacts::USUAL
             },
         ],
+        edges: true,
         domain: "one thing at the edge, that always answers; where it answers now and then, rows scatter in two heaps",
         check: "cover the edge with an absorber, take a wider target, or move sideways",
         firmware: Firmware::Refused("clear the beam: what stands at its edge differs from place to place"),

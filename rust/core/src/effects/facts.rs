@@ -117,6 +117,8 @@ pub struct Facts {
     pub extends: &'static [&'static str],
     /// Its parameters, in the order that `apply` takes them.
     pub parameters: &'static [ParameterFacts],
+    /// Whether its formula has edges, where a derivative jumps.
+    pub edges: bool,
     /// Where it holds, in words.
     pub domain: &'static str,
     /// The measurement that confirms or refutes it.
@@ -141,6 +143,7 @@ impl Facts {
         calls: None,
         extends: &[],
         parameters: &[],
+        edges: false,
         domain: "any distance and air",
         check: "",
         firmware: Firmware::Folded,

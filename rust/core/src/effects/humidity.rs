@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// How much faster sound is in this air than in the same air without water \[m/s\].
 #[inline(always)]
 pub(super) fn rise<S: Scalar>(air: &Air<S>) -> S {
-    Cramer.speed(air) - Cramer.speed(&air.dry())
+    Cramer.speed(air) - Cramer.at_composition(air, S::constant(0.0))
 }
 
 /// See [`Humidity::FACTS`].

@@ -50,6 +50,8 @@ macro_rules! registry {
 registry!(
     temperature_offset::TemperatureOffset,
     temperature_gain::TemperatureGain,
+    temperature_lag::TemperatureLag,
+    temperature_timestamp_shift::TemperatureTimestampShift,
     temperature_self_heating::TemperatureSelfHeating,
     temperature_radiation::TemperatureRadiation,
     temperature_gradient::TemperatureGradient,
@@ -75,6 +77,7 @@ registry!(
     amplitude_walk::AmplitudeWalk,
     resonance_drift::ResonanceDrift,
     supply_voltage::SupplyVoltage,
+    first_ping::FirstPing,
     clock_error::ClockError,
     clock_temperature_coefficient::ClockTemperatureCoefficient,
     interrupt_loss::InterruptLoss,

@@ -37,6 +37,7 @@ impl Effect for StepChange {
                 ..ParameterFacts::USUAL
             },
         ],
+        edges: true,
         domain: "one campaign, one step",
         check: "the log book; measure the first point again",
         firmware: Firmware::Refused("it belongs to one campaign: calibrate again after the step"),

@@ -1,6 +1,6 @@
 //! A thermometer in the sun.
 
-use super::{Effect, Facts, Firmware, ParameterFacts};
+use super::{Effect, Facts, Firmware, ParameterFacts, Role, Tried};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -13,19 +13,35 @@ impl Effect for TemperatureRadiation {
         id: "temperature_radiation",
         stage: Stage::Air,
         sentence: "The sun warms the thermometer's housing: the air is colder than recorded, by the irradiance.",
-        formula: "T' = T - gain I, with I the irradiance",
+        formula: "T' = T - gain (I - lag dI/ds), with I the irradiance",
         source: "1 to 10 K unshielded; Nakamura and Mahrt 2005, J. Atmos. Oceanic Technol. 22, 1046, \
                  doi:10.1175/JTECH1762.1",
-        reads: &[Quantity::Radiation],
-        requires: &[Quantity::Temperature, Quantity::Radiation],
-        parameters: &[ParameterFacts {
-            name: "gain",
-            unit: "K m^2/W",
-            bounds: (0.0, 0.03),
-            prior_scale: 3e-3,
-            ..ParameterFacts::USUAL
-        }],
-        domain: "light wind; the housing follows the sun within minutes",
+        reads: &[Quantity::Radiation, Quantity::RadiationRate],
+        requires: &[
+            Quantity::Temperature,
+            Quantity::Radiation,
+            Quantity::RadiationRate,
+        ],
+        parameters: &[
+            ParameterFacts {
+                name: "gain",
+                unit: "K m^2/W",
+                bounds: (0.0, 0.03),
+                prior_scale: 3e-3,
+                ..ParameterFacts::USUAL
+            },
+            ParameterFacts {
+                name: "lag",
+                unit: "s",
+                role: Role::Shape,
+                neutral: 0.0,
+                bounds: (0.0, 3600.0),
+                prior_scale: 300.0,
+                tried: Tried::Values(&[0.0, 200.0, 500.0, 1000.0]),
+                ..ParameterFacts::USUAL
+            },
+        ],
+        domain: "light wind; a housing that follows the sun within minutes, of which lag is the number in seconds",
         check: "shade the thermometer for an hour",
         firmware: Firmware::Needs(Quantity::Radiation),
         ..Facts::USUAL
@@ -33,8 +49,9 @@ impl Effect for TemperatureRadiation {
 
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
-        let radiation = chain.recorded.get(Quantity::Radiation);
-        chain.air.temperature = (-parameters[0]).mul_add(radiation, chain.air.temperature);
+        let rate = chain.recorded.get(Quantity::RadiationRate);
+        let felt = (-parameters[1]).mul_add(rate, chain.recorded.get(Quantity::Radiation));
+        chain.air.temperature = (-parameters[0]).mul_add(felt, chain.air.temperature);
     }
 }
 
@@ -45,6 +62,7 @@ mod tests {
 
     fn millimeters(radiation: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::Radiation, radiation);
+        let at = at.with(Quantity::RadiationRate, 0.01); // of which a housing without inertia feels none
         1e3 * error("linear", "temperature_radiation", &[("gain", 3e-3)], 2.0, &at)
     }
 

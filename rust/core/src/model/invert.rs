@@ -8,13 +8,22 @@ use crate::dual::Dual;
 use crate::echo;
 use crate::scalar::Rows;
 
+/// What a device recorded, for one row or several.
+#[derive(Clone, Copy)]
+pub(crate) enum Given<S> {
+    /// What it indicated \[m\].
+    Indication(S),
+    /// Its echo time \[s\].
+    Time(S),
+}
+
 impl Model {
     /// The true distance \[m\] of an indication \[m\]: the inverse of [`Model::indicate`].
     ///
     /// NaN where there is none.
     #[must_use]
     pub fn correct(&self, indication: f64, recorded: &Conditions<f64>) -> f64 {
-        self.corrected(indication, recorded, &self.parameters())
+        self.invert_row(Given::Indication(indication), recorded)
     }
 
     /// The true distance \[m\] of a recorded echo time \[s\]: the inverse of
@@ -23,45 +32,35 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn distance(&self, time: f64, recorded: &Conditions<f64>) -> f64 {
-        self.located(time, recorded, &self.parameters())
+        self.invert_row(Given::Time(time), recorded)
     }
 
-    /// [`Model::correct`] for several rows at once.
-    #[inline(always)]
-    pub(crate) fn corrected<S: Rows>(
-        &self,
-        indication: S,
-        recorded: &Conditions<S>,
-        parameters: &[S],
-    ) -> S {
-        let from = [indication, indication];
-        self.invert(Stage::Indication, from, recorded, parameters)
+    /// [`Model::invert`] for one row, compiled once.
+    #[inline(never)]
+    fn invert_row(&self, given: Given<f64>, recorded: &Conditions<f64>) -> f64 {
+        self.invert(given, recorded, &self.parameters())
     }
 
-    /// [`Model::distance`] for several rows at once.
-    #[inline(always)]
-    pub(crate) fn located<S: Rows>(
-        &self,
-        time: S,
-        recorded: &Conditions<S>,
-        parameters: &[S],
-    ) -> S {
-        let guess = echo::distance(time, self.law().speed(&Air::recorded(recorded)));
-        self.invert(Stage::Timer, [time, guess], recorded, parameters)
-    }
-
-    /// Newton's method on the exact derivative to the distance; NaN where it does not settle.
+    /// The true distance \[m\], by Newton's method on the exact derivative to the distance; NaN where
+    /// it does not settle.
     ///
     /// A row that has settled stays as it is while its neighbors go on, so that no row depends on
-    /// which rows it is computed with.
+    /// which rows it is computed with. One function for both sides, since each copy holds all
+    /// effects.
     #[inline(always)]
-    fn invert<S: Rows>(
+    pub(crate) fn invert<S: Rows>(
         &self,
-        last: Stage,
-        [target, guess]: [S; 2],
+        given: Given<S>,
         recorded: &Conditions<S>,
         parameters: &[S],
     ) -> S {
+        let (last, target, guess) = match given {
+            Given::Indication(indication) => (Stage::Indication, indication, indication),
+            Given::Time(time) => {
+                let speed = self.law().speed(&Air::recorded(recorded));
+                (Stage::Timer, time, echo::distance(time, speed))
+            }
+        };
         const ENOUGH: usize = 20; // affine chains settle in two
         const SETTLED: f64 = 1e-15; // relative; in meters below 1 m
         let recorded = constants(recorded);

@@ -9,7 +9,7 @@ impl Model {
     /// Derivatives of the indication: first to the distance, then to each parameter.
     #[must_use]
     pub fn jacobian(&self, distance: f64, recorded: &Conditions<f64>) -> Vec<f64> {
-        const AT_ONCE: usize = 8;
+        const AT_ONCE: usize = 4; // with the distance, most effects; each more is another copy of all effects
         let values = self.parameters();
         let recorded = constants(recorded);
         let mut row = Vec::with_capacity(1 + values.len());

@@ -4,6 +4,7 @@ mod invert;
 mod jacobian;
 mod term;
 
+pub(crate) use invert::Given;
 pub use term::Term;
 
 use crate::air::{Air, Law};
@@ -152,25 +153,28 @@ impl Model {
         }
     }
 
+    /// One row up to and with a stage, compiled once: each copy holds all effects.
+    #[inline(never)]
+    fn row(&self, last: Stage, distance: f64, recorded: &Conditions<f64>) -> Chain<f64> {
+        self.simulate_to(last, distance, recorded, &self.parameters())
+    }
+
     /// What the device indicates \[m\] at a true distance \[m\].
     #[must_use]
     pub fn indicate(&self, distance: f64, recorded: &Conditions<f64>) -> f64 {
-        self.simulate(distance, recorded, &self.parameters())
-            .indication
+        self.row(Stage::Indication, distance, recorded).indication
     }
 
     /// The speed of sound on the path \[m/s\] at a true distance \[m\].
     #[must_use]
     pub fn speed_of_sound(&self, distance: f64, recorded: &Conditions<f64>) -> f64 {
-        self.simulate_to(Stage::Speed, distance, recorded, &self.parameters())
-            .speed
+        self.row(Stage::Speed, distance, recorded).speed
     }
 
     /// The echo time that the device records \[s\], out and back.
     #[must_use]
     pub fn time_of_flight(&self, distance: f64, recorded: &Conditions<f64>) -> f64 {
-        self.simulate_to(Stage::Timer, distance, recorded, &self.parameters())
-            .time
+        self.row(Stage::Timer, distance, recorded).time
     }
 }
 

@@ -2,7 +2,7 @@
 
 use echocal_core::chain::{Chain, Stage};
 use echocal_core::conditions::QuantityFacts;
-use echocal_core::effects::{self, Facts, ParameterFacts, Tried};
+use echocal_core::effects::{self, Facts, ParameterFacts};
 use echocal_core::{Conditions, Law, Model, Quantity};
 use proptest::prelude::*;
 
@@ -26,6 +26,14 @@ pub fn range(quantity: Quantity) -> (f64, f64) {
         Quantity::WindSpeed => (0.0, 20.0),
         Quantity::Radiation => (0.0, 1000.0),
         Quantity::Amplitude => (0.05, 1.0),
+        Quantity::TemperatureRate => (-0.05, 0.05),
+        Quantity::TemperatureLater1
+        | Quantity::TemperatureLater2
+        | Quantity::TemperatureLater3
+        | Quantity::TemperatureLater4
+        | Quantity::TemperatureLater5 => (-20.0, 60.0),
+        Quantity::RadiationRate => (-1.0, 1.0),
+        Quantity::PositionInGroup => (0.0, 2.0),
     }
 }
 
@@ -64,14 +72,6 @@ pub fn value(parameter: &ParameterFacts, unit: f64) -> f64 {
 pub fn values(facts: &Facts, units: &[f64]) -> Vec<f64> {
     let parameters = facts.parameters.iter();
     parameters.zip(units).map(|(p, &u)| value(p, u)).collect()
-}
-
-/// Whether an effect switches somewhere along a column of the table.
-pub fn has_edge(facts: &Facts) -> bool {
-    let tried = facts.parameters.iter().map(|p| p.tried);
-    tried
-        .into_iter()
-        .any(|tried| matches!(tried, Tried::Quantiles(..) | Tried::DistanceQuantiles(_)))
 }
 
 /// The model with the effect at these values; `None` where they do not fit together.

@@ -1,7 +1,7 @@
 //! The declared `reads` are exactly the quantities that an effect reacts to.
 
 use crate::draws::{
-    between, conditions, distance, has_edge, owns, quantities, range, units, values, variables,
+    between, conditions, distance, owns, quantities, range, units, values, variables,
 };
 use echocal_core::chain::Chain;
 use echocal_core::effects::{ALL, Facts, apply};
@@ -79,7 +79,7 @@ fn reads_are_exactly_what_an_effect_reacts_to() {
             let name = quantity.facts().name;
             if facts.reads.contains(&quantity) {
                 // an effect that switches reacts where the switch lies between two values
-                let often = if has_edge(facts) { 16 } else { 2 };
+                let often = if facts.edges { 16 } else { 2 };
                 assert!(
                     often * reacted > draws,
                     "{} does not react to {name}",

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
 /// More inputs than any kernel has.
-pub const MOST_INPUTS: usize = 16;
+pub const MOST_INPUTS: usize = 32;
 
 thread_local! {
     /// Threads that a loop called by this thread may use. One, unless a function of this package

@@ -1,0 +1,85 @@
+"""Influence quantities that a table derives from its rows, for effects that remember earlier rows."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["derived"]
+
+Column = NDArray[np.float64]
+
+_WINDOW = 30.0  # s: what a rate is taken over at least, so that a thermometer's steps are no rates
+_LATER = 5  # rows
+
+
+def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.int64]]) -> dict[str, Column]:
+    """Derive rates of change, later temperatures and positions in bursts, where the table allows it.
+
+    Parameters
+    ----------
+    conditions : mapping of str to ndarray, shape (n,)
+        Recorded influence quantities.
+    labels : mapping of str to ndarray, shape (n,)
+        Codes of ``group`` and values of ``order``.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (n,)
+        By name of the influence quantity; NaN where a row lacks what it is derived from.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> seconds = np.array([0.0, 60.0, 120.0])
+    >>> found = derived({"elapsed_time": seconds, "temperature": 20 + 0.01 * seconds}, {})
+    >>> found["temperature_rate"].round(6).tolist(), found["temperature_later_1"].round(1).tolist()
+    ([0.0, 0.01, 0.01], [20.6, 21.2, 21.2])
+    """
+    found: dict[str, Column] = {}
+    elapsed, temperature = conditions.get("elapsed_time"), conditions.get("temperature")
+    if elapsed is not None and temperature is not None:
+        found["temperature_rate"] = _rate(elapsed, temperature)
+        found |= {f"temperature_later_{rows}": _later(temperature, rows) for rows in range(1, _LATER + 1)}
+    if elapsed is not None and "radiation" in conditions:
+        found["radiation_rate"] = _rate(elapsed, conditions["radiation"])
+    if "order" in labels or "group" in labels:
+        found["position_in_group"] = _position(labels)
+    return found
+
+
+def _rate(elapsed: Column, values: Column) -> Column:
+    """Rate of change up to each row: from the past alone, as a device would have it.
+
+    Over the step from the row before or over `_WINDOW`, whichever is longer; at the first row zero.
+    """
+    rate = np.full(len(values), np.nan)
+    known = np.flatnonzero(np.isfinite(elapsed) & np.isfinite(values))
+    order = known[np.argsort(elapsed[known], kind="stable")]
+    time, value = elapsed[order], values[order]
+    if len(order):
+        window = np.maximum(_WINDOW, np.diff(time, prepend=time[0]))
+        rate[order] = (value - np.interp(time - window, time, value)) / window
+    return rate
+
+
+def _later(values: Column, rows: int) -> Column:
+    """Value that many rows further down; the last one where the table ends."""
+    later = np.full(len(values), np.nan)
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known):
+        later[known] = values[known[np.minimum(np.arange(len(known)) + rows, len(known) - 1)]]
+    return later
+
+
+def _position(labels: Mapping[str, NDArray[np.int64]]) -> Column:
+    """Position in the burst, 0 for the first row: as recorded, else counted from each change of group."""
+    order = labels.get("order")
+    if order is None:
+        group = labels["group"]
+        row = np.arange(len(group))
+        starts = np.concatenate([[True], np.diff(group) != 0])
+        return (row - np.maximum.accumulate(np.where(starts, row, 0))).astype(np.float64)
+    recorded = order >= 0
+    position = np.where(recorded, order.astype(np.float64), np.nan)
+    return position - order[recorded].min() if recorded.any() else position
