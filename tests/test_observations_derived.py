@@ -12,10 +12,10 @@ def read(**columns: object) -> dict[str, np.ndarray]:
 
 def test_a_rate_is_that_of_a_ramp_and_zero_at_the_first_row() -> None:
     seconds = np.cumsum(np.random.default_rng().uniform(1.0, 300.0, 50)) - 1.0
-    found = read(time_s=seconds, temperature_C=20 + 0.01 * (seconds - seconds[0]))["temperature_rate"]
+    found = read(time_s=seconds, temperature_C=20 + 1e-3 * (seconds - seconds[0]))["temperature_rate"]
     assert found[0] == 0.0
     late = seconds - seconds[0] > 30.0
-    np.testing.assert_allclose(found[late], 0.01, rtol=1e-9)
+    np.testing.assert_allclose(found[late], 1e-3, rtol=1e-9)
 
 
 def test_a_rate_looks_back_and_not_ahead() -> None:
