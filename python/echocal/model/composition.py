@@ -59,7 +59,8 @@ class Model:
     effects deviate from both. Methods take the recorded influence quantities as keywords:
     ``temperature`` [degC], ``relative_humidity`` [1], ``pressure`` [Pa], ``co2_mole_fraction``
     [1], ``elapsed_time`` [s], ``supply_voltage`` [V], ``angle`` [rad], ``wind_speed`` [m/s],
-    ``radiation`` [W/m^2], ``amplitude`` [1]. They broadcast against the first argument; scalars
+    ``radiation`` [W/m^2], ``amplitude`` [1], and what `read_observations` derives from a table's rows
+    (`echocal.conditions.QUANTITIES` has all). They broadcast against the first argument; scalars
     alone give a float; pandas, xarray and dask come back as their own type, and the keywords `out`
     and `n_threads` act as in `echocal.distance`. Without their keyword, humidity is 0, pressure
     101325 Pa and CO2 0.04 %; NaN in gives NaN out, and `DomainWarning` tells once where a law is
