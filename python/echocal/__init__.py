@@ -3,7 +3,7 @@
 from echocal import firmware
 from echocal._core import absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
-from echocal.diagnose import Diagnosis, diagnose, gross_faults, row_faults
+from echocal.diagnose import Diagnosis, diagnose, gross_faults, noises, row_faults
 from echocal.domain import DEPARTURES, departures
 from echocal.errors import (
     BoundError,
@@ -46,6 +46,7 @@ __all__ = [
     "error",
     "firmware",
     "gross_faults",
+    "noises",
     "read_observations",
     "row_faults",
     "speed_of_sound",

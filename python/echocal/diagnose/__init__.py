@@ -2,6 +2,7 @@
 
 from echocal.diagnose.engine import diagnose
 from echocal.diagnose.faults import gross_faults, row_faults
+from echocal.diagnose.noises import noises
 from echocal.diagnose.result import (
     Cause,
     Diagnosis,
@@ -24,5 +25,6 @@ __all__ = [
     "Unexplained",
     "diagnose",
     "gross_faults",
+    "noises",
     "row_faults",
 ]

@@ -4,6 +4,7 @@ from functools import cache
 
 from echocal.diagnose.facts import CauseFacts
 from echocal.diagnose.faults import gross_faults, row_faults
+from echocal.diagnose.noises import noises
 from echocal.registry import Effect, find_effect
 
 __all__ = ["find_cause", "irregularities"]
@@ -12,7 +13,7 @@ __all__ = ["find_cause", "irregularities"]
 @cache
 def irregularities() -> tuple[CauseFacts, ...]:
     """Causes that are no effect on the mean: gross faults, faults of rows, noises."""
-    return (*gross_faults(), *row_faults())
+    return (*gross_faults(), *row_faults(), *noises())
 
 
 def find_cause(id_: str) -> Effect | CauseFacts:

@@ -10,6 +10,7 @@ from echocal.diagnose.result import Cause
 __all__ = ["Joint", "join"]
 
 _LEAST = 1e-6  # probability of a set worth a line
+_MATTERS = 0.05  # part of the variance of the noise from which on a noise is a verdict
 _SEEN = 0.5  # probability from which on a cause is reported
 
 Sets = dict[tuple[str, ...], float]
@@ -41,7 +42,7 @@ class Joint:
     @property
     def telling(self) -> tuple[Finding, ...]:
         """Findings that a verdict counts: not what every table is guarded against anyhow."""
-        return tuple(f for f in self.findings if f.facts.id not in GUARDS)
+        return tuple(f for f in self.findings if f.facts.id not in GUARDS and f.share > _MATTERS)
 
 
 GUARDS = frozenset({"correlated_noise", "reference_error"})

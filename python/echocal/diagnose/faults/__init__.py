@@ -23,6 +23,7 @@ from echocal.diagnose.faults import (
 )
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.faults.view import View
+from echocal.diagnose.noises import find_steps
 from echocal.observations import Observations
 
 __all__ = ["Faults", "Finding", "find_faults", "gross_faults", "row_faults"]
@@ -118,5 +119,12 @@ def find_faults(observations: Observations, base: Base, given: float | None, con
         found.append(finding)
         if finding.probability >= _ACCEPTED and finding.repaired is not None:
             view = view.after(finding.repaired)
-    notes = tuple(f"{f.cause}: {f.because}" for f in found if f.probability >= _ACCEPTED)
-    return Faults(replace(view.observations, notes=(*observations.notes, *notes)), tuple(found))
+    if view.good.any():
+        steps, harmless, view = find_steps(view)
+        found += steps
+    else:
+        harmless = []
+    notes = tuple(
+        f"{f.cause}: {f.because}" for f in found if f.probability >= _ACCEPTED and f.facts.kind != "noise"
+    )
+    return Faults(replace(view.observations, notes=(*observations.notes, *notes, *harmless)), tuple(found))

@@ -40,6 +40,8 @@ class Finding:
         Rows of the source concerned.
     repaired : Observations or None
         The table without the fault: repaired values, or rows marked unusable with the reason.
+    share : float
+        Part of the noise's variance that it makes; what makes little of it is no verdict.
     """
 
     facts: CauseFacts
@@ -48,6 +50,7 @@ class Finding:
     parameters: tuple[Parameter, ...] = ()
     rows: Mask | None = None
     repaired: Observations | None = field(default=None, repr=False)
+    share: float = 1.0
 
     @property
     def cause(self) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.base import Base
+from echocal.diagnose.lattice import find_lattice
 from echocal.observations import Observations
 
 __all__ = ["View"]
@@ -20,6 +21,7 @@ _ROUNDS = 12  # reweightings: least absolute deviations to a part in a thousand
 _WINDOW = 13  # rows that vouch for a level where no reference is known
 _ANYHOW = 0.06  # part of a distance that no law or thermometer is wrong by
 _NEAR = 0.05  # m, and no mount
+_PER_STEP = 0.6  # scatter that a step of the readings makes at least, where it hides the noise
 _LEAST = 1e-5  # m, below what any such sensor scatters
 
 
@@ -102,7 +104,20 @@ class View:
     def scatter(self) -> float:
         """Robust standard deviation of the deviation [m]."""
         inside = self.deviation[self.good & np.isfinite(self.deviation)]
-        return max(_MAD_TO_SD * float(np.median(np.abs(inside))), _LEAST) if len(inside) else _LEAST
+        least = max(_LEAST, _PER_STEP * self.resolution)
+        return max(_MAD_TO_SD * float(np.median(np.abs(inside))), least) if len(inside) else least
+
+    @cached_property
+    def resolution(self) -> float:
+        """Step of the readings or echo times as the logger wrote them [m]; 0 where there is none."""
+        values = (
+            self.observations.echo_time if self.observations.reading is None else self.observations.reading
+        )
+        lattice = find_lattice(np.where(self.good, values, np.nan))
+        if lattice is None:
+            return 0.0
+        scale = float(np.median(self.indication[self.good] / values[self.good])) if self.good.any() else 1.0
+        return lattice.step * scale
 
     @cached_property
     def _bulk(self) -> Column:

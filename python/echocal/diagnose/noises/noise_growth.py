@@ -1,0 +1,57 @@
+"""Noise that grows with the distance."""
+
+import numpy as np
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.noises.trace import KERNELS, Likelihood, Trace, log_density, scale_of
+
+__all__ = ["FACTS", "fit"]
+
+_GROWTH = np.geomspace(0.05, 20.0, 14)  # 1/m
+_LEAST_SPREAD = 0.1  # part of the mean distance
+
+FACTS = CauseFacts(
+    id="noise_growth",
+    kind="noise",
+    sentence="The scatter of the readings grows with the distance.",
+    signature="standard deviation s (1 + k d)",
+    source="arduino.stackexchange 77711: 2 mm at 1.26 m; enesbcs/rpieasy #49: 1 to 4 mm",
+    parameters=(
+        Quantity("scatter", "m", "standard deviation at no distance"),
+        Quantity("growth", "1/m", "growth with the distance"),
+    ),
+    check="repeat readings at a near and a far target",
+    prior=0.05,
+)
+
+
+def fit(trace: Trace) -> Likelihood | None:
+    """Profile the growth; None where all distances are alike."""
+    distance = trace.distance
+    if np.ptp(distance) < _LEAST_SPREAD * distance.mean():
+        return None
+    # what was learned of one row tells of the next by its innovation, of nearly the same distance
+    logs, scales = np.empty((2, len(KERNELS), len(_GROWTH)))
+    for j, growth in enumerate(_GROWTH):
+        wide = 1 + growth * distance
+        level = trace.innovation / wide
+        for i, freedom in enumerate(KERNELS):
+            scales[i, j] = scale_of(level, freedom)
+            logs[i, j] = (log_density(level, scales[i, j], freedom) - np.log(wide)).sum()
+    profile = np.logaddexp.reduce(logs, axis=0) - np.log(len(KERNELS))
+    best = int(profile.argmax())
+    share = np.exp(profile - profile[best])
+    share /= share.sum()
+    mean = float(np.exp(share @ np.log(_GROWTH)))
+    spread = mean * float(np.sqrt(share @ (np.log(_GROWTH) - np.log(mean)) ** 2))
+    kernel = int(logs[:, best].argmax())
+    near, far = (distance <= np.quantile(distance, 0.25)), (distance >= np.quantile(distance, 0.75))
+    scatter = [1e3 * float(np.std(trace.left[rows])) for rows in (near, far)]
+    told = (
+        f"the nearest quarter of the rows scatters by {scatter[0]:.2f} mm, the farthest by {scatter[1]:.2f} mm "
+        "(standard deviation of what the causes leave)"
+    )
+    average = float(np.logaddexp.reduce(profile) - np.log(len(_GROWTH)))
+    sigma = float(scales[kernel, best])
+    parameters = {"scatter": (sigma, sigma / np.sqrt(2 * len(trace))), "growth": (mean, spread)}
+    return Likelihood(average - 0.5 * np.log(len(trace)), parameters, told)

@@ -1,0 +1,42 @@
+"""Echo times in whole ticks."""
+
+import numpy as np
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.lattice import FINEST, find_lattice
+from echocal.diagnose.result import Parameter
+
+__all__ = ["FACTS", "detect"]
+
+FACTS = CauseFacts(
+    id="timer_quantization",
+    kind="noise",
+    sentence="The timer counts whole ticks: 1 or 4 us of a microcontroller, 1 ms of a system clock.",
+    signature="echo times are multiples of one step",
+    source="Arduino micros(): 4 us; DarkFlippers/unleashed-firmware PR #367: 1 ms, 17 cm",
+    parameters=(Quantity("step", "s", "tick of the timer"),),
+    check="time the echo with a capture unit of the timer",
+    prior=0.1,
+)
+
+
+def detect(view: View) -> Finding | None:
+    """Find the tick of the echo times."""
+    reading = view.observations.reading
+    if reading is not None and view.resolution > FINEST:
+        return None  # whatever the timer did, the reading's own step hides it
+    lattice = find_lattice(np.where(view.good, view.observations.echo_time, np.nan))
+    if lattice is None:
+        return None
+    rows = view.good & (view.observations.echo_time > 0)
+    speed = float(np.median(view.indication[rows] / view.observations.echo_time[rows]))  # half of sound's
+    step = speed * lattice.step
+    share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
+    because = (
+        f"all {lattice.distinct} different echo times are multiples of {1e6 * lattice.step:.4g} us, "
+        f"{1e3 * step:.3g} mm; the tick makes {100 * share:.2g} % of the variance of the noise"
+    )
+    parameters = (Parameter("step", lattice.step, 0.0, "s"),)
+    return Finding(FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share)

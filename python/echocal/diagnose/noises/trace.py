@@ -1,0 +1,94 @@
+"""What a hypothesis on the mean leaves, as the likelihoods of noises look at it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["KERNELS", "Likelihood", "Trace", "log_density", "scale_of"]
+
+Column = NDArray[np.float64]
+
+KERNELS = (np.inf, 8.0, 4.0, 2.5)
+"""Degrees of freedom of the noise below everything: normal, and heavier tails."""
+
+_ROUNDS = 12  # of the fixed point for a scale
+
+
+def log_density(values: Column, scale: Column | float, freedom: float) -> Column:
+    """Log density of Student's t, or of the normal distribution for infinite degrees of freedom."""
+    from scipy.special import gammaln  # takes long to import
+
+    square = (values / scale) ** 2
+    if np.isinf(freedom):
+        return np.asarray(-0.5 * square - np.log(scale) - 0.5 * np.log(2 * np.pi))
+    constant = gammaln(0.5 * (freedom + 1)) - gammaln(0.5 * freedom) - 0.5 * np.log(freedom * np.pi)
+    return np.asarray(constant - np.log(scale) - 0.5 * (freedom + 1) * np.log1p(square / freedom))
+
+
+def scale_of(values: Column, freedom: float) -> float:
+    """Scale of greatest likelihood."""
+    scale = float(np.sqrt(np.mean(values**2))) + 1e-12
+    if np.isinf(freedom):
+        return scale
+    for _ in range(_ROUNDS):
+        weight = (freedom + 1) / (freedom + (values / scale) ** 2)
+        scale = float(np.sqrt(np.mean(weight * values**2))) + 1e-12
+    return scale
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """A noise fitted to a trace.
+
+    Attributes
+    ----------
+    log : float
+        Log likelihood, less what its free parameters cost.
+    parameters : mapping of str to (float, float)
+        Value and standard uncertainty.
+    told : str
+        What a person can check.
+    """
+
+    log: float
+    parameters: dict[str, tuple[float, float]]
+    told: str
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Residuals of one hypothesis.
+
+    Attributes
+    ----------
+    left : ndarray, shape (n,)
+        Reading less base less the hypothesis's causes, in the order recorded [m].
+    innovation : ndarray, shape (n,)
+        The same with the memory of the noise and the stands' own errors taken out [m].
+    distance : ndarray, shape (n,)
+        Expected distance [m].
+    speed : ndarray, shape (n,)
+        Speed of sound that the device converts with [m/s].
+    free_mean : bool
+        Whether the hypothesis found a level of its own, so that zero means nothing.
+    """
+
+    left: Column
+    innovation: Column
+    distance: Column
+    speed: Column
+    free_mean: bool
+
+    def __len__(self) -> int:
+        return len(self.left)
+
+    @cached_property
+    def plain(self) -> float:
+        """Log likelihood of noise without a name, its kernel averaged."""
+        logs = []
+        for freedom in KERNELS:
+            scale = scale_of(self.innovation, freedom)
+            logs.append(float(log_density(self.innovation, scale, freedom).sum()))
+        return float(np.logaddexp.reduce(logs) - np.log(len(KERNELS))) - 0.5 * np.log(len(self))
