@@ -15,6 +15,11 @@ NAMED = 0.9
 """Probability above which a name is a promise."""
 
 _BELIEVED = 0.5  # probability from which on a cause is counted as named at all
+_NOISY = {
+    "autoregressive": (("correlated_noise",),),
+    # convection remembers, and it grows with the distance
+    "convection": (("correlated_noise",), ("noise_growth",), ("correlated_noise", "noise_growth")),
+}
 _REGISTRIES = ("effects", "noises", "noise_causes", "row_faults", "gross_faults")
 
 Record = dict[str, Any]
@@ -87,9 +92,9 @@ def acceptable(case: Case) -> set[tuple[str, ...]]:
     if outside:
         return {("unknown",)}
     names = labels(case.spec.causes)
-    extra = {"autoregressive": "correlated_noise", "convection": "correlated_noise"}.get(case.spec.noise)
-    extra = "reference_error" if case.spec.tape else extra
-    return {names} | ({labels([*case.spec.causes, extra])} if extra else set())
+    extra = _NOISY.get(case.spec.noise, ())
+    extra = (("reference_error",),) if case.spec.tape else extra
+    return {names} | {labels([*case.spec.causes, *also]) for also in extra}
 
 
 def _catalogue() -> frozenset[str]:

@@ -2,10 +2,16 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from types import ModuleType
+
+import numpy as np
 
 from echocal.diagnose.claims import Ranking, posterior_sets
+from echocal.diagnose.evidence import Stack
 from echocal.diagnose.faults.finding import Finding
-from echocal.diagnose.result import Cause
+from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
+from echocal.diagnose.noises.weighing import SHAPES, NoiseShares
+from echocal.diagnose.result import Cause, Parameter
 
 __all__ = ["Joint", "join"]
 
@@ -49,19 +55,69 @@ GUARDS = frozenset({"correlated_noise", "reference_error"})
 """Noise that every hypothesis reckons with: reported, but no verdict of its own."""
 
 
-def join(ranking: Ranking, found: Iterable[Finding]) -> Joint:
-    """Cross the posterior over mean causes with the faults and noises that were looked for.
+def join(ranking: Ranking, found: Iterable[Finding], shares: NoiseShares, carried: Stack) -> Joint:
+    """Cross the posterior over mean causes with the noises beside each, and with the faults.
 
     A fault is decided on other features of the table than the means are (values that repeat, rows
     far off, lattices), so that the probabilities multiply.
     """
-    sets = posterior_sets(ranking)
+    sets: Sets = {}
+    for ids, p in posterior_sets(ranking).items():
+        shapes = shares.shape_of(ids)
+        split = {ids: p * max(1 - sum(shapes.values()), 0.0)}
+        split |= {tuple(sorted((*ids, shape))): p * part for shape, part in shapes.items()}
+        split = {named: part for named, part in split.items() if part >= _LEAST}
+        for guard, probability in shares.guard_of(ids).items():
+            split = _crossed(split, guard, probability)
+        for named, part in split.items():
+            sets[named] = sets.get(named, 0.0) + part
     found = tuple(found)
     for finding in found:
         sets = _crossed(sets, finding.cause, finding.probability)
     total = sum(sets.values())
     ordered = sorted(((ids, p / total) for ids, p in sets.items()), key=lambda item: -item[1])
-    return Joint(dict(ordered), tuple(f for f in found if f.probability >= _SEEN))
+    seen = [f for f in found if f.probability >= _SEEN]
+    return Joint(dict(ordered), (*seen, *_noises(dict(ordered), shares, carried)))
+
+
+def _noises(sets: Sets, shares: NoiseShares, carried: Stack) -> list[Finding]:
+    """Findings on the noises that are more probable than not."""
+    findings = []
+    modules = {module.FACTS.id: module for module in GUARD_MODULES}
+    for facts in (*(shape.FACTS for shape in SHAPES), *(module.FACTS for module in GUARD_MODULES)):
+        probability = sum(p for ids, p in sets.items() if facts.id in ids)
+        if probability < _SEEN:
+            continue
+        fitted = shares.fit_of(facts.id)
+        values = fitted.parameters if fitted else _guard_parameters(modules[facts.id], shares, carried)
+        units = {quantity.name: quantity.unit for quantity in facts.parameters}
+        parameters = tuple(Parameter(name, v, u, units[name]) for name, (v, u) in values.items())
+        odds = np.log(probability) - np.log(max(1 - probability, 1e-15))
+        log_bayes = float(odds - np.log(facts.prior) + np.log1p(-facts.prior))
+        because = fitted.told if fitted else _guard_story(facts.id, values)
+        matters = fitted is None or fitted.matters
+        findings.append(Finding(facts, log_bayes, because, parameters, share=float(matters)))
+    return findings
+
+
+def _guard_parameters(
+    module: ModuleType, shares: NoiseShares, carried: Stack
+) -> dict[str, tuple[float, float]]:
+    top = shares.weighed[0]
+    values: dict[str, tuple[float, float]] = module.parameters(carried.noises, top.noise, top.variance)
+    return values
+
+
+def _guard_story(id_: str, values: dict[str, tuple[float, float]]) -> str:
+    if id_ == "correlated_noise":
+        return (
+            f"what the causes leave follows the row before with a coefficient of "
+            f"{values['autoregression'][0]:.2f} (autocorrelation in row order)"
+        )
+    return (
+        f"the means of the stands scatter by {1e3 * values['standard_deviation'][0]:.2f} mm beyond what "
+        "their rows explain"
+    )
 
 
 def _crossed(sets: Sets, cause: str, probability: float) -> Sets:

@@ -16,6 +16,7 @@ from echocal.diagnose.joint import Joint, join
 from echocal.diagnose.judge import Judgment, judge
 from echocal.diagnose.members import members
 from echocal.diagnose.next_measurements import propose
+from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.ranges import Ranges
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
@@ -37,14 +38,16 @@ def conclude(
     """Weigh, claim, judge, and say it."""
     stack = case.stack(case.folds.fit)
     weighed, carried = posterior(case.found, stack)
-    ranking = rank(weighed)
+    steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]
+    shares = weigh_noises(case, weighed, carried, steps)
+    ranking = rank(shares.weighed)
     best = ranking.best()
     noise, products = carried.likeliest(best)
     claimed = claims(ranking, case.found, Geometry(products, best.variance))
     believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
     judgment = judge(case, best, believed or claimed, noise)
     remainder = unexplained(case, ranking)
-    joint = join(ranking, faults.found)
+    joint = join(ranking, faults.found, shares, carried)
     verdict = _verdict(judgment, remainder is not None, joint)
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     possible = members(case, ranking, claimed, judgment, carried)

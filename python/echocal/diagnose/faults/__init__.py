@@ -124,7 +124,6 @@ def find_faults(observations: Observations, base: Base, given: float | None, con
         found += steps
     else:
         harmless = []
-    notes = tuple(
-        f"{f.cause}: {f.because}" for f in found if f.probability >= _ACCEPTED and f.facts.kind != "noise"
-    )
+    told = [f for f in found if f.probability >= _ACCEPTED and f.facts.kind != "noise"]
+    notes = tuple(f"{f.cause}: {f.because}" for f in told)
     return Faults(replace(view.observations, notes=(*observations.notes, *notes, *harmless)), tuple(found))

@@ -9,7 +9,16 @@ from echocal.diagnose.facts import CauseFacts
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.lattice import HARMLESS
-from echocal.diagnose.noises import reading_quantization, temperature_quantization, timer_quantization
+from echocal.diagnose.noises import (
+    correlated_noise,
+    cycle_slip,
+    noise_growth,
+    polling_jitter,
+    reading_quantization,
+    reference_error,
+    temperature_quantization,
+    timer_quantization,
+)
 
 __all__ = ["find_steps", "noises"]
 
@@ -25,7 +34,8 @@ def noises() -> tuple[CauseFacts, ...]:
     >>> "timer_quantization" in [noise.id for noise in echocal.noises()]
     True
     """
-    return tuple(module.FACTS for module in _STEPS)
+    others = (cycle_slip, noise_growth, polling_jitter, correlated_noise, reference_error)
+    return tuple(module.FACTS for module in (*_STEPS, *others))
 
 
 def find_steps(view: View) -> tuple[list[Finding], list[str], View]:

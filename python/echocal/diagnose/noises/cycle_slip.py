@@ -14,7 +14,7 @@ Labels = NDArray[np.int64]
 _PERIOD = 25e-6  # s, of 40 kHz (HC-SR04 data sheet)
 _MISSED = 4  # components: no cycle to three
 _KERNELS = (np.inf, 4.0)
-_ROUNDS = 60
+_ROUNDS = 40
 _PER_CELL = 60  # rows from which on a distance has probabilities of its own
 _CELLS = 8
 _TRACE = 5e-3  # part of the rows below which a component costs nothing and says nothing
@@ -38,15 +38,18 @@ FACTS = CauseFacts(
 
 def fit(trace: Trace) -> Likelihood | None:
     """Mix groups one period apart, with probabilities for each part of the distances."""
+    if not trace.skewed:
+        return None
     cells = _cells(trace.distance)
     step = 0.5 * trace.speed * _PERIOD
     fits = [_mixture(trace, step, cells, freedom) for freedom in _KERNELS]
-    cost, told, best = [], [], max(fits, key=lambda f: f[0])
+    best = max(fits, key=lambda f: f[0])
+    cost = []
     for log, weights, _, _ in fits:
         counts = np.bincount(cells)
         used = (weights > _TRACE).sum(axis=1) - 1
         cost.append(log - 0.5 * float((used * np.log(counts)).sum()))
-    _, weights, scale, level = best
+    _, weights, scale, _ = best
     part = np.bincount(cells) / len(cells)
     slipped = float(part @ (1 - weights[:, 0]))
     distinct = float(part @ np.minimum(1 - weights.max(axis=1), 0.5))

@@ -7,7 +7,9 @@ from echocal.diagnose.noises.trace import KERNELS, Likelihood, Trace, log_densit
 
 __all__ = ["FACTS", "fit"]
 
-_GROWTH = np.geomspace(0.05, 20.0, 14)  # 1/m
+_GROWTH = np.geomspace(0.05, 20.0, 9)  # 1/m
+_MATTERS = 1.5  # scatter far over scatter near, below which it is no verdict
+_WORTH = 2.0  # standard errors of the correlation from which on a fit is tried
 _LEAST_SPREAD = 0.1  # part of the mean distance
 
 FACTS = CauseFacts(
@@ -30,6 +32,9 @@ def fit(trace: Trace) -> Likelihood | None:
     distance = trace.distance
     if np.ptp(distance) < _LEAST_SPREAD * distance.mean():
         return None
+    rise = np.corrcoef(np.abs(trace.innovation), distance)[0, 1] * np.sqrt(len(trace))
+    if not rise > _WORTH:
+        return None
     # what was learned of one row tells of the next by its innovation, of nearly the same distance
     logs, scales = np.empty((2, len(KERNELS), len(_GROWTH)))
     for j, growth in enumerate(_GROWTH):
@@ -48,10 +53,12 @@ def fit(trace: Trace) -> Likelihood | None:
     near, far = (distance <= np.quantile(distance, 0.25)), (distance >= np.quantile(distance, 0.75))
     scatter = [1e3 * float(np.std(trace.left[rows])) for rows in (near, far)]
     told = (
-        f"the nearest quarter of the rows scatters by {scatter[0]:.2f} mm, the farthest by {scatter[1]:.2f} mm "
+        f"the nearest quarter of the rows scatters by {scatter[0]:.2f} mm, the farthest {scatter[1]:.2f} mm "
         "(standard deviation of what the causes leave)"
     )
     average = float(np.logaddexp.reduce(profile) - np.log(len(_GROWTH)))
     sigma = float(scales[kernel, best])
     parameters = {"scatter": (sigma, sigma / np.sqrt(2 * len(trace))), "growth": (mean, spread)}
-    return Likelihood(average - 0.5 * np.log(len(trace)), parameters, told)
+    return Likelihood(
+        average - 0.5 * np.log(len(trace)), parameters, told, scatter[1] > _MATTERS * scatter[0]
+    )

@@ -10,8 +10,8 @@ __all__ = ["FACTS", "fit"]
 
 Column = NDArray[np.float64]
 
-_LATE = np.geomspace(0.15, 0.98, 12)  # part of the standard deviation that the tail makes
-_KERNEL = np.geomspace(0.6, 1.5, 7)  # of the normal part, around what the rest of the variance leaves
+_LATE = np.geomspace(0.2, 0.98, 9)  # part of the standard deviation that the tail makes
+_KERNEL = np.geomspace(0.7, 1.4, 5)  # of the normal part, around what the rest of the variance leaves
 
 FACTS = CauseFacts(
     id="polling_jitter",
@@ -31,7 +31,7 @@ def fit(trace: Trace) -> Likelihood | None:
     second = float(np.mean(left**2)) if not trace.free_mean else float(np.var(left))
     spread = float(np.std(left))
     skew = float(np.mean((left - left.mean()) ** 3)) / max(spread, 1e-12) ** 3
-    if skew <= 0:
+    if skew <= 0 or not trace.skewed:
         return None
     logs, tails = [], []
     for part in _LATE:

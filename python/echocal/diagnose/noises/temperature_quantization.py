@@ -38,8 +38,8 @@ def detect(view: View) -> Finding | None:
     variance = float(np.mean(error[view.good] ** 2))
     share = variance / max(view.scatter**2, variance)
     because = (
-        f"all {lattice.distinct} different temperatures are multiples of {lattice.step:.4g} K, which moves the "
-        f"reading by {1e3 * np.sqrt(variance):.2g} mm (rms): {100 * share:.2g} % of the variance of the noise"
+        f"all {lattice.distinct} different temperatures are multiples of {lattice.step:.4g} K, moving "
+        f"the reading by {1e3 * np.sqrt(variance):.2g} mm (rms): {100 * share:.2g} % of the variance of noise"
     )
     parameters = (Parameter("step", lattice.step, 0.0, "K"),)
     return Finding(FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share)
