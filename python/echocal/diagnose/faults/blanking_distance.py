@@ -11,6 +11,7 @@ from echocal.diagnose.result import Parameter
 __all__ = ["FACTS", "detect"]
 
 _FEWEST = 2
+_UNRELATED, _LEAST = 0.1, 0.03  # part of the distance, and m, that such readings miss it by
 _PART = 0.9  # of the rows below the blanking distance that are wild
 
 FACTS = CauseFacts(
@@ -47,6 +48,11 @@ def detect(view: View) -> Finding | None:
     elsewhere = (count - caught + 0.5) / (len(order) - size + 1.0)
     evidence = caught * -np.log(elsewhere) + (size - caught) * np.log(0.1) - np.log(len(ends))
     if caught < _FEWEST or evidence <= 0:
+        return None
+    inner = order[:size][wild[order[:size]]]
+    if np.median(np.abs(view.deviation[inner])) < max(
+        _UNRELATED * float(np.median(reference[inner])), _LEAST
+    ):
         return None
     limit = float(reference[order[size - 1]])
     near = view.good & (reference <= limit)

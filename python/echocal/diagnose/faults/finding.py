@@ -42,6 +42,8 @@ class Finding:
         The table without the fault: repaired values, or rows marked unusable with the reason.
     share : float
         Part of the noise's variance that it makes; what makes little of it is no verdict.
+    rms : float
+        Standard deviation that it adds to a reading [m], where that is all it does.
     """
 
     facts: CauseFacts
@@ -51,6 +53,7 @@ class Finding:
     rows: Mask | None = None
     repaired: Observations | None = field(default=None, repr=False)
     share: float = 1.0
+    rms: float = np.inf
 
     @property
     def cause(self) -> str:

@@ -13,7 +13,7 @@ __all__ = ["FACTS", "detect"]
 
 _SHORTEST = 4  # rows of one value
 _MOST = 5  # runs; more of them are how this sensor is
-_COARSE = 0.3  # part of neighbors that are equal anyhow, above which a run means nothing
+_COARSE = 0.1  # part of neighbors that are equal anyhow, above which a run means nothing
 
 FACTS = CauseFacts(
     id="stuck_reading",

@@ -127,7 +127,9 @@ class View:
         error = self.indication - self.reference
         sane = self.good & np.isfinite(columns).all(axis=0) & np.isfinite(error)
         center = float(np.median(error[sane])) if sane.any() else 0.0
-        sane &= np.abs(error - center) < _ANYHOW * self.reference + _NEAR  # no leverage for wild rows
+        scale = float(np.median(error[sane] / self.reference[sane])) if sane.any() else 0.0
+        off = np.minimum(np.abs(error - center), np.abs(error - scale * self.reference))
+        sane &= off < _ANYHOW * self.reference + _NEAR  # no leverage for wild rows
         rows = np.flatnonzero(sane)
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
         if len(rows) < 3 * len(columns):

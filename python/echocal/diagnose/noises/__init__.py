@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from echocal.diagnose.facts import CauseFacts
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.faults.view import View
-from echocal.diagnose.lattice import HARMLESS
+from echocal.diagnose.lattice import HARMLESS, NEGLIGIBLE
 from echocal.diagnose.noises import (
     correlated_noise,
     cycle_slip,
@@ -52,7 +52,7 @@ def find_steps(view: View) -> tuple[list[Finding], list[str], View]:
     """
     found, harmless = [], []
     for finding in _looked_for(view):
-        if finding.share < HARMLESS:
+        if finding.share < HARMLESS or finding.rms < NEGLIGIBLE:
             harmless.append(f"{finding.because}: harmless")
             continue
         found.append(finding)

@@ -1,5 +1,7 @@
 """Cycles of the carrier that the comparator misses."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,16 +12,21 @@ __all__ = ["FACTS", "fit"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
+Orders = tuple[int, ...]
 
 _PERIOD = 25e-6  # s, of 40 kHz (HC-SR04 data sheet)
-_MISSED = 4  # components: no cycle to three
+_MISSED = (0, 1, 2, 3)  # cycles, where zero is known
+_EITHER = (-2, -1, 0, 1, 2)  # around the level of a stretch, which may itself have slipped
 _KERNELS = (np.inf, 4.0)
 _ROUNDS = 40
 _PER_CELL = 60  # rows from which on a distance has probabilities of its own
 _CELLS = 8
 _TRACE = 5e-3  # part of the rows below which a component costs nothing and says nothing
 _FEWEST = 0.01  # rows slipped, or not slipped, for a mixture to be one
+_INTACT = 0.1  # rows without a slip
 _APART = 0.6  # widths of the kernel that a period must be
+_LEVEL = 5e-3  # m, prior of the level of a stretch around what the causes say
+_STRETCH = 4  # rows that a stretch has at least on average
 
 FACTS = CauseFacts(
     id="cycle_slip",
@@ -36,40 +43,75 @@ FACTS = CauseFacts(
 )
 
 
+@dataclass(frozen=True)
+class _Mixture:
+    """Groups one period apart, fitted: log evidence, probabilities by cell and order, kernel's scale."""
+
+    log: float
+    weights: Column
+    orders: Orders
+    scale: float
+    cells: Labels
+
+    @property
+    def by_order(self) -> Column:
+        """Probability of each order over all rows."""
+        return np.asarray(np.bincount(self.cells) / len(self.cells) @ self.weights)
+
+    @property
+    def intact(self) -> float:
+        """Rows that missed no cycle: if all did, that is a delay."""
+        return float(self.by_order[self.orders.index(0)])
+
+    @property
+    def distinct(self) -> float:
+        """Rows that are not in the largest group of their cell."""
+        part = np.bincount(self.cells) / len(self.cells)
+        return float(part @ (1 - self.weights.max(axis=1)))
+
+
 def fit(trace: Trace) -> Likelihood | None:
     """Mix groups one period apart, with probabilities for each part of the distances."""
-    if not trace.skewed:
-        return None
-    cells = _cells(trace.distance)
     step = 0.5 * trace.speed * _PERIOD
-    fits = [_mixture(trace, step, cells, freedom) for freedom in _KERNELS]
-    best = max(fits, key=lambda f: f[0])
-    cost = []
-    for log, weights, _, _ in fits:
-        counts = np.bincount(cells)
-        used = (weights > _TRACE).sum(axis=1) - 1
-        cost.append(log - 0.5 * float((used * np.log(counts)).sum()))
-    _, weights, scale, _ = best
-    part = np.bincount(cells) / len(cells)
-    slipped = float(part @ (1 - weights[:, 0]))
-    distinct = float(part @ np.minimum(1 - weights.max(axis=1), 0.5))
-    if distinct < _FEWEST or scale > _APART * float(np.median(step)):
+    cells = _cells(trace.distance)
+    one = np.zeros(len(trace), dtype=np.int64)
+    fits = []
+    if trace.skewed:
+        fits += [_mixture(trace, step, cells, freedom, _MISSED, one) for freedom in _KERNELS]
+    if _split(trace, step):
+        fits += [_mixture(trace, step, one, freedom, _EITHER, trace.stretch) for freedom in _KERNELS]
+    least, widest = max(_FEWEST, 3 / len(trace)), _APART * float(np.median(step))
+    fits = [f for f in fits if f.distinct > least and f.scale < widest and f.intact > _INTACT]
+    if not fits:
         return None
-    near, far = weights[0], weights[-1]
+    best = max(fits, key=lambda f: f.log)
+    slipped = 1 - best.intact
     told = (
         f"{100 * slipped:.0f} % of the rows read one or more steps of {1e3 * float(np.median(step)):.2f} mm "
-        f"(25 us) too far{_where(near, far)}; the groups scatter by {1e3 * scale:.2f} mm"
+        f"(25 us) {_where(best)}; the groups scatter by {1e3 * best.scale:.2f} mm"
     )
-    free = 0.5 * np.log(len(trace)) * (2 if trace.free_mean else 1)
-    log = float(np.logaddexp.reduce(cost) - np.log(len(cost)) - free)
+    log = float(np.logaddexp.reduce([f.log for f in fits]) - np.log(2 * len(_KERNELS)))
     uncertainty = float(np.sqrt(max(slipped * (1 - slipped), 1e-6) / len(trace)))
     return Likelihood(log, {"probability": (slipped, uncertainty), "period": (_PERIOD, 0.0)}, told)
 
 
-def _where(near: Column, far: Column) -> str:
-    if len(near) and abs(near[0] - far[0]) > 0.1:
-        return f" ({100 * (1 - near[0]):.0f} % of the nearest, {100 * (1 - far[0]):.0f} % of the farthest)"
-    return ""
+def _where(found: _Mixture) -> str:
+    if found.orders == _EITHER:
+        return "off the level of their stretch, to either side"
+    near, far = found.weights[0], found.weights[-1]
+    if abs(near[0] - far[0]) > 0.1:
+        ends = [100 * (1 - float(end[0])) for end in (near, far)]
+        return f"too far ({ends[0]:.0f} % of the nearest, {ends[1]:.0f} % of the farthest)"
+    return "too far"
+
+
+def _split(trace: Trace, step: Column) -> bool:
+    """Whether stretches of one target are long, sharp, and have rows one period off."""
+    count = np.bincount(trace.stretch)
+    if len(trace) < _STRETCH * len(count):
+        return False
+    off = np.abs(trace.left - trace.stretch_median) / step
+    return bool(np.median(off) < 0.35 and np.mean(np.abs(off - 1) < 0.35) > 0.02)
 
 
 def _cells(distance: Column) -> Labels:
@@ -83,31 +125,41 @@ def _cells(distance: Column) -> Labels:
     return found
 
 
-def _mixture(trace: Trace, step: Column, cells: Labels, freedom: float) -> tuple[float, Column, float, float]:
-    """Log likelihood, weights by cell, scale and level, by expectation and maximization."""
+def _mixture(
+    trace: Trace, step: Column, cells: Labels, freedom: float, orders: Orders, stretch: Labels
+) -> _Mixture:
+    """Expectation and maximization; the level is zero, one, or one per stretch."""
     left = trace.left
-    shifts = step[:, None] * np.arange(_MISSED)
-    level = float(np.quantile(left, 0.1)) if trace.free_mean else 0.0
+    leveled = bool(stretch.any()) or trace.free_mean
+    shifts = step[:, None] * np.array(orders)
+    level: Column = (
+        trace.stretch_median if stretch.any() else np.full(len(left), np.quantile(left, 0.1) * leveled)
+    )
     scale = max(0.25 * float(np.median(step)), 1e-4)
-    count = int(cells.max()) + 1
-    weights = np.full((count, _MISSED), 1.0 / _MISSED)
+    rows, members = np.bincount(cells), np.bincount(stretch)
+    weights = np.full((len(rows), len(orders)), 1.0 / len(orders))
     log = -np.inf
     for _ in range(_ROUNDS):
-        away = left[:, None] - level - shifts
+        away = left[:, None] - level[:, None] - shifts
         parts = log_density(away, scale, freedom) + np.log(weights[cells] + 1e-12)
         top = parts.max(axis=1, keepdims=True)
         share = np.exp(parts - top)
         total = share.sum(axis=1, keepdims=True)
         share /= total
-        found = float((np.log(total) + top).sum())
-        if found < log + 1e-3:
-            log = found
+        before, log = log, float((np.log(total) + top).sum())
+        if log < before + 1e-3:
             break
-        log = found
         tail = 1.0 if np.isinf(freedom) else (freedom + 1) / (freedom + (away / scale) ** 2)
-        if trace.free_mean:
-            level += float((share * tail * away).sum() / (share * tail).sum())
-        scale = max(float(np.sqrt((share * tail * away**2).sum() / len(left))), 1e-5)
-        for m in range(_MISSED):
-            weights[:, m] = np.bincount(cells, share[:, m], count) / np.bincount(cells, minlength=count)
-    return log, weights, scale, level
+        pull = share * tail
+        if leveled:
+            moved = np.bincount(stretch, (pull * (left[:, None] - shifts)).sum(axis=1))
+            level = (moved / (np.bincount(stretch, pull.sum(axis=1)) + (scale / _LEVEL) ** 2))[stretch]
+        scale = max(float(np.sqrt((pull * away**2).sum() / len(left))), 1e-5)
+        weights = np.stack([np.bincount(cells, column) / rows for column in share.T], axis=1)
+    used = (weights > _TRACE).sum(axis=1) - 1
+    cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
+    if leveled:  # a level of its own costs what its prior spreads it over
+        levels = np.bincount(stretch, level) / members
+        cost += 0.5 * float(np.log1p(members * (_LEVEL / scale) ** 2).sum())
+        cost += 0.5 * float(np.sum((levels / _LEVEL) ** 2))
+    return _Mixture(log - cost, weights, orders, scale, cells)

@@ -57,7 +57,14 @@ def detect(view: View) -> Finding | None:
             reading=observations.reading + 0.5 * step,
         )
     return Finding(
-        FACTS, lattice.evidence, because, parameters, observations.usable, repaired, 1.0 if cut else share
+        FACTS,
+        lattice.evidence,
+        because,
+        parameters,
+        observations.usable,
+        repaired,
+        1.0 if cut else share,
+        step / 12**0.5,
     )
 
 

@@ -42,7 +42,9 @@ def detect(view: View) -> Finding | None:
         f"the reading by {1e3 * np.sqrt(variance):.2g} mm (rms): {100 * share:.2g} % of the variance of noise"
     )
     parameters = (Parameter("step", lattice.step, 0.0, "K"),)
-    return Finding(FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share)
+    return Finding(
+        FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share, variance**0.5
+    )
 
 
 def _sweep(recorded: NDArray[np.float64]) -> bool:

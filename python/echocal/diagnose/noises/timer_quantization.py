@@ -39,4 +39,6 @@ def detect(view: View) -> Finding | None:
         f"{1e3 * step:.3g} mm; the tick makes {100 * share:.2g} % of the variance of the noise"
     )
     parameters = (Parameter("step", lattice.step, 0.0, "s"),)
-    return Finding(FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share)
+    return Finding(
+        FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share, step / 12**0.5
+    )

@@ -77,6 +77,8 @@ class Trace:
         Speed of sound that the device converts with [m/s].
     free_mean : bool
         Whether the hypothesis found a level of its own, so that zero means nothing.
+    stretch : ndarray of int, shape (n,)
+        Which run of rows with one target, undisturbed, each row belongs to.
     """
 
     left: Column
@@ -84,9 +86,20 @@ class Trace:
     distance: Column
     speed: Column
     free_mean: bool
+    stretch: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.left)
+
+    @cached_property
+    def stretch_median(self) -> Column:
+        """Median of what is left over the row's stretch [m]."""
+        order = np.lexsort((self.left, self.stretch))
+        count = np.bincount(self.stretch)
+        firsts = np.cumsum(count) - count
+        middle = [firsts + (count - 1) // 2, firsts + count // 2]
+        medians = 0.5 * (self.left[order][middle[0]] + self.left[order][middle[1]])
+        return np.asarray(medians[self.stretch])
 
     @cached_property
     def skewed(self) -> bool:

@@ -187,8 +187,18 @@ def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) 
         innovation=_innovation(left, groups, noise),
         distance=case.table.indication[rows] if case.table.reference is None else case.table.reference[rows],
         speed=case.base.indication(np.full(len(rows), 2.0), conditions),
+        stretch=_stretches(case, rows),
         free_mean=flat or bool(weighed.hypothesis.variants),
     )
+
+
+def _stretches(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number the runs of rows whose target did not move."""
+    new = np.zeros(len(rows), dtype=bool)
+    new[1:] = np.diff(case.table.groups[rows]) != 0
+    if case.table.reference is not None:
+        new[1:] |= np.diff(case.table.reference[rows]) != 0
+    return np.cumsum(new)
 
 
 def _innovation(left: NDArray[np.float64], groups: NDArray[np.int64], noise: Noise) -> NDArray[np.float64]:
