@@ -142,7 +142,7 @@ def test_a_fault_is_named_with_its_rows(cause: str, plant: Callable[[Table], lis
     assert list(found) == [cause]
     assert found[cause].probability > 0.9
     assert found[cause].kind == find_cause(cause).kind  # type: ignore[union-attr]
-    assert (cause,) in dict(diagnosis.posterior)
+    assert cause in diagnosis.posterior[0][0]
     assert sum(dict(diagnosis.posterior).values()) == pytest.approx(1.0)
     assert any(note.startswith(f"{cause}: ") for note in diagnosis.notes)
     if len(rows) <= 5:

@@ -11,6 +11,8 @@ from echocal.diagnose.result import Parameter
 
 __all__ = ["FACTS", "detect"]
 
+_EVEN = 0.8  # part of the steps of a sweep that are alike
+_TURNS = 0.1  # and of those that change direction
 _COARSEST = 1.05  # K; the steps of a sweep are wider, those of thermometers are not
 
 FACTS = CauseFacts(
@@ -48,10 +50,15 @@ def detect(view: View) -> Finding | None:
 
 
 def _sweep(recorded: NDArray[np.float64]) -> bool:
-    """Whether the temperatures were set: one way, in steps of one width."""
+    """Whether the temperatures were set: mostly in steps of one width that seldom turn back."""
     steps = np.diff(recorded)
     moved = steps[np.abs(steps) > 1e-9]
-    return bool(len(moved) > 0 and np.ptp(moved) < 1e-6 * np.abs(moved).max())
+    if len(moved) < 2:
+        return True
+    width = float(np.median(np.abs(moved)))
+    even = np.mean(np.abs(np.abs(moved) - width) < 1e-6 * width)
+    turns = np.mean(np.diff(np.sign(moved)) != 0)
+    return bool(even > _EVEN and turns < _TURNS)
 
 
 def _per_kelvin(view: View) -> NDArray[np.float64]:
