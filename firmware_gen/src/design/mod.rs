@@ -112,15 +112,23 @@ pub type Listen<'a> = &'a mut dyn FnMut(Progress<'_>) -> bool;
 pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error> {
     check(&request)?;
     let search = Search::new(request)?;
+    // The cheapest last; rounding can make a candidate dearer, which then waits for its turn again.
+    let key = |candidate: &search::Candidate| std::cmp::Reverse(request.prefer.key(candidate.cost));
     let mut candidates = search.candidates();
-    candidates.sort_by_key(|candidate| request.prefer.key(candidate.cost));
+    candidates.reverse(); // of equals, the one proposed first comes first
+    candidates.sort_by_key(key);
     let bound = request.maximum_error * 1e6;
     let mut failed = Vec::new();
-    for mut candidate in candidates {
-        if candidate.floor() <= bound
+    while let Some(mut candidate) = candidates.pop() {
+        if candidate.screened == f64::INFINITY
+            && candidate.floor() <= bound
             && search.refine(&mut candidate)
-            && candidate.screened <= bound
         {
+            let place = candidates.partition_point(|other| key(other) <= key(&candidate));
+            candidates.insert(place, candidate);
+            continue;
+        }
+        if candidate.screened <= bound {
             match search.prove(&mut candidate, listen) {
                 Ok(proof) if proof.bounded.error <= bound => return Ok(candidate.proven(proof)),
                 Ok(_) | Err(Error::Proof(_)) => {}

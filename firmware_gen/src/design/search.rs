@@ -147,6 +147,7 @@ impl<'a> Search<'a> {
         let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail, rows) else {
             return false;
         };
+        candidate.cost = self.request.target.cost(&program);
         candidate.program = program;
         candidate.screened = self.screen(&candidate.program);
         true

@@ -4,12 +4,24 @@
  */
 #include "echocal_correction.h"
 
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define ARGUMENTS uint16_t echo, int16_t code, uint8_t damp
+#define TYPES uint16_t, int16_t, uint8_t
+#define GIVEN(echo, code, damp) (uint16_t)(echo), (int16_t)(code), (uint8_t)(damp)
+#else
+#define ARGUMENTS uint16_t echo, int16_t code
+#define TYPES uint16_t, int16_t
+#define GIVEN(echo, code, damp) (uint16_t)(echo), (int16_t)(code)
+#define ECHOCAL_HUMIDITY_CODE_FIRST 0
+#define ECHOCAL_HUMIDITY_CODE_LAST 0
+#endif
+
 enum { WRITE0 = 0x04, EXIT = 0x18, CALLS = 100000 };
 static const uint32_t SEED = UINT32_C(2166136261);
 volatile int32_t sink;
 
 /* One instruction, its return. */
-static int32_t __attribute__((noinline)) nothing(uint16_t echo, int16_t code)
+static int32_t __attribute__((noinline)) nothing(ARGUMENTS)
 {
     (void)code;
     return echo;
@@ -71,24 +83,27 @@ static uint32_t hash_of_all(void)
     int32_t code;
     int32_t echo;
     for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code++) {
-        uint32_t row = SEED;
-        for (echo = ECHOCAL_ECHO_US_FIRST; echo <= ECHOCAL_ECHO_US_LAST; echo++) {
-            row = fold(row, (uint32_t)echocal_distance_um((uint16_t)echo, (int16_t)code));
+        int32_t damp;
+        for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp++) {
+            uint32_t row = SEED;
+            for (echo = ECHOCAL_ECHO_US_FIRST; echo <= ECHOCAL_ECHO_US_LAST; echo++) {
+                row = fold(row, (uint32_t)echocal_distance_um(GIVEN(echo, code, damp)));
+            }
+            all = fold(all, row);
         }
-        all = fold(all, row);
     }
     return all;
 }
 #else
 
 /* Ticks that CALLS calls take. */
-static uint32_t time_of(int32_t (*volatile function)(uint16_t, int16_t))
+static uint32_t time_of(int32_t (*volatile function)(TYPES))
 {
-    int32_t (*const called)(uint16_t, int16_t) = function;
+    int32_t (*const called)(TYPES) = function;
     uint32_t start = now();
     int32_t count;
     for (count = 0; count < CALLS; count++) {
-        sink = called(12345, ECHOCAL_TEMPERATURE_CODE_LAST);
+        sink = called(GIVEN(12345, ECHOCAL_TEMPERATURE_CODE_LAST, ECHOCAL_HUMIDITY_CODE_LAST));
     }
     return now() - start;
 }

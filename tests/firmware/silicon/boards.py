@@ -120,7 +120,9 @@ class Avr(Board):
         ]
 
         def part(span: tuple[int, int]) -> list[str]:
-            words = (device["echo"]["codes"]["maximum"], *span, step)
+            damp = [axis["codes"] for axis in device["conditions"][1:]]
+            ends = [axis[end] for axis in damp for end in ("minimum", "maximum")]
+            words = (device["echo"]["codes"]["maximum"], *span, step, *ends)
             return [
                 line
                 for line in run(driver, chip, *map(str, words)).splitlines()

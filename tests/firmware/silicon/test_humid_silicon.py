@@ -1,0 +1,59 @@
+"""Functions of temperature and humidity on simulated silicon: the proven hash, and pinned costs on AVR."""
+
+from pathlib import Path
+
+import pytest
+from boards import BOARDS, Cost
+from test_diagnose_roof import COLUMNS, JULY
+from test_silicon import DRY
+
+import echocal
+from echocal import Model, firmware
+
+COARSE = {"temperature": (4.0, -20.0, 60.0), "humidity": (0.25, 0.0, 1.0), "echo": 24_000}
+FINE = {"temperature": (0.0625, -20.0, 60.0), "humidity": (0.01, 0.0, 1.0)}
+
+# Full Cramer at every whole percent, by what is saved: the bound, and the most allowed per compiler version.
+CEILINGS = {
+    "size": (0.5e-3, {"5": Cost(230, 200, 0, 8, 338)}),
+    "speed": (0.35e-3, {"5": Cost(890, 860, 0, 12, 233)}),
+}
+
+
+@pytest.mark.parametrize("prefer", CEILINGS)
+def test_costs_stay_below_their_ceilings_over_five_billion_inputs(prefer: str, tmp_path: Path) -> None:
+    bound, most = CEILINGS[prefer]
+    carbon = {"co2_mole_fraction": DRY["co2_mole_fraction"]}
+    made = firmware.generate(
+        Model("cramer"), "avr", max_error=bound, prefer=prefer, assume=carbon, n_threads=2, **FINE
+    )
+    assert made.report["inputs_checked"] == 4_916_607_381
+    assert made.report["error_proven_m"] <= bound
+    board = BOARDS["avr"]
+    found, ceiling = board.measure(made, tmp_path), most[board.version]
+    over = {field: value for field, value in vars(found).items() if value > getattr(ceiling, field)}
+    assert not over, f"{found} above {ceiling}"
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_every_input_of_a_coarse_device(name: str, tmp_path: Path) -> None:
+    """Some 2.5 million inputs, the bits of the twin on each core."""
+    target = "cortex-m3" if name == "cortex-m4f" else name
+    made = firmware.generate(Model("cramer"), target, **COARSE)
+    assert BOARDS[name].hash_of_all(made, tmp_path) == made.report["output_hash"]
+
+
+@pytest.mark.parametrize("name", ["avr", "cortex-m0"])
+def test_a_diagnosed_model_runs_on_silicon(name: str, shared: Path, tmp_path: Path) -> None:
+    """From a month of a sonic ranger on a roof to the bits that the chip computes, no step by hand."""
+    table = shared / "data" / "roof-sr50" / "roof_fixed_target_tidy.csv"
+    diagnosis = echocal.diagnose(
+        table, columns=COLUMNS, constant_distance=True, base="linear", reading_speed="331.4", **JULY
+    )
+    diagnosis.model.save(tmp_path / "model.json")
+    model = Model.load(tmp_path / "model.json")
+    assert "humidity" in model.effects
+    made = firmware.generate(model, name, **COARSE)
+    assert made.report["model_hash"] == model.hash
+    assert made.report["error_proven_m"] <= 0.5e-3
+    assert BOARDS[name].hash_of_all(made, tmp_path) == made.report["output_hash"]
