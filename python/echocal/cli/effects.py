@@ -11,6 +11,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from echocal.diagnose.catalogue import irregularities
 from echocal.errors import UsageError
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, effects, find_effect
@@ -33,7 +34,8 @@ def list_(json_: Json = None, quiet: Quiet = False) -> None:
     """List the effects that echocal knows, in the order of the measurement chain."""
     _write([effect.to_dict() for effect in effects()], json_)
     if not quiet and json_ != "-":
-        Console().print(_overview(), Text("echocal effects show ID tells all about one.", style="dim"))
+        hint = Text("echocal effects show ID tells all about one effect.", style="dim")
+        Console().print(_overview(), hint, _others())
 
 
 @command.command()
@@ -71,6 +73,18 @@ def _overview() -> Table:
         typical = typical_errors(effect)[TEMPERATURES.index(20.0)]
         table.add_row(effect.id, effect.stage, effect.sentence, millimeters(typical, 1))
     table.caption = "typical size at 20 degC"
+    return table
+
+
+def _others() -> Table:
+    """Causes that a diagnosis finds and no model has: faults and noises."""
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("cause", style="bold cyan", no_wrap=True)
+    table.add_column("kind", style="dim")
+    table.add_column("what it is", ratio=1)
+    for cause in irregularities():
+        table.add_row(cause.id, cause.kind, cause.sentence)
+    table.caption = "found by echocal diagnose"
     return table
 
 
