@@ -1,6 +1,6 @@
 //! Sender and receiver stand side by side.
 
-use super::{Effect, Facts, ParameterFacts};
+use super::{Effect, Facts, Firmware, ParameterFacts};
 use crate::chain::{Chain, Stage};
 use crate::scalar::Scalar;
 
@@ -23,6 +23,9 @@ impl Effect for TransducerSpacing {
         }],
         domain: "two transducers; distances from the transducers' faces",
         check: "measure very short distances, where it is largest, and the spacing with a caliper",
+        firmware: Firmware::Refused(
+            "no form that is straight in the echo time follows it; beyond 0.5 m it is below 0.2 mm",
+        ),
         ..Facts::USUAL
     };
 
