@@ -89,6 +89,23 @@ def test_the_tension_of_the_humidity_term_is_told(roof: Path) -> None:
         assert plain == pytest.approx(size, abs=0.15)
 
 
+def test_what_makes_both_true_is_said(roof: Path) -> None:
+    july = diagnose(roof, base="linear", reading_speed="331.4", since=JULY["since"], until=JULY["until"])
+    june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
+    for diagnosis in (july, june):
+        (note,) = [note for note in diagnosis.notes if "theory says 1" in note]
+        text = note.split("by plain least squares and ")[1].split(" with noise")[0]
+        size, uncertainty = (float(part) for part in text.split(" +/- "))
+        assert abs(size - 1) < 3 * uncertainty  # rows that owe each other something know less
+        assert "the rows are not independent" in note or "closer to theory beside" in note
+
+
+def test_no_cause_is_named_for_the_whole_record(roof: Path) -> None:
+    diagnosis = diagnose(roof, base="linear", reading_speed="331.4")
+    assert diagnosis.verdict in {"unknown", "ambiguous"}
+    assert any("has no one size" in note for note in diagnosis.notes)
+
+
 def test_level_steps_before_june_are_steps(roof: Path) -> None:
     diagnosis = diagnose(roof, base="linear", reading_speed="331.4", until="2022-06-06")
     assert len(diagnosis.rows["level_steps_at_rows"]) >= 3

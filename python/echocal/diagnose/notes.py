@@ -6,10 +6,11 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import INVISIBLE, Case
 from echocal.diagnose.claims import Claim, Ranking, free_size, without
-from echocal.diagnose.evidence import Stack
+from echocal.diagnose.evidence import Hypothesis, Stack
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.result import Unexplained
 from echocal.diagnose.sentences import tendency
+from echocal.diagnose.tension import reconciled
 from echocal.observations import Observations
 from echocal.registry import find_effect
 
@@ -91,7 +92,7 @@ def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
     claimed = cause in [c.cause for c in judgment.kept]
     known = case.found.size_tangents[cause][1]
     beside = without(judgment.weighed.hypothesis, cause)
-    plain, plain_u = free_size(cause, case.found, beside, stack.plain())
+    plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # the first look
     size, uncertainty = free_size(cause, case.found, beside, stack)
     if max(plain_u, uncertainty) > 0.5 * abs(known):
         return (
@@ -105,6 +106,7 @@ def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
     found = (
         f"left free, the size of {cause} is {plain:.2f} +/- {plain_u:.2f} by plain least squares and "
         f"{size:.2f} +/- {uncertainty:.2f} with noise that remembers; theory says {known:g}"
+        f"{reconciled(case, cause, beside, stack, known, size, uncertainty)}"
     )
     if claimed:
         return (

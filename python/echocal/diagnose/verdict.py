@@ -2,6 +2,7 @@
 
 import time
 import warnings
+from collections.abc import Container
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.ranges import Ranges
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
+from echocal.diagnose.steadiness import unsteady
 from echocal.errors import DomainWarning
 from echocal.observations import Observations
 from echocal.registry import find_effect
@@ -48,7 +50,8 @@ def conclude(
     judgment = judge(case, best, believed or claimed, noise)
     remainder = unexplained(case, ranking)
     joint = join(ranking, faults.found, shares, carried)
-    verdict = _verdict(judgment, remainder is not None, joint)
+    varying = unsteady(case, judgment.kept, noise)
+    verdict = _verdict(judgment, varying, remainder is not None, joint)
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     possible = members(case, ranking, claimed, judgment, carried)
     return Diagnosis(
@@ -73,7 +76,11 @@ def conclude(
             "moving_average": noise.memory,
             "stand_variance_ratio": noise.stand_ratio,
         },
-        notes=(*notes(case, observations, judgment, stack), *_outside(case, len(observations), judgment)),
+        notes=(
+            *varying.values(),
+            *notes(case, observations, judgment, stack),
+            *_outside(case, len(observations), judgment),
+        ),
         seconds=time.perf_counter() - start,
         model=judgment.model,
         traces=_traces(case, judgment),
@@ -81,9 +88,12 @@ def conclude(
     )
 
 
-def _verdict(judgment: Judgment, remainder: bool, joint: Joint) -> Verdict:
-    probabilities = [c.probability for c in judgment.kept] + [f.probability for f in joint.telling]
-    if any(probability >= NAMED for probability in probabilities):
+def _verdict(judgment: Judgment, varying: Container[str], remainder: bool, joint: Joint) -> Verdict:
+    steady = [c.probability for c in judgment.kept if c.cause not in varying]
+    if any(probability >= NAMED for probability in steady):
+        return "named"
+    unsteady_claims = len(steady) < len(judgment.kept)
+    if not unsteady_claims and any(f.probability >= NAMED for f in joint.telling):
         return "named"
     if remainder:
         return "unknown"
