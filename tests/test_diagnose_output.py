@@ -107,8 +107,8 @@ def test_recorded_air_replaces_the_base_air_and_only_it() -> None:
 
 def test_plots_are_pictures_of_something(diagnosis: echocal.Diagnosis, tmp_path: Path) -> None:
     paths = save_diagnosis(diagnosis, tmp_path / "plots")
-    assert [path.name for path in paths] == ["residuals.png", "gain.png", "posterior.png"]
-    for path in paths:
+    assert [path.name for path in paths] == ["residuals.png", "gain.png", "posterior.png", "next.png"]
+    for path in paths[:3]:  # nothing may be left to measure
         picture = matplotlib.image.imread(path)
         assert picture[..., :3].std() > 0.02
 
@@ -193,8 +193,20 @@ def test_a_jump_of_the_level_is_a_step() -> None:
     reading = 1.5 + random.normal(0, 1e-3, 300) + 0.02 * (np.arange(300) >= 170)
     temperature = 20 + 5 * np.sin(np.arange(300) / 30)
     diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, constant_distance=True)
-    assert diagnosis.rows["level_steps_at_rows"] == [170]
+    assert diagnosis.rows["level_steps_at_rows"] == [171]  # row 1 is the first, as in messages
+    (step,) = diagnosis.to_dict()["rows"]["level_steps"]
+    assert step["row"] == 171
+    assert step["time"] is None
+    assert step["size_m"] == pytest.approx(0.02, abs=1.5e-3)
     assert diagnosis.verdict == "nothing"
+
+
+def test_reference_distances_that_are_not_used_are_told() -> None:
+    random = np.random.default_rng()
+    table = {"reading_m": 1.5 + random.normal(0, 1e-3, 80), "temperature_C": np.linspace(5, 30, 80)}
+    table["distance_m"] = np.repeat([1.5, 1.6], 40)
+    diagnosis = echocal.diagnose(table, constant_distance=True)
+    assert any("1.5 to 1.6 m, were not used" in note for note in diagnosis.notes)
 
 
 def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:

@@ -108,5 +108,8 @@ def test_no_cause_is_named_for_the_whole_record(roof: Path) -> None:
 
 def test_level_steps_before_june_are_steps(roof: Path) -> None:
     diagnosis = diagnose(roof, base="linear", reading_speed="331.4", until="2022-06-06")
-    assert len(diagnosis.rows["level_steps_at_rows"]) >= 3
+    steps = diagnosis.rows["level_steps"]
+    assert len(steps) >= 3
+    assert all("2022-05-16" <= step.time < "2022-06-07" for step in steps)
+    assert all(4e-3 < abs(step.size_m) < 60e-3 for step in steps)  # medians of a day jump by up to 22 mm
     assert "humidity" not in {r.id for r in diagnosis.refuted}

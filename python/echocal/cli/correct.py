@@ -61,6 +61,9 @@ def command(
             done = {out: correct_file(data, out, correction, layout=layout, **options)}
     for result in done.values():
         notes(result.notes, quiet)
+    if correction.air:
+        air = ", ".join(f"{name} = {value:g}" for name, value in correction.air.items())
+        notes([f"where the table does not give them, the model's own values are used: {air}"], quiet)
     write_json(
         {"schema": "echocal.correct/1", "files": {str(path): _rows(it) for path, it in done.items()}}, json
     )

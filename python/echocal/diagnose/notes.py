@@ -8,6 +8,7 @@ from echocal.diagnose.case import INVISIBLE, Case
 from echocal.diagnose.claims import Claim, Ranking, free_size, without
 from echocal.diagnose.evidence import Hypothesis, Stack
 from echocal.diagnose.judge import Judgment
+from echocal.diagnose.level_steps import steps_of
 from echocal.diagnose.result import Unexplained
 from echocal.diagnose.sentences import tendency
 from echocal.diagnose.tension import reconciled
@@ -71,11 +72,18 @@ def notes(case: Case, observations: Observations, judgment: Judgment, stack: Sta
             f"{1e3 * refuted.rms_with_m:.2f} mm with it): not claimed"
         )
     if len(case.table.steps):
-        at = ", ".join(str(row + 1) for row in case.table.steps[:8])
-        more = ", ..." if len(case.table.steps) > 8 else ""
+        steps = steps_of(case.table, observations)
+        at = "; ".join(str(step) for step in steps[:8])
+        more = f"; and {len(steps) - 8} more" if len(steps) > 8 else ""
         said.append(
-            f"the level jumps (first rows of the new stretches: {at}{more}): each stretch has its own level, "
-            "and a jump is not blamed on the air"
+            f"the level jumps ({at}{more}): each stretch has its own level, and a jump is not "
+            "blamed on the air"
+        )
+    given = observations.reference_distance
+    if case.table.reference is None and given is not None and np.nanmax(given) > np.nanmin(given):
+        said.append(
+            f"the reference distances, {np.nanmin(given):g} to {np.nanmax(given):g} m, were not used: "
+            "the distance was said to be constant; where it was not, leave --constant-distance out"
         )
     if case.table.reference is not None and np.ptp(case.table.reference) == 0:
         said.append(

@@ -15,6 +15,7 @@ from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
 from echocal.diagnose.joint import Joint, join
 from echocal.diagnose.judge import Judgment, judge
+from echocal.diagnose.level_steps import steps_of
 from echocal.diagnose.members import members
 from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.noises.weighing import weigh_noises
@@ -67,7 +68,8 @@ def conclude(
             "total": len(observations),
             "used": len(case.table),
             "unusable": dict(case.table.unusable),
-            "level_steps_at_rows": case.table.steps.tolist(),
+            "level_steps_at_rows": (case.table.steps + 1).tolist(),
+            "level_steps": steps_of(case.table, observations),
         },
         base=case.base.to_dict(),
         noise={

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from echocal.diagnose import Cause, Diagnosis, Refuted
 from echocal.diagnose.sentences import shown
 from echocal.errors import DataError
+from echocal.plots.next_measurements import plot_next
 
 __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
@@ -19,7 +20,7 @@ _BINS = 30
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
-    """Write ``residuals.png``, ``gain.png`` and ``posterior.png``.
+    """Write ``residuals.png``, ``gain.png``, ``posterior.png`` and ``next.png``.
 
     Parameters
     ----------
@@ -42,6 +43,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             "residuals": _residuals(diagnosis),
             "gain": _single(diagnosis, plot_gain, (6.0, 2.8)),
             "posterior": _single(diagnosis, plot_posterior, (8.0, 3.2)),
+            "next": _single(diagnosis, plot_next, (6.0, 3.8)),
         }
         paths = {folder / f"{name}.png": figure for name, figure in figures.items()}
         try:
