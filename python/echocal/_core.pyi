@@ -79,6 +79,7 @@ def weigh(
     degrees: float,
     finest: float,
     forms: list[_Form],
+    one_width: bool,
 ) -> _Weighed: ...
 def posterior(
     products: NDArray[np.float64],

@@ -88,6 +88,8 @@ def by_snr(rows: Rows, id_: str, snr: float, seed: int) -> float:
     high = min(CAUSES[id_].most, 1e3)
     if rms(rows, id_, high, seed) <= target:
         return high
+    if rms(rows, id_, np.exp(-9.0), seed) >= target:
+        return float(np.exp(-9.0))
     return float(
         np.exp(brentq(lambda x: rms(rows, id_, np.exp(x), seed) - target, -9.0, np.log(high), rtol=1e-3))
     )

@@ -12,8 +12,19 @@ from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.hypotheses import preferred
 
-__all__ = ["Claim", "Ranking", "alternatives", "claims", "covariance_of", "effects_of", "free_size", "rank"]
+__all__ = [
+    "Claim",
+    "Ranking",
+    "alternatives",
+    "beside_a_remainder",
+    "claims",
+    "covariance_of",
+    "effects_of",
+    "free_size",
+    "rank",
+]
 
+_AGAINST = np.log(20.0)  # odds against one of some twenty causes that might be there, before the data
 _POSSIBLE = 0.05  # probability from which on another cause is mentioned
 
 Parameters = dict[str, dict[str, float]]
@@ -123,6 +134,24 @@ def claims(ranking: Ranking, found: Candidates, shape: Geometry) -> list[Claim]:
         probability = ranking.of([variant.cause, *rivals])
         made.append(Claim(variant, mean, deviation, tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
+
+
+def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack) -> list[Claim]:
+    """Doubt the causes claimed beside a shape that no cause explains.
+
+    A cause may fill in where a smooth shape against one column falls short of what is there. So it
+    keeps its probability only as far as it is needed beside a richer unknown: shapes against every
+    column at once.
+    """
+    shapes = tuple(v for v in found.variants if v.cause == UNKNOWN)
+    everything = Hypothesis((*(claim.variant for claim in made), *shapes), 1.0)
+    whole = weigh(everything, stack, one_width=True).log_evidence
+    doubted = []
+    for claim in made:
+        spared = weigh(without(everything, claim.cause), stack, one_width=True).log_evidence
+        needed = 1 / (1 + np.exp(np.clip(_AGAINST + spared - whole, -700, 700)))
+        doubted.append(replace(claim, probability=min(claim.probability, float(needed))))
+    return sorted(doubted, key=lambda claim: -claim.probability)
 
 
 def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:

@@ -123,7 +123,7 @@ def form(variant: Variant, cause: int | None = 0) -> "_core._Form":
     return cause, offsets, list(variant.free), list(variant.bounds), variant.weight
 
 
-def weigh(hypothesis: Hypothesis, stack: Stack) -> Weighed:
+def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> Weighed:
     """Average the likelihood over noises, sizes and the unknown variance of the noise.
 
     The coefficients have normal priors, in a mixture of three widths, cut off at their bounds;
@@ -134,6 +134,8 @@ def weigh(hypothesis: Hypothesis, stack: Stack) -> Weighed:
     ----------
     hypothesis : Hypothesis
     stack : Stack
+    one_width : bool
+        Take the widest prior alone: of many causes at once, where a mixture would take long.
 
     Returns
     -------
@@ -146,5 +148,5 @@ def weigh(hypothesis: Hypothesis, stack: Stack) -> Weighed:
     """
     forms = [form(variant) for variant in hypothesis.variants]
     return Weighed(
-        hypothesis, *_core.weigh(stack.products, stack.log_weight, stack.degrees, FINEST**2, forms)
+        hypothesis, *_core.weigh(stack.products, stack.log_weight, stack.degrees, FINEST**2, forms, one_width)
     )

@@ -11,7 +11,7 @@ from echocal.diagnose.noise import FINEST
 
 __all__ = ["PRIOR", "posterior", "preferred"]
 
-PRIOR = {"nothing": 0.4, "one": 0.43, "two": 0.15, "three": 0.02, UNKNOWN: 0.15}
+PRIOR = {"nothing": 0.45, "one": 0.48, "two": 0.06, "three": 0.01, UNKNOWN: 0.15}
 """Probability of no to three causes; and, independently, of a shape without a cause."""
 
 _UNDECIDED = 1.5  # log odds between two forms of a cause below which neither is better

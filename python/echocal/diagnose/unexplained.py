@@ -14,7 +14,7 @@ Column = NDArray[np.float64]
 HOUR = "hour of day"
 """Name of the periodic shape that is tried where a table spans days."""
 
-_DEGREE = 4  # of the polynomial: a bend, a hump and a wave, not more
+_DEGREE = 7  # of the polynomial: bends, humps and a few waves
 _HARMONICS = 2
 _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
 _DAY = 86400.0

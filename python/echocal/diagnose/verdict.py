@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.alias import Geometry
 from echocal.diagnose.case import Case
-from echocal.diagnose.claims import Claim, alternatives, claims, parameters, rank
+from echocal.diagnose.claims import (
+    Claim,
+    alternatives,
+    beside_a_remainder,
+    claims,
+    parameters,
+    rank,
+)
 from echocal.diagnose.faults import Faults
 from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
@@ -47,9 +54,11 @@ def conclude(
     best = ranking.best()
     noise, products = carried.likeliest(best)
     claimed = claims(ranking, case.found, Geometry(products, best.variance))
+    remainder = unexplained(case, ranking)
+    if remainder is not None:
+        claimed = beside_a_remainder(claimed, case.found, carried)
     believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
     judgment = judge(case, best, believed or claimed, noise)
-    remainder = unexplained(case, ranking)
     joint = join(ranking, faults.found, shares, carried)
     varying = unsteady(case, judgment.kept, noise)
     verdict = _verdict(judgment, varying, remainder is not None, joint)

@@ -124,10 +124,11 @@ pub fn weigh<'py>(
     degrees: f64,
     finest: f64,
     forms: Vec<Form>,
+    one_width: bool,
 ) -> PyResult<Result<'py>> {
     let stack = stack(&products, &log_weight, degrees, finest)?;
     let variants = variants(forms, stack.width)?;
-    let weighed = py.detach(|| evidence::weigh(&stack, &variants));
+    let weighed = py.detach(|| evidence::weigh(&stack, &variants, one_width));
     result(py, weighed)
 }
 

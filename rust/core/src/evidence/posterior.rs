@@ -30,6 +30,8 @@ const EXTENDED: usize = 4;
 const BESIDE: usize = 8;
 /// Probability of a noise below which it is not carried along.
 const NEGLIGIBLE_NOISE: f64 = 1e-3;
+/// Forms of a cause that are tried in company.
+const FORMS: usize = 3;
 /// Log odds between two forms of the same causes below which neither is better.
 const UNDECIDED: f64 = 1.5;
 /// Log odds against the most probable hypothesis beyond which one is left out.
@@ -68,7 +70,7 @@ pub fn posterior(
         causes[at].push(v);
     }
     let noises = plausible(stack, variants, &causes, &shapes);
-    let search = Search {
+    let mut search = Search {
         stack: &stack.only(&noises),
         variants,
         causes: &causes,
@@ -80,7 +82,10 @@ pub fn posterior(
         prior,
         threads,
     };
-    let mut found = search.weigh(search.catalog(), f64::NEG_INFINITY);
+    let mut found = search.scored(search.singles(), f64::NEG_INFINITY);
+    let promising = search.promising(&found);
+    search.causes = &promising;
+    found.extend(search.weigh(search.pairs(), top(&found)));
     let triples = search.triples(&search.distinct(&found));
     found.extend(search.weigh(triples, top(&found)));
     let beside = search.beside(&search.distinct(&found), &shapes);
@@ -156,24 +161,49 @@ impl Search<'_> {
         }
     }
 
-    /// Nothing, every cause, every pair.
-    fn catalog(&self) -> Vec<Candidate> {
-        let [none, one, two, _] = self.prior.causes.map(|p| self.share * p);
+    /// Nothing, and every form of every cause.
+    fn singles(&self) -> Vec<Candidate> {
+        let [none, one, ..] = self.prior.causes.map(|p| self.share * p);
         let count = self.causes.len() as f64;
-        let mut made = vec![self.candidate(Vec::new(), none)];
-        for forms in self.causes {
-            made.extend(forms.iter().map(|&v| self.candidate(vec![v], one / count)));
-        }
-        let pairs = count * (count - 1.0) / 2.0;
+        let forms = self.causes.iter().flatten();
+        let each = forms.map(|&v| self.candidate(vec![v], one / count));
+        [self.candidate(Vec::new(), none)]
+            .into_iter()
+            .chain(each)
+            .collect()
+    }
+
+    /// The forms of each cause worth combining with others: the best by themselves, and the freest.
+    fn promising(&self, singles: &[Candidate]) -> Vec<Vec<usize>> {
+        let score = |v: usize| {
+            let alone = singles.iter().find(|c| c.variants == [v]);
+            alone.map_or(f64::NEG_INFINITY, |c| c.score)
+        };
+        let freedom = |v: usize| self.variants[v].free.len();
+        let best = |forms: &Vec<usize>| {
+            let mut sorted = forms.clone();
+            sorted.sort_by(|&a, &b| score(b).total_cmp(&score(a)));
+            let rest = sorted.split_off(FORMS.min(sorted.len()));
+            let most = sorted.iter().map(|&v| freedom(v)).max();
+            let freer = rest.into_iter().filter(|&v| Some(freedom(v)) > most);
+            sorted.extend(freer.take(1).collect::<Vec<_>>());
+            sorted
+        };
+        self.causes.iter().map(best).collect()
+    }
+
+    /// Every pair of causes.
+    fn pairs(&self) -> Vec<Candidate> {
+        let count = self.causes.len() as f64;
+        let prior = self.share * self.prior.causes[2] / (count * (count - 1.0) / 2.0);
+        let mut made = Vec::new();
         for (i, first) in self.causes.iter().enumerate() {
-            for second in &self.causes[i + 1..] {
-                for &a in first {
-                    made.extend(
-                        second
-                            .iter()
-                            .map(|&b| self.candidate(vec![a, b], two / pairs)),
-                    );
-                }
+            for second in self.causes[i + 1..].iter().flatten() {
+                made.extend(
+                    first
+                        .iter()
+                        .map(|&a| self.candidate(vec![a, *second], prior)),
+                );
             }
         }
         made
@@ -274,7 +304,14 @@ impl Search<'_> {
     }
 
     /// Scores the candidates, on several threads, and keeps those that are not hopeless.
-    fn weigh(&self, mut candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
+    fn weigh(&self, candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
+        let mut candidates = self.scored(candidates, best);
+        let best = best.max(top(&candidates));
+        candidates.retain(|c| c.score > best - HOPELESS);
+        candidates
+    }
+
+    fn scored(&self, mut candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
         let threads = self.threads.min(candidates.len() / PER_THREAD).max(1);
         let share = candidates.len().div_ceil(threads).max(1);
         std::thread::scope(|scope| {
@@ -286,8 +323,6 @@ impl Search<'_> {
                 }
             }
         });
-        let best = best.max(top(&candidates));
-        candidates.retain(|c| c.score > best - HOPELESS || c.variants.is_empty());
         candidates
     }
 
@@ -323,10 +358,10 @@ impl Search<'_> {
     }
 }
 
-/// Weighs one hypothesis by itself.
+/// Weighs one hypothesis by itself; with `one_width` with the widest prior alone.
 #[must_use]
-pub fn weigh(stack: &Stack, variants: &[Variant]) -> Weighed {
+pub fn weigh(stack: &Stack, variants: &[Variant], one_width: bool) -> Weighed {
     let mut layout = Layout::default();
     layout.fill(variants);
-    Scales::default().weigh(stack, &layout)
+    Scales::new(one_width).weigh(stack, &layout)
 }

@@ -20,6 +20,8 @@ const FAR: f64 = 15.0;
 const NARROWER: f64 = 2.9;
 /// Log odds against the best noise of a hypothesis beyond which a noise does not matter to it.
 const OUT_OF_THE_RACE: f64 = 12.0;
+/// The same while searching, where a hundredth of a unit of log evidence decides nothing.
+const BEHIND: f64 = 8.0;
 
 /// Whitened products of the columns under each noise; the last column is what the base simulation
 /// leaves unexplained.
@@ -80,6 +82,8 @@ struct Part {
 /// Weighs hypotheses one after the other, with the memory of the last.
 #[derive(Default)]
 pub(super) struct Scales {
+    /// Take the widest prior alone.
+    one_width: bool,
     among: Vec<f64>,
     lower: Vec<f64>,
     along: Vec<f64>,
@@ -93,6 +97,13 @@ pub(super) struct Scales {
 }
 
 impl Scales {
+    pub(super) fn new(one_width: bool) -> Self {
+        Self {
+            one_width,
+            ..Self::default()
+        }
+    }
+
     /// Log evidence alone; minus infinity where it cannot reach `least`.
     pub(super) fn log_evidence(&mut self, stack: &Stack, layout: &Layout, least: f64) -> f64 {
         self.look(stack, layout);
@@ -181,7 +192,8 @@ impl Scales {
             .map(|part| part.score)
             .fold(f64::NEG_INFINITY, f64::max);
         let mut looked = core::mem::take(&mut self.parts);
-        looked.retain(|part| part.score > best - OUT_OF_THE_RACE);
+        let far = if whole { OUT_OF_THE_RACE } else { BEHIND };
+        looked.retain(|part| part.score > best - far);
         self.means.clear();
         self.covariances.clear();
         if order == 0 {
@@ -330,7 +342,11 @@ impl Scales {
 
     /// Every combination of widths, one width a cause, side by side.
     fn combine_widths(&mut self, layout: &Layout) {
-        let choices = &WIDTHS;
+        let choices = if self.one_width {
+            &WIDTHS[2..]
+        } else {
+            &WIDTHS[..]
+        };
         self.widths.clear();
         let causes = u32::try_from(layout.counts.len()).unwrap_or(u32::MAX);
         for mut code in 0..choices.len().pow(causes) {
