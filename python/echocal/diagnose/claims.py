@@ -24,7 +24,6 @@ __all__ = [
     "rank",
 ]
 
-_AGAINST = np.log(20.0)  # odds against one of some twenty causes that might be there, before the data
 _POSSIBLE = 0.05  # probability from which on another cause is mentioned
 
 Parameters = dict[str, dict[str, float]]
@@ -136,21 +135,25 @@ def claims(ranking: Ranking, found: Candidates, shape: Geometry) -> list[Claim]:
     return sorted(made, key=lambda claim: -claim.probability)
 
 
-def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack) -> list[Claim]:
+def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack, against: str) -> list[Claim]:
     """Doubt the causes claimed beside a shape that no cause explains.
 
     A cause may fill in where a smooth shape against one column falls short of what is there. So it
-    keeps its probability only as far as it is needed beside a richer unknown: shapes against every
-    column at once.
+    keeps its probability only as far as it does better than a second shape, against any other
+    column, would do in its place.
     """
-    shapes = tuple(v for v in found.variants if v.cause == UNKNOWN)
-    everything = Hypothesis((*(claim.variant for claim in made), *shapes), 1.0)
-    whole = weigh(everything, stack, one_width=True).log_evidence
+    shapes = [v for v in found.variants if v.cause == UNKNOWN]
+    first = tuple(v for v in shapes if v.against == against)
+    seconds = [v for v in shapes if v.against != against]
+    whole = Hypothesis((*(claim.variant for claim in made), *first), 1.0)
+    with_it = weigh(whole, stack, one_width=True).log_evidence
     doubted = []
     for claim in made:
-        spared = weigh(without(everything, claim.cause), stack, one_width=True).log_evidence
-        needed = 1 / (1 + np.exp(np.clip(_AGAINST + spared - whole, -700, 700)))
-        doubted.append(replace(claim, probability=min(claim.probability, float(needed))))
+        less = without(whole, claim.cause)
+        instead = [Hypothesis((*less.variants, second), 1.0) for second in seconds]
+        rival = max((weigh(h, stack, one_width=True).log_evidence for h in instead), default=-np.inf)
+        better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
+        doubted.append(replace(claim, probability=min(claim.probability, float(better))))
     return sorted(doubted, key=lambda claim: -claim.probability)
 
 

@@ -56,7 +56,7 @@ def conclude(
     claimed = claims(ranking, case.found, Geometry(products, best.variance))
     remainder = unexplained(case, ranking)
     if remainder is not None:
-        claimed = beside_a_remainder(claimed, case.found, carried)
+        claimed = beside_a_remainder(claimed, case.found, carried, remainder.against)
     believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
     judgment = judge(case, best, believed or claimed, noise)
     joint = join(ranking, faults.found, shares, carried)
