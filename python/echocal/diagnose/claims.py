@@ -11,6 +11,7 @@ from echocal.diagnose.alias import Geometry
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.hypotheses import preferred
+from echocal.registry import find_effect
 
 __all__ = [
     "Claim",
@@ -24,6 +25,7 @@ __all__ = [
     "rank",
 ]
 
+_NEARLY = 1 / 3  # of the highest probability: below the odds that anybody would act on
 _POSSIBLE = 0.05  # probability from which on another cause is mentioned
 
 Parameters = dict[str, dict[str, float]]
@@ -52,12 +54,17 @@ class Ranking:
         return sum(p for ids, p in self.sets if set(ids) & set(causes))
 
     def best(self) -> Weighed:
-        """Most probable hypothesis of the most probable set of effects, whatever shape beside it."""
+        """Most probable hypothesis of the most probable set of effects, whatever shape beside it.
+
+        Of sets that are about as probable, the one that most devices can compensate.
+        """
         effects: dict[tuple[str, ...], float] = {}
         for ids, p in self.sets:
             named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
             effects[named] = effects.get(named, 0.0) + p
-        top = max(effects, key=lambda named: effects[named])
+        likely = max(effects.values())
+        near = [named for named in effects if effects[named] > _NEARLY * likely]
+        top = max(near, key=lambda named: (-_refused(named), effects[named]))
         same = [w for w in self.weighed if _named(w.hypothesis) == top]
         return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
 
@@ -69,6 +76,11 @@ class Ranking:
                 if variant.cause == UNKNOWN:
                     against[variant.against] = against.get(variant.against, 0.0) + float(p)
         return against
+
+
+def _refused(ids: Sequence[str]) -> int:
+    """Count the effects that no device can compensate by itself."""
+    return sum(find_effect(id_).firmware == "refused" for id_ in ids)
 
 
 def _named(hypothesis: Hypothesis) -> tuple[str, ...]:
