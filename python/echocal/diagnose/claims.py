@@ -64,7 +64,7 @@ class Ranking:
             effects[named] = effects.get(named, 0.0) + p
         likely = max(effects.values())
         near = [named for named in effects if effects[named] > _NEARLY * likely]
-        top = max(near, key=lambda named: (-_refused(named), effects[named]))
+        top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
         same = [w for w in self.weighed if _named(w.hypothesis) == top]
         return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
 
@@ -78,9 +78,11 @@ class Ranking:
         return against
 
 
-def _refused(ids: Sequence[str]) -> int:
-    """Count the effects that no device can compensate by itself."""
-    return sum(find_effect(id_).firmware == "refused" for id_ in ids)
+def _out_of_reach(ids: Sequence[str]) -> int:
+    """Count the effects that no device can compensate from what it measures."""
+    effects = [find_effect(id_) for id_ in ids]
+    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail != "relative_humidity"]
+    return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 
 def _named(hypothesis: Hypothesis) -> tuple[str, ...]:

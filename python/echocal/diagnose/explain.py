@@ -56,6 +56,8 @@ def _cause(cause: Cause) -> list[str]:
 def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
     """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
     factor, shown = _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
+    if unit == "s" and abs(value) >= 1.0:
+        factor, shown = 1.0, "s"  # a time constant, not an echo
     if uncertainty == 0.0:
         return f"{name} = {value * factor:g} {shown}".rstrip()
     return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()

@@ -11,8 +11,8 @@ from echocal.diagnose.noise import FINEST
 
 __all__ = ["PRIOR", "posterior", "preferred"]
 
-PRIOR = {"nothing": 0.45, "one": 0.48, "two": 0.06, "three": 0.01, UNKNOWN: 0.15}
-"""Probability of no to three causes; and, independently, of a shape without a cause."""
+PRIOR = {"nothing": 0.44, "one": 0.45, "two": 0.1, "three": 0.01, UNKNOWN: 0.05}
+"""Probability of no to three causes; and, independently, of a shape without a cause, the last resort."""
 
 _UNDECIDED = 1.5  # log odds between two forms of a cause below which neither is better
 

@@ -125,7 +125,7 @@ class View:
         assert self.reference is not None
         columns = _basis(self.reference, self.temperature)
         error = self.indication - self.reference
-        sane = self.good & np.isfinite(columns).all(axis=0) & np.isfinite(error)
+        sane = self.good & np.isfinite(columns).all(axis=0) & np.isfinite(error) & (self.reference > 0)
         center = float(np.median(error[sane])) if sane.any() else 0.0
         scale = float(np.median(error[sane] / self.reference[sane])) if sane.any() else 0.0
         off = np.minimum(np.abs(error - center), np.abs(error - scale * self.reference))
