@@ -86,3 +86,16 @@ def test_noises_have_a_prior_of_one() -> None:
     for noises in NOISES.values():
         assert sum(noise.prior for noise in noises) == pytest.approx(1.0)
         assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in noises)
+
+
+def test_merged_blocks_are_whitened_as_the_blocks_are() -> None:
+    random = np.random.default_rng()
+    columns = random.normal(size=(4, 90))
+    for flat_level in (False, True):
+        parts = sums(columns, np.repeat(np.arange(5), 18), flat_level=flat_level)
+        use = np.array([True, False, True])
+        noise = Noise(0.5, 0.85, 0.0 if flat_level else 1.0, 1.0)
+        one, other = parts.whiten(noise, use), parts.merged(use).whiten(noise)
+        np.testing.assert_allclose(one.products, other.products, rtol=1e-9, atol=1e-9)
+        assert one.log_weight == pytest.approx(other.log_weight)
+        assert parts.degrees(use) == parts.merged(use).degrees()

@@ -64,7 +64,8 @@ class Case:
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
         """Whitened products over some blocks, one per noise."""
-        whitened = [self.sums.whiten(noise, blocks) for noise in self.noises]
+        merged = self.sums.merged(blocks)
+        whitened = [merged.whiten(noise) for noise in self.noises]
         return Stack.of(whitened, self.sums.degrees(blocks))
 
 
