@@ -20,6 +20,6 @@ pub mod target;
 
 pub use design::{Design, Progress, Reachable, Request, design};
 pub use device::{Axis, Device};
-pub use emit::{Artifacts, Provenance, emit};
+pub use emit::{Measurement, Package, Provenance, emit};
 pub use error::Error;
 pub use target::{Prefer, Target};

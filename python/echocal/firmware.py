@@ -73,8 +73,8 @@ class Firmware:
     Attributes
     ----------
     files : dict of str to str
-        Text by file name: ``echocal_correction.h``, ``echocal_correction.c``,
-        ``echocal_golden.csv`` and ``report.json``.
+        Text by path: ``echocal_golden.csv``, ``report.json`` and the files of the packaging, for plain C
+        ``echocal_correction.h``, ``echocal_correction.c`` and the program of ``selftest``.
     report : dict
         What was proven, as in ``report.json``.
     """
@@ -144,6 +144,7 @@ class Firmware:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name, text in self.files.items():
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 (folder / name).write_text(text, encoding="utf-8", newline="\n")
         except OSError as error:
             message = f"cannot write firmware to {folder}: {error.strerror}"
@@ -165,6 +166,7 @@ def generate(
     accept: Iterable[str] = (),
     assume: Mapping[str, float] | None = None,
     max_table_bytes: int = 1024,
+    package: str = "c",
     n_threads: int | None = None,
     progress: Progress | None = None,
     model_name: str = "MODEL.json",
@@ -199,6 +201,10 @@ def generate(
         the default is the model's own air.
     max_table_bytes : int
         Largest tables allowed, together.
+    package : {"c", "arduino", "platformio", "esphome", "micropython"}
+        What the files are: plain C with its self-test, an Arduino library with an example sketch, a
+        PlatformIO project with the library in it, a configuration for ESPHome, or a module for
+        MicroPython and CircuitPython. All but the last hold the same C.
     n_threads : int, optional
         Threads of the proof; default: all processors.
     progress : callable, optional
@@ -239,6 +245,7 @@ def generate(
     air = _assumed(model, assume or {})
     wish = {
         "target": target,
+        "package": package,
         "prefer": prefer,
         "form": form,
         "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
@@ -258,13 +265,8 @@ def generate(
         outside = describe(model.law, [end, *air[1:4], 0.0], f"outside at {end:g} degC in the assumed air")
         if outside:
             warnings.warn(outside, DomainWarning, stacklevel=2)
-    files = {
-        "echocal_correction.h": core.header,
-        "echocal_correction.c": core.source,
-        "echocal_golden.csv": core.golden,
-        "report.json": core.report,
-    }
-    return Firmware(files, json.loads(core.report), core)
+    files = dict(core.files([]))
+    return Firmware(files, json.loads(files["report.json"]), core)
 
 
 def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
@@ -310,6 +312,7 @@ def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, floa
     words += ["--max-distance-m", _number(wish["maximum_distance"]), "--prefer", wish["prefer"]]
     words += ["--form", wish["form"]] if wish["form"] else []
     words += ["--max-table-bytes", str(wish["maximum_table"])]
+    words += ["--package", wish["package"]] if wish["package"] != "c" else []
     for effect in wish["accept"]:
         words += ["--accept", effect]
     for name, value in sorted(assume.items()):

@@ -1,6 +1,10 @@
 """Firmware of every form and format, each made once per session."""
 
+import fcntl
 import functools
+import os
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -40,9 +44,35 @@ CASES: dict[str, tuple[Model, dict[str, Any]]] = {
 
 
 @functools.cache
-def made(name: str) -> Firmware:
+def made(name: str, package: str = "c") -> Firmware:
     model, request = CASES[name]
-    return firmware.generate(model, **{"temperature": HALF_DEGREES, **request})
+    return firmware.generate(model, package=package, **{"temperature": HALF_DEGREES, **request})
+
+
+@functools.cache
+def with_humidity(package: str = "c", target: str = "avr") -> Firmware:
+    """A function of three codes, for a model as a diagnosis makes it."""
+    codes = {"temperature": (1.0, -20.0, 60.0), "humidity": (0.05, 0.0, 1.0), "echo": 26_000}
+    model = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
+    return firmware.generate(model, target, package=package, **codes)
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[Path], None]], Path]:
+    """Folders that are filled once, whichever of the parallel workers comes first."""
+
+    def folder(name: str, fill: Callable[[Path], None]) -> Path:
+        base = tmp_path_factory.getbasetemp()
+        place = (base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base) / name
+        with place.with_suffix(".lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (place / "done").exists():
+                place.mkdir(exist_ok=True)
+                fill(place)
+                (place / "done").touch()
+        return place
+
+    return folder
 
 
 @pytest.fixture(params=CASES)

@@ -42,7 +42,7 @@ def test_files_report_and_summary(
     assert report["flash_bytes"] is None, "not measured, so not stated"
     assert "mm at most, up to 4 m (asked for 0.5 mm)" in summary
     assert "relative_humidity 0.3" in summary
-    names = ["echocal_correction.c", "echocal_correction.h", "echocal_golden.csv", "report.json"]
+    names = ["echocal_correction.c", "echocal_correction.h", "echocal_golden.csv", "report.json", "selftest"]
     assert sorted(path.name for path in Path("made").iterdir()) == names
 
 
@@ -50,14 +50,17 @@ def test_the_recorded_command_makes_the_same_files(
     model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     options = ("--temperature-zero", "0.25", "--assume", "pressure=90000", "--prefer", "speed", "--quiet")
+    options += ("--package", "arduino")
     assert run(monkeypatch, str(model), *FAST, *options, "--max-error-mm", "0.3", "-o", "first") == 0
     assert capsys.readouterr() == ("", ""), "--quiet is quiet"
     report = json.loads(Path("first/report.json").read_text())
     command = shlex.split(report["provenance"]["command"])
     assert command[:3] == ["echocal", "firmware", "model.json"]
     assert run(monkeypatch, *command[2:], "-o", "second") == 0
-    for path in Path("first").iterdir():
-        assert path.read_bytes() == (Path("second") / path.name).read_bytes()
+    files = [path.relative_to("first") for path in Path("first").rglob("*.*")]
+    assert Path("library.properties") in files
+    for path in files:
+        assert ("first" / path).read_bytes() == ("second" / path).read_bytes()
 
 
 def test_a_bound_out_of_reach_exits_with_4_and_one_line(

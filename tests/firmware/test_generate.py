@@ -179,6 +179,6 @@ def test_progress_is_told_and_can_stop() -> None:
 
 def test_save_writes_the_files_of_the_interface(tmp_path: Path) -> None:
     made = firmware.generate(Model("cramer"), temperature=HALF_DEGREES)
-    names = [path.name for path in made.save(tmp_path / "new" / "folder")]
-    assert names == ["echocal_correction.h", "echocal_correction.c", "echocal_golden.csv", "report.json"]
+    names = {path.name for path in made.save(tmp_path / "new" / "folder")}
+    assert names >= {"echocal_correction.h", "echocal_correction.c", "echocal_golden.csv", "report.json"}
     assert json.loads((tmp_path / "new" / "folder" / "report.json").read_text()) == made.report

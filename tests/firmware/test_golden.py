@@ -19,6 +19,10 @@ CASES = {
     ),
     "avr": (Model("cramer"), {"target": "avr", "form": "interpolated_table", "max_error": 0.2e-3}),
     "table": (Model("cramer"), {"form": "interpolated_table", "max_error": 0.2e-3}),
+    "arduino": (Model("cramer"), {"target": "avr", "package": "arduino"}),
+    "platformio": (Model("cramer"), {"target": "cortex-m0", "package": "platformio"}),
+    "esphome": (Model("cramer"), {"package": "esphome"}),
+    "micropython": (Model("cramer"), {"package": "micropython", "form": "interpolated_table"}),
 }
 
 
@@ -32,7 +36,8 @@ def test_files_are_fresh(name: str) -> None:
     made = make(name)
     for file in made.files:
         assert made.files[file] == (GOLDEN / name / file).read_text(), f"{name}/{file} has changed"
-    assert sorted(made.files) == sorted(path.name for path in (GOLDEN / name).iterdir())
+    here = (path.relative_to(GOLDEN / name) for path in (GOLDEN / name).rglob("*.*"))
+    assert sorted(made.files) == sorted(map(str, here))
 
 
 if __name__ == "__main__":

@@ -1,22 +1,7 @@
 //! A program as C text. Every conversion is written out, so that the text means the same on any width of `int`.
 
+use super::Local;
 use crate::ir::{IntegerType, Node, Operation, Program, Value};
-use serde::Serialize;
-
-/// A local variable of the generated function.
-#[derive(Debug, Serialize)]
-pub struct Local<'a> {
-    /// Its type in C.
-    #[serde(rename = "type")]
-    pub ty: &'static str,
-    /// Its name.
-    pub name: &'a str,
-    /// Its value.
-    pub expression: String,
-    /// What it is, with its unit.
-    pub note: String,
-}
-
 /// The statements of a program: its locals, and what it returns.
 #[must_use]
 pub fn statements(program: &Program) -> (Vec<Local<'_>>, String) {

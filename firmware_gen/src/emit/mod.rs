@@ -2,30 +2,35 @@
 
 mod c;
 mod golden;
+mod package;
+mod python;
 mod report;
+mod selftest;
 
-pub use report::Provenance;
+pub use package::{PACKAGES, Package};
+pub use report::{Measurement, Provenance};
 
 use crate::design::Design;
 use crate::device::{Axis, Device};
 use crate::error::Error;
-use crate::ir::{Range, Table};
+use crate::ir::{IntegerType, Range, Table};
 use crate::prove::Worst;
 use crate::reference::place;
-use minijinja::{Environment, UndefinedBehavior, context};
+use minijinja::context;
 use serde::Serialize;
 
-/// What the firmware consists of.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Artifacts {
-    /// `echocal_correction.h`.
-    pub header: String,
-    /// `echocal_correction.c`.
-    pub source: String,
-    /// `echocal_golden.csv`: inputs and bit-exact outputs.
-    pub golden: String,
-    /// `report.json`.
-    pub report: String,
+/// A local variable of the generated function.
+#[derive(Debug, Serialize)]
+pub struct Local<'a> {
+    /// Its type in C.
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+    /// Its name.
+    pub name: &'a str,
+    /// Its value.
+    pub expression: String,
+    /// What it is, with its unit.
+    pub note: String,
 }
 
 /// A table as the templates see it.
@@ -35,6 +40,7 @@ struct TableText<'a> {
     name: &'a str,
     note: &'a str,
     rows: Vec<String>,
+    entries: &'a [i64],
     place: &'static str,
 }
 
@@ -42,25 +48,30 @@ struct TableText<'a> {
 const PER_LINE: usize = 12;
 
 fn table_text(table: &Table) -> TableText<'_> {
-    let suffix = match (table.ty.is_signed(), table.ty.bits()) {
-        (true, _) => "",
-        (false, 32) => "UL",
-        (false, _) => "U",
-    };
-    let line = |entries: &[i64]| {
-        let entries: Vec<String> = entries
-            .iter()
-            .map(|entry| format!("{entry}{suffix}"))
-            .collect();
-        entries.join(", ")
-    };
     TableText {
         ty: table.ty.c_name(),
         name: &table.name,
         note: &table.note,
-        rows: table.entries.chunks(PER_LINE).map(line).collect(),
+        rows: literal_list(&table.entries, table.ty),
+        entries: &table.entries,
         place: if table.program_memory { " PROGMEM" } else { "" },
     }
+}
+
+/// Constants of one type, in lines.
+fn literal_list(entries: &[i64], ty: IntegerType) -> Vec<String> {
+    let suffix = match (ty.is_signed(), ty.bits()) {
+        (true, _) => "",
+        (false, 32) => "UL",
+        (false, _) => "U",
+    };
+    let literal = |entry: &i64| match (*entry, ty) {
+        // Written out, this constant would have no type that holds it.
+        (-2_147_483_648, IntegerType::I32) => "INT32_MIN".to_owned(),
+        (entry, _) => format!("{entry}{suffix}"),
+    };
+    let line = |entries: &[i64]| entries.iter().map(literal).collect::<Vec<_>>().join(", ");
+    entries.chunks(PER_LINE).map(line).collect()
 }
 
 /// The condition under which a code is out of range, leaving out what its type excludes anyway.
@@ -82,6 +93,9 @@ fn outside(axis: &Axis) -> Vec<String> {
 struct ParameterText<'a> {
     ty: &'static str,
     name: &'a str,
+    quantity: &'a str,
+    lsb: f64,
+    zero: f64,
     meaning: String,
     first: i64,
     last: i64,
@@ -100,36 +114,48 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
     ParameterText {
         ty: axis.ty.c_name(),
         name: &axis.name,
+        quantity: &axis.quantity,
+        lsb: axis.lsb,
+        zero: axis.zero,
         meaning,
         first: axis.codes.minimum,
         last: axis.codes.maximum,
     }
 }
 
-/// Write every text of a proven design.
+/// Write every text of a proven design: path and text of each file.
 ///
 /// # Errors
-/// [`Error::Template`] if a template fails, a defect of this crate.
-pub fn emit(design: &Design, device: &Device, provenance: &Provenance) -> Result<Artifacts, Error> {
+/// [`Error::Request`] if there is no such packaging; [`Error::Template`] if a template fails, a defect of this crate.
+pub fn emit(
+    design: &Design,
+    device: &Device,
+    provenance: &Provenance,
+    measured: &[Measurement],
+) -> Result<Vec<(String, String)>, Error> {
+    let package = Package::parse(&provenance.package)?;
+    let (vectors, count) = selftest::columns(design, device);
     let context = context! {
         provenance,
+        measured,
         function => function_text(design, device),
+        python => python_text(design),
         proof => proof_text(design, device, provenance.maximum_error),
+        selftest => context! { columns => vectors, count },
     };
-    Ok(Artifacts {
-        header: render(
-            "header.h.j2",
-            include_str!("../../templates/header.h.j2"),
-            &context,
-        )?,
-        source: render(
-            "source.c.j2",
-            include_str!("../../templates/source.c.j2"),
-            &context,
-        )?,
-        golden: golden::golden(design, device),
-        report: report::report(design, device, provenance),
-    })
+    let mut files = package.render(&context)?;
+    files.push(("echocal_golden.csv".into(), golden::golden(design, device)));
+    files.push((
+        "report.json".into(),
+        report::report(design, device, provenance, measured),
+    ));
+    Ok(files)
+}
+
+/// The function in Python.
+fn python_text(design: &Design) -> minijinja::Value {
+    let (locals, result) = python::statements(&design.program);
+    context! { locals, result }
 }
 
 /// The function: parameters, range checks, tables, statements.
@@ -181,25 +207,4 @@ fn grouped(count: u64) -> String {
         comma.then_some(',').into_iter().chain([digit])
     };
     digits.chars().enumerate().flat_map(comma).collect()
-}
-
-/// Text from outside, made safe inside a C comment: a file may be called `*/`.
-fn comment(text: String) -> String {
-    let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
-    let text: String = text.chars().map(visible).collect();
-    text.replace("*/", "* /")
-        .replace("/*", "/ *")
-        .replace("??/", "?? /")
-}
-
-fn render(name: &str, template: &str, context: &minijinja::Value) -> Result<String, Error> {
-    let mut environment = Environment::new();
-    environment.set_trim_blocks(true);
-    environment.set_lstrip_blocks(true);
-    environment.set_keep_trailing_newline(true);
-    environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    environment.add_filter("comment", comment);
-    environment
-        .render_named_str(name, template, context)
-        .map_err(|error| Error::Template(format!("{error:#}")))
 }

@@ -3,7 +3,7 @@
 use crate::design::Design;
 use crate::device::Device;
 use crate::prove::Worst;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// Where the firmware comes from, and what was asked for.
@@ -15,6 +15,8 @@ pub struct Provenance {
     pub command: String,
     /// The target's name.
     pub target: String,
+    /// How it is packed.
+    pub package: String,
     /// What was saved, `size` or `speed`.
     pub prefer: String,
     /// Hash of the model.
@@ -29,9 +31,42 @@ pub struct Provenance {
     pub maximum_distance: f64,
 }
 
+/// What the function was measured to take on one core.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Measurement {
+    /// The core that ran it.
+    pub core: String,
+    /// The compiler, with its version.
+    pub compiler: String,
+    /// Its options.
+    pub options: String,
+    /// The simulator, with its version.
+    pub simulator: String,
+    /// Flash, with what the function takes from the compiler's library \[byte\].
+    pub flash_bytes: u64,
+    /// Flash of the function and its tables alone \[byte\].
+    pub own_flash_bytes: u64,
+    /// Variables of static storage duration \[byte\].
+    pub ram_bytes: u64,
+    /// Stack of a call, with the return address where it is kept there \[byte\].
+    pub stack_bytes: u64,
+    /// Cycles of a call, `call` and `ret` included, where the simulator counts them.
+    pub cycles: Option<u64>,
+    /// Instructions of a call, its return included, where the simulator counts those.
+    pub instructions: Option<u64>,
+}
+
 /// `report.json`: the keys in alphabetical order, so that equal reports are equal bytes.
-pub fn report(design: &Design, device: &Device, provenance: &Provenance) -> String {
+pub fn report(
+    design: &Design,
+    device: &Device,
+    provenance: &Provenance,
+    measured: &[Measurement],
+) -> String {
     let proof = &design.proof;
+    let here = measured
+        .iter()
+        .find(|found| found.core == provenance.target);
     let report = json!({
         "schema": "echocal.firmware/1",
         "provenance": provenance,
@@ -52,9 +87,12 @@ pub fn report(design: &Design, device: &Device, provenance: &Provenance) -> Stri
         "overflow_free": true,
         "monotone_in_echo_time": true,
         "table_bytes": design.program.table_bytes(),
-        "ram_bytes": 0,
-        "flash_bytes": Value::Null,
-        "cycles": Value::Null,
+        "measured": measured,
+        "ram_bytes": here.map_or(0, |found| found.ram_bytes), // without a measurement: none is declared
+        "flash_bytes": here.map(|found| found.flash_bytes),
+        "stack_bytes": here.map(|found| found.stack_bytes),
+        "cycles": here.and_then(|found| found.cycles),
+        "instructions": here.and_then(|found| found.instructions),
     });
     serde_json::to_string_pretty(&report).map_or_else(|error| error.to_string(), |text| text + "\n")
 }

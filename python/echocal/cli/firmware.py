@@ -47,6 +47,7 @@ def command(
     accept: Annotated[list[str] | None, option("Effect that may be left out.", metavar="EFFECT")] = None,
     assume: Annotated[list[str] | None, option("What is not measured.", metavar="NAME=VALUE")] = None,
     max_table_bytes: Annotated[int, option("Largest tables allowed, together.")] = 1024,
+    package: Annotated[str, option("c, arduino, platformio, esphome or micropython.")] = "c",
     threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
     json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
     quiet: Annotated[bool, option("Print nothing but errors.", "--quiet", "-q")] = False,
@@ -82,6 +83,7 @@ def command(
             accept=accept or (),
             assume=dict(_assignment(text) for text in assume or ()),
             max_table_bytes=max_table_bytes,
+            package=package,
             n_threads=threads,
             progress=lambda form, checked, total: progress.update(
                 task, description=f"proving: {form}", completed=checked, total=total

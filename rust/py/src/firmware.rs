@@ -3,8 +3,8 @@
 use echocal_core::Conditions;
 use echocal_firmware::lower::{describe, lower};
 use echocal_firmware::{
-    Artifacts, Axis, Design, Device, Error, Prefer, Progress, Provenance, Request, Target, design,
-    emit,
+    Axis, Design, Device, Error, Measurement, Package, Prefer, Progress, Provenance, Request,
+    Target, design, emit,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -12,38 +12,24 @@ use pyo3::prelude::*;
 use crate::errors::raise;
 use crate::model::CoreModel;
 
+/// Path and text of each file.
+type Files = Vec<(String, String)>;
+
 /// A proven design, its texts and its twin.
 #[pyclass(name = "Firmware", module = "echocal._core", frozen)]
 pub struct CoreFirmware {
-    artifacts: Artifacts,
     design: Design,
+    provenance: Provenance,
     device: Device,
 }
 
 #[pymethods]
 impl CoreFirmware {
-    /// Text of `echocal_correction.h`.
-    #[getter]
-    fn header(&self) -> &str {
-        &self.artifacts.header
-    }
-
-    /// Text of `echocal_correction.c`.
-    #[getter]
-    fn source(&self) -> &str {
-        &self.artifacts.source
-    }
-
-    /// Text of `echocal_golden.csv`.
-    #[getter]
-    fn golden(&self) -> &str {
-        &self.artifacts.golden
-    }
-
-    /// Text of `report.json`.
-    #[getter]
-    fn report(&self) -> &str {
-        &self.artifacts.report
+    /// Path and text of each file; what was measured goes into header and report.
+    fn files(&self, measured: Vec<Measured>) -> PyResult<Files> {
+        let measured: Vec<_> = measured.into_iter().map(Measurement::from).collect();
+        emit(&self.design, &self.device, &self.provenance, &measured)
+            .map_err(|error| to_python(&error))
     }
 
     /// Outputs \[um\] of the twin for columns of codes of equal length, the echo time first.
@@ -61,11 +47,45 @@ impl CoreFirmware {
     }
 }
 
+/// What Python measured on one core.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Measured {
+    core: String,
+    compiler: String,
+    options: String,
+    simulator: String,
+    flash_bytes: u64,
+    own_flash_bytes: u64,
+    ram_bytes: u64,
+    stack_bytes: u64,
+    cycles: Option<u64>,
+    instructions: Option<u64>,
+}
+
+impl From<Measured> for Measurement {
+    fn from(found: Measured) -> Self {
+        Self {
+            core: found.core,
+            compiler: found.compiler,
+            options: found.options,
+            simulator: found.simulator,
+            flash_bytes: found.flash_bytes,
+            own_flash_bytes: found.own_flash_bytes,
+            ram_bytes: found.ram_bytes,
+            stack_bytes: found.stack_bytes,
+            cycles: found.cycles,
+            instructions: found.instructions,
+        }
+    }
+}
+
 /// What Python asks for.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Wish {
     target: String,
+    package: String,
     prefer: String,
     form: Option<String>,
     temperature: (f64, f64, f64, f64),
@@ -110,6 +130,7 @@ fn fulfil(
     wish: &Wish,
     progress: &mut dyn FnMut(&str, u64, u64) -> bool,
 ) -> Result<CoreFirmware, Error> {
+    Package::parse(&wish.package)?; // before the proof, which may take a minute
     let (lsb, low, high, zero) = wish.temperature;
     let mut device = Device {
         echo: Axis::echo(wish.echo_max_us)?,
@@ -149,6 +170,7 @@ fn fulfil(
         version: env!("CARGO_PKG_VERSION").into(),
         command: wish.command.clone(),
         target: wish.target.clone(),
+        package: wish.package.clone(),
         prefer: wish.prefer.clone(),
         model_hash: wish.model_hash.clone(),
         model: describe(model),
@@ -156,10 +178,9 @@ fn fulfil(
         maximum_error: wish.maximum_error,
         maximum_distance: wish.maximum_distance,
     };
-    let artifacts = emit(&design, &device, &provenance)?;
     Ok(CoreFirmware {
-        artifacts,
         design,
+        provenance,
         device,
     })
 }

@@ -1,0 +1,182 @@
+//! Packagings: which files a firmware comes as, and the template that writes each.
+
+use crate::error::Error;
+use minijinja::{AutoEscape, Environment, UndefinedBehavior};
+
+/// One way to ship the function.
+#[derive(Clone, Copy, Debug)]
+pub struct Package {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// Its files: path, and name of the template.
+    parts: &'static [(&'static str, &'static str)],
+}
+
+/// Name and text of templates.
+macro_rules! templates {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../templates/", $name, ".j2")))),*]
+    };
+}
+
+const TEMPLATES: &[(&str, &str)] = templates![
+    "c/echocal_correction.h",
+    "c/echocal_correction.c",
+    "c/echocal_selftest.h",
+    "c/echocal_selftest.c",
+    "c/echocal_selftest_main.c",
+    "c/program_memory",
+    "arduino/sketch",
+    "arduino/library.properties",
+    "arduino/keywords.txt",
+    "arduino/HcSr04.ino",
+    "arduino/SelfTest.ino",
+    "platformio/platformio.ini",
+    "platformio/library.json",
+    "platformio/main.cpp",
+    "platformio/test_selftest.cpp",
+    "esphome/echocal.yaml",
+    "micropython/echocal_correction.py",
+    "micropython/echocal_selftest.py",
+    "micropython/main.py",
+];
+
+const HEADER: &str = "c/echocal_correction.h";
+const SOURCE: &str = "c/echocal_correction.c";
+const SELFTEST_HEADER: &str = "c/echocal_selftest.h";
+const SELFTEST: &str = "c/echocal_selftest.c";
+
+/// Every packaging. To add one, write its templates and add its lines.
+pub const PACKAGES: &[Package] = &[
+    Package {
+        name: "c",
+        parts: &[
+            ("echocal_correction.h", HEADER),
+            ("echocal_correction.c", SOURCE),
+            ("selftest/echocal_selftest.h", SELFTEST_HEADER),
+            ("selftest/echocal_selftest.c", SELFTEST),
+            (
+                "selftest/echocal_selftest_main.c",
+                "c/echocal_selftest_main.c",
+            ),
+        ],
+    },
+    Package {
+        name: "arduino",
+        parts: &[
+            ("library.properties", "arduino/library.properties"),
+            ("keywords.txt", "arduino/keywords.txt"),
+            ("src/echocal_correction.h", HEADER),
+            ("src/echocal_correction.c", SOURCE),
+            ("src/echocal_selftest.h", SELFTEST_HEADER),
+            ("src/echocal_selftest.c", SELFTEST),
+            ("examples/HcSr04/HcSr04.ino", "arduino/HcSr04.ino"),
+            ("examples/SelfTest/SelfTest.ino", "arduino/SelfTest.ino"),
+        ],
+    },
+    Package {
+        name: "platformio",
+        parts: &[
+            ("platformio.ini", "platformio/platformio.ini"),
+            ("src/main.cpp", "platformio/main.cpp"),
+            (
+                "lib/EchocalCorrection/library.json",
+                "platformio/library.json",
+            ),
+            ("lib/EchocalCorrection/src/echocal_correction.h", HEADER),
+            ("lib/EchocalCorrection/src/echocal_correction.c", SOURCE),
+            (
+                "lib/EchocalCorrection/src/echocal_selftest.h",
+                SELFTEST_HEADER,
+            ),
+            ("lib/EchocalCorrection/src/echocal_selftest.c", SELFTEST),
+            (
+                "test/test_selftest/test_selftest.cpp",
+                "platformio/test_selftest.cpp",
+            ),
+        ],
+    },
+    Package {
+        name: "esphome",
+        parts: &[
+            ("echocal.yaml", "esphome/echocal.yaml"),
+            ("echocal_correction.h", HEADER),
+            ("echocal_correction.c", SOURCE),
+        ],
+    },
+    Package {
+        name: "micropython",
+        parts: &[
+            ("echocal_correction.py", "micropython/echocal_correction.py"),
+            ("echocal_selftest.py", "micropython/echocal_selftest.py"),
+            ("main.py", "micropython/main.py"),
+        ],
+    },
+];
+
+impl Package {
+    /// The packaging of this name.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn parse(name: &str) -> Result<Self, Error> {
+        let found = PACKAGES.iter().find(|package| package.name == name);
+        found.copied().ok_or_else(|| {
+            let known: Vec<_> = PACKAGES.iter().map(|package| package.name).collect();
+            let known = known.join(", ");
+            Error::Request(format!(
+                "unknown package '{name}'; this version has {known}"
+            ))
+        })
+    }
+
+    /// Path and text of each file.
+    ///
+    /// # Errors
+    /// [`Error::Template`] if a template fails, a defect of this crate.
+    pub fn render(&self, context: &minijinja::Value) -> Result<Vec<(String, String)>, Error> {
+        let environment = environment()?;
+        let render = |(path, template): &(&str, &str)| {
+            let text = environment.get_template(template)?.render(context)?;
+            Ok(((*path).to_owned(), text))
+        };
+        let files: Result<_, minijinja::Error> = self.parts.iter().map(render).collect();
+        files.map_err(|error| failed(&error))
+    }
+}
+
+fn environment() -> Result<Environment<'static>, Error> {
+    let mut environment = Environment::new();
+    environment.set_trim_blocks(true);
+    environment.set_lstrip_blocks(true);
+    environment.set_keep_trailing_newline(true);
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_auto_escape_callback(|_| AutoEscape::None);
+    environment.add_filter("comment", comment);
+    environment.add_filter("docstring", docstring);
+    environment.add_filter("micro", |value: f64| (value * 1e6).round() as i64);
+    for (name, text) in TEMPLATES {
+        environment
+            .add_template(name, text)
+            .map_err(|error| failed(&error))?;
+    }
+    Ok(environment)
+}
+
+/// Text from outside, made safe inside a docstring of Python.
+fn docstring(text: String) -> String {
+    text.replace('\\', "\\\\").replace("\"\"\"", "'''")
+}
+
+/// Text from outside, made safe inside a comment of C: a file may be called `*/`.
+fn comment(text: String) -> String {
+    let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
+    let text: String = text.chars().map(visible).collect();
+    text.replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("??/", "?? /")
+}
+
+fn failed(error: &minijinja::Error) -> Error {
+    Error::Template(format!("{error:#}"))
+}

@@ -1,0 +1,32 @@
+/**
+ * @file echocal_selftest_main.c
+ * @brief A program that runs the self-test: exits with 0 if it passed, with 1 if not.
+ *
+ * With a standard library it prints what it found. Compile with -DECHOCAL_EVERY_INPUT to check all 6,118,161 inputs.
+ *
+ * SPDX-License-Identifier: MIT OR Apache-2.0
+ */
+#include "echocal_selftest.h"
+
+#if defined(__STDC_HOSTED__) && (__STDC_HOSTED__ == 1)
+#include <stdio.h>
+#define SAY(text) (void)puts(text)
+#else
+#define SAY(text) (void)(text)
+#endif
+
+int main(void)
+{
+    int failed = (echocal_selftest() == 0U) ? 0 : 1;
+#ifdef ECHOCAL_EVERY_INPUT
+    if (echocal_output_hash() != ECHOCAL_OUTPUT_HASH) {
+        failed = 1;
+    }
+#endif
+    if (failed == 0) {
+        SAY("echocal self-test: passed");
+    } else {
+        SAY("echocal self-test: FAILED");
+    }
+    return failed;
+}

@@ -1,0 +1,84 @@
+"""The Arduino library on a simulated UNO: from the trigger pulse to the line that it prints."""
+
+from collections.abc import Callable
+from pathlib import Path
+from statistics import mean
+
+import pytest
+from conftest import with_humidity
+from uno.arduino import build_core, link, serial
+
+from echocal import Model, firmware
+from echocal.firmware import Firmware
+
+Once = Callable[[str, Callable[[Path], None]], Path]
+SKETCH = "examples/HcSr04/HcSr04.ino"
+# Around the turns of Timer1 (32,768 us), at both ends of what is accepted, and past it.
+ECHOES = [150, 580, 11_690, 23_456, 32_767, 32_768, 32_769, 37_999, 38_000, 38_001, 50_000]
+MILLIVOLTS = 713  # of a TMP36, 21.3 degC; the steps of 10 bits make it 20.8 degC
+
+
+@pytest.fixture(scope="session")
+def core(once: Once) -> Path:
+    return once("arduino-core", build_core)
+
+
+def thermometer(package: str = "arduino") -> Firmware:
+    model = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
+    return firmware.generate(model, "avr", temperature=(0.0625, -20.0, 60.0), package=package)
+
+
+def check(packed: Firmware, lines: list[str], echoes: list[int], *codes: int) -> None:
+    """Each line: the echo to a microsecond, the codes, and the distance that the twin gives for these."""
+    for line, sent in zip(lines, echoes, strict=True):
+        echo, *rest = line.split(maxsplit=1 + len(codes))
+        assert abs(int(echo) - sent) <= 1
+        distance = int(packed.distance_um(int(echo), *codes))
+        told = "out of range" if distance == -(2**31) else str(distance)
+        assert rest == [*map(str, codes), told]
+
+
+@pytest.mark.parametrize(("package", "sketch"), [("arduino", SKETCH), ("platformio", "src/main.cpp")])
+def test_the_example_prints_the_twins_distance(package: str, sketch: str, core: Path, tmp_path: Path) -> None:
+    packed = thermometer(package)
+    lines = serial(core, link(packed, sketch, core, tmp_path), (MILLIVOLTS, 0), ECHOES)
+    check(packed, lines, ECHOES, 333)
+    assert lines[-1].endswith("out of range")
+
+
+def test_the_example_prints_the_twins_distance_with_humidity(core: Path, tmp_path: Path) -> None:
+    packed = with_humidity("arduino")
+    # 0.5 of the supply from a HIH-4030: 54.8 %
+    lines = serial(core, link(packed, SKETCH, core, tmp_path), (MILLIVOLTS, 2500), ECHOES[:4])
+    check(packed, lines, ECHOES[:4], 21, 11)
+
+
+def test_where_there_is_no_echo_it_says_so(core: Path, tmp_path: Path) -> None:
+    lines = serial(core, link(thermometer(), SKETCH, core, tmp_path), (MILLIVOLTS, 0), [70_000, 5_000])
+    assert lines[0] == "no echo"
+
+
+def test_held_interrupts_are_worth_their_trouble(core: Path, tmp_path: Path) -> None:
+    """What the sketch says of pulseIn(): 0.6 % short with interrupts on, right without."""
+    echoes = list(range(9_000, 13_000, 173))
+
+    def errors(packed: Firmware, folder: str) -> list[int]:
+        sketch = link(packed, SKETCH, core, tmp_path / folder, "-DECHOCAL_NO_INPUT_CAPTURE")
+        lines = serial(core, sketch, (MILLIVOLTS, 0), echoes)
+        return [int(line.split()[0]) - echo for line, echo in zip(lines, echoes, strict=True)]
+
+    packed = thermometer()
+    held = errors(packed, "held")
+    text = packed.files[SKETCH]
+    assert text.count("    noInterrupts();\n") == 1
+    packed.files[SKETCH] = text.replace("    noInterrupts();\n", "")
+    stolen = errors(packed, "stolen")
+    assert max(map(abs, held)) <= 5
+    assert -0.0075 < mean(stolen) / mean(echoes) < -0.0045
+
+
+def test_the_selftest_passes_on_the_board(core: Path, tmp_path: Path) -> None:
+    """It needs no echo: the board is asked for one that never comes."""
+    packed = thermometer()
+    sketch = link(packed, "examples/SelfTest/SelfTest.ino", core, tmp_path)
+    assert serial(core, sketch, (0, 0), []) == ["echocal self-test: passed"]
