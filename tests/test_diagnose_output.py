@@ -141,8 +141,8 @@ def test_command_line_can_be_quiet_and_pipe() -> None:
         (("--reading-speed", "banana"), 2, "unknown law 'banana'"),
         (("--base", "0"), 2, "a speed of 0 m/s; give a positive one"),
         (("--decimal", "xx"), 2, "neither '.' nor ','"),
-        (("--json", "absent/x.json"), 3, "absent/x.json cannot be written: No such file"),
-        (("--plots", str(TABLE)), 3, "cannot be written"),
+        (("--json", "absent/x.json"), 2, "absent/x.json cannot be written: No such file"),
+        (("--plots", str(TABLE)), 2, "cannot be written"),
     ],
 )
 def test_bad_requests_are_one_line(arguments: tuple[str, ...], code: int, words: str) -> None:

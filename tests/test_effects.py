@@ -12,6 +12,8 @@ from typer.testing import CliRunner
 import echocal
 from echocal.cli import app, main
 from echocal.conditions import QUANTITIES
+from echocal.diagnose.catalogue import irregularities
+from echocal.diagnose.facts import CauseFacts
 from echocal.model.portrait import RECORDED
 from echocal.registry import Effect, find_effect
 
@@ -105,7 +107,7 @@ def run(*arguments: str) -> str:
 @pytest.mark.parametrize("arguments", [(), ("list",)])
 def test_list_names_every_effect(arguments: tuple[str, ...]) -> None:
     output = run(*arguments)
-    assert all(effect.id in output for effect in echocal.effects())
+    assert all(cause.id in output for cause in (*echocal.effects(), *irregularities()))
 
 
 @EVERY
@@ -117,13 +119,23 @@ def test_show_tells_formula_and_parameters(effect: Effect, monkeypatch: pytest.M
     assert all(parameter.name in output for parameter in effect.parameters)
 
 
+@pytest.mark.parametrize("cause", irregularities(), ids=lambda cause: cause.id)
+def test_show_tells_noises_and_faults_too(cause: CauseFacts, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "250")
+    output = run("show", cause.id)
+    assert all(text in output for text in (cause.sentence, cause.signature, cause.check, cause.source))
+    assert all(quantity.meaning in output for quantity in cause.parameters)
+
+
 def test_json_is_the_registry(tmp_path: Path) -> None:
     listed = json.loads(run("--json", "-"))
     assert listed == json.loads(run("list", "--json", "-"))
-    assert [effect["id"] for effect in listed] == [effect.id for effect in echocal.effects()]
-    assert run("show", "humidity", "--quiet", "--json", str(tmp_path / "humidity.json")) == ""
-    shown = json.loads((tmp_path / "humidity.json").read_text())
-    assert shown in listed
+    causes = (*echocal.effects(), *irregularities())
+    assert [cause["id"] for cause in listed] == [cause.id for cause in causes]
+    assert sum(cause["kind"] == "effect" for cause in listed) == len(echocal.effects())
+    for id_ in ("humidity", "cycle_slip", "timeout", "unit_mixup"):
+        assert run("show", id_, "--quiet", "--json", str(tmp_path / "shown.json")) == ""
+        assert json.loads((tmp_path / "shown.json").read_text()) in listed
 
 
 def test_quiet_prints_nothing() -> None:
@@ -140,7 +152,7 @@ def test_an_unknown_id_suggests_the_nearest() -> None:
     )
     assert run_.returncode == 2
     assert run_.stdout == ""
-    assert run_.stderr.startswith("echocal: unknown effect 'humidty'; did you mean 'humidity'? known: ")
+    assert run_.stderr.startswith("echocal: unknown cause 'humidty'; did you mean 'humidity'? known: ")
     assert run_.stderr.count("\n") == 1
 
 
@@ -152,4 +164,4 @@ def test_a_file_that_cannot_be_written_is_one_line(
     with pytest.raises(SystemExit) as stopped:
         main()
     assert stopped.value.code == 2
-    assert capsys.readouterr().err == f"echocal: cannot write {target}: No such file or directory\n"
+    assert capsys.readouterr().err == f"echocal: {target} cannot be written: No such file or directory\n"

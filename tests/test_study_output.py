@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from echocal import DataError
+from echocal import UsageError
 from echocal.cli import app
 from echocal.study import run
 from echocal.study.document import render
@@ -63,5 +63,5 @@ def test_quiet_and_stdout() -> None:
 def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
     result = CliRunner().invoke(app, ["study", "--quiet", "--out", str(tmp_path / "taken")])
-    assert isinstance(result.exception, DataError)
+    assert isinstance(result.exception, UsageError)
     assert "taken cannot be written" in str(result.exception)

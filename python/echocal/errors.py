@@ -1,5 +1,9 @@
 """What can go wrong, each with the exit code of the command line."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
 __all__ = [
     "BoundError",
     "DataError",
@@ -9,6 +13,7 @@ __all__ = [
     "EchocalError",
     "ModelError",
     "UsageError",
+    "writing",
 ]
 
 
@@ -50,3 +55,23 @@ class DisagreementWarning(UserWarning):
 
 class DomainWarning(UserWarning):
     """A law or effect is used outside the domain that its source states."""
+
+
+@contextmanager
+def writing(path: str | Path) -> Iterator[None]:
+    """Turn an operating system's refusal to write into `UsageError`: nothing is wrong with the data.
+
+    Examples
+    --------
+    >>> from echocal.errors import writing
+    >>> with writing("absent/a.txt"), open("absent/a.txt", "w") as file:
+    ...     file.write("never")
+    Traceback (most recent call last):
+    ...
+    echocal.errors.UsageError: absent/a.txt cannot be written: No such file or directory
+    """
+    try:
+        yield
+    except OSError as error:
+        message = f"{path} cannot be written: {error.strerror or error}"
+        raise UsageError(message) from None

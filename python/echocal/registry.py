@@ -1,14 +1,17 @@
 """The registry of effects as typed data."""
 
 import difflib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from echocal import _core
 from echocal.errors import UsageError
 
-__all__ = ["Effect", "Parameter", "effects", "find_effect"]
+__all__ = ["Effect", "Parameter", "effects", "find_effect", "found"]
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,7 @@ class Effect:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, for JSON."""
-        return asdict(self)
+        return {"id": self.id, "kind": "effect", **asdict(self)}
 
 
 @cache
@@ -158,10 +161,14 @@ def find_effect(id_: str) -> Effect:
     >>> find_effect("humidity").firmware_detail
     'relative_humidity'
     """
-    known = {effect.id: effect for effect in effects()}
+    return found(id_, {effect.id: effect for effect in effects()}, "effect")
+
+
+def found(id_: str, known: Mapping[str, T], what: str) -> T:
+    """Return the entry of this id, or raise `UsageError` with the nearest that there is."""
     if id_ not in known:
         near = difflib.get_close_matches(id_, known, n=1, cutoff=0.4)
         hint = f"did you mean '{near[0]}'? " if near else ""
-        message = f"unknown effect '{id_}'; {hint}known: {', '.join(known)}"
+        message = f"unknown {what} '{id_}'; {hint}known: {', '.join(known)}"
         raise UsageError(message)
     return known[id_]

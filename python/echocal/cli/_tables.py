@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeAlias
 import typer
 from rich.console import Console
 
-from echocal.errors import DataError, DataWarning, DomainWarning, UsageError
+from echocal.errors import DataWarning, DomainWarning, UsageError, writing
 from echocal.observations import Observations, read_observations
 from echocal.observations.plan import read_columns
 
@@ -119,11 +119,8 @@ def write_json(document: dict[str, Any], target: str | None) -> None:
     if target == "-":
         sys.stdout.write(text)
         return
-    try:
+    with writing(target):
         Path(target).write_text(text, encoding="utf-8")
-    except OSError as error:
-        message = f"{target} cannot be written: {error.strerror}"
-        raise DataError(message) from None
 
 
 def _finite(value: Any) -> Any:

@@ -1,6 +1,7 @@
-"""``echocal effects``: the registry, for people and for programs."""
+"""``echocal effects``: both registries, for people and for programs."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,10 +12,11 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from echocal.diagnose.catalogue import irregularities
-from echocal.errors import UsageError
+from echocal.diagnose.catalogue import causes, find_cause, irregularities
+from echocal.diagnose.facts import CauseFacts
+from echocal.errors import writing
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
-from echocal.registry import Effect, effects, find_effect
+from echocal.registry import Effect, effects
 
 command = typer.Typer(help="Show what can deviate from the simulation, and how much.")
 
@@ -24,31 +26,33 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing.")]
 
 @command.callback(invoke_without_command=True)
 def default(context: typer.Context, json_: Json = None, quiet: Quiet = False) -> None:
-    """List the effects that echocal knows, in the order of the measurement chain."""
+    """List the causes that echocal knows: effects in the order of the chain, then faults and noises."""
     if context.invoked_subcommand is None:
         list_(json_, quiet)
 
 
 @command.command("list")
 def list_(json_: Json = None, quiet: Quiet = False) -> None:
-    """List the effects that echocal knows, in the order of the measurement chain."""
-    _write([effect.to_dict() for effect in effects()], json_)
+    """List the causes that echocal knows: effects in the order of the chain, then faults and noises."""
+    _write([cause.to_dict() for cause in causes()], json_)
     if not quiet and json_ != "-":
-        hint = Text("echocal effects show ID tells all about one effect.", style="dim")
-        Console().print(_overview(), hint, _others())
+        hint = Text("echocal effects show ID tells all about one of these.", style="dim")
+        Console().print(_overview(), _others(), hint)
 
 
 @command.command()
 def show(
-    effect: Annotated[str, typer.Argument(metavar="ID", help="Id of the effect, e.g. humidity.")],
+    cause: Annotated[
+        str, typer.Argument(metavar="ID", help="Id of an effect, a noise or a fault, e.g. humidity.")
+    ],
     json_: Json = None,
     quiet: Quiet = False,
 ) -> None:
-    """Tell all about one effect: formula, parameters, typical size, how to check it."""
-    found = find_effect(effect)
+    """Tell all about one cause: formula or signature, parameters, typical size, how to check it."""
+    found = find_cause(cause)
     _write(found.to_dict(), json_)
     if not quiet and json_ != "-":
-        Console().print(_portrait(found))
+        Console().print(_portrait(found) if isinstance(found, Effect) else _irregularity(found))
 
 
 def _write(content: Any, target: str | None) -> None:
@@ -56,11 +60,8 @@ def _write(content: Any, target: str | None) -> None:
     if target == "-":
         typer.echo(text, nl=False)
     elif target is not None:
-        try:
+        with writing(target):
             Path(target).write_text(text, encoding="utf-8")
-        except OSError as error:
-            message = f"cannot write {target}: {error.strerror}"
-            raise UsageError(message) from None
 
 
 def _overview() -> Table:
@@ -91,14 +92,29 @@ def _others() -> Table:
 def _portrait(effect: Effect) -> Group:
     title = Text.assemble((effect.id, "bold cyan"), (f"  {effect.stage}", "dim"))
     formula = Padding(Text(effect.formula, style="green"), (0, 2))
+    parts: list[RenderableType] = [title, Text(effect.sentence), Text(), formula]
+    parts += [_parameters(effect), _details(facts(effect))]
+    return Group(*parts)
+
+
+def _irregularity(cause: CauseFacts) -> Group:
+    title = Text.assemble((cause.id, "bold cyan"), (f"  {cause.kind}", "dim"))
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("parameter", style="bold")
+    table.add_column("unit")
+    table.add_column("meaning")
+    for quantity in cause.parameters:
+        table.add_row(quantity.name, quantity.unit, quantity.meaning)
+    return Group(title, Text(cause.sentence), table, _details(cause.details()))
+
+
+def _details(named: Mapping[str, str]) -> Table:
     table = Table.grid(padding=(0, 2))
     table.add_column(style="dim", no_wrap=True)
     table.add_column()
-    for name, text in facts(effect).items():
+    for name, text in named.items():
         table.add_row(name, Text(text))
-    parts: list[RenderableType] = [title, Text(effect.sentence), Text(), formula]
-    parts += [_parameters(effect), table]
-    return Group(*parts)
+    return table
 
 
 def _parameters(effect: Effect) -> Table:

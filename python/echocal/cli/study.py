@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 
 from echocal.cli._tables import Json, write_json
-from echocal.errors import DataError
+from echocal.errors import writing
 
 
 def command(
@@ -32,11 +32,8 @@ def command(
         report.show(found, console)
     if out is None:
         return
-    try:
+    with writing(out):
         paths = figures.save(found, out)
         (out / "study.md").write_text(document.render(found), encoding="utf-8")
-    except OSError as error:
-        message = f"{out} cannot be written: {error.strerror}"
-        raise DataError(message) from None
     if not quiet:
         console.print(f"wrote {', '.join(str(path) for path in [*paths, out / 'study.md'])}")

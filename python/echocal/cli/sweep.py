@@ -10,7 +10,7 @@ from rich.table import Table
 
 from echocal.cli._models import Effects, model_of
 from echocal.cli._tables import Json, Quiet, noted, write_json
-from echocal.errors import DataError, UsageError
+from echocal.errors import UsageError, writing
 from echocal.sweep import Range, parse, parse_named, sweep
 from echocal.sweep.files import write
 
@@ -84,10 +84,8 @@ def _plot(grid: xr.Dataset, path: Path) -> None:
         message = f"{path} has no ending; a plot is .png, .svg or .pdf"
         raise UsageError(message)
     try:
-        sweep_figure(grid).savefig(path, dpi=150)
-    except OSError as error:
-        message = f"{path} cannot be written: {error.strerror}"
-        raise DataError(message) from None
+        with writing(path):
+            sweep_figure(grid).savefig(path, dpi=150)
     except ValueError as error:  # an ending that matplotlib does not know
         raise UsageError(str(error)) from None
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.correct.tables import RESULTS, Corrected, correct_table
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, writing
 from echocal.model import Model
 from echocal.observations.source import load
 from echocal.observations.text import Layout
@@ -97,14 +97,12 @@ def correct_folder(
     for file in files:
         target = out / file.relative_to(source)
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
+            with writing(target.parent):
+                target.parent.mkdir(parents=True, exist_ok=True)
             result = correct_file(file, target, model, columns, **options)
-        except OSError as error:
-            message = f"{target.parent} cannot be made: {error.strerror}"
-            raise DataError(message) from None
-        except DataError as error:
+        except (DataError, UsageError) as error:
             message = f"{file}: {error} ({len(done)} of {len(files)} files are done)"
-            raise DataError(message) from None
+            raise type(error)(message) from None
         done[target] = replace(result, table=result.table.iloc[:0])
         progress(len(done), len(files))
     return done
@@ -122,11 +120,9 @@ def _replace(out: Path, write: Callable[[Path], None]) -> None:
     """Write beside the file, then put it in place: a reader never sees half a file."""
     unfinished = out.with_name(f"{out.name}.tmp")
     try:
-        write(unfinished)
-        unfinished.replace(out)
-    except OSError as error:
-        message = f"{out} cannot be written: {error.strerror or error}"
-        raise DataError(message) from None
+        with writing(out):
+            write(unfinished)
+            unfinished.replace(out)
     finally:
         unfinished.unlink(missing_ok=True)
 

@@ -5,9 +5,9 @@ from functools import cache
 from echocal.diagnose.facts import CauseFacts
 from echocal.diagnose.faults import gross_faults, row_faults
 from echocal.diagnose.noises import noises
-from echocal.registry import Effect, find_effect
+from echocal.registry import Effect, effects, found
 
-__all__ = ["find_cause", "irregularities"]
+__all__ = ["causes", "find_cause", "irregularities"]
 
 
 @cache
@@ -16,13 +16,18 @@ def irregularities() -> tuple[CauseFacts, ...]:
     return (*gross_faults(), *row_faults(), *noises())
 
 
+def causes() -> tuple[Effect | CauseFacts, ...]:
+    """Every cause of both registries."""
+    every: list[Effect | CauseFacts] = [*effects(), *irregularities()]
+    return tuple(every)
+
+
 def find_cause(id_: str) -> Effect | CauseFacts:
     """Return what is known about a cause of either registry.
 
     Raises
     ------
     UsageError
-        If there is none of this id.
+        If there is none of this id; the text suggests the nearest.
     """
-    known = {facts.id: facts for facts in irregularities()}
-    return known[id_] if id_ in known else find_effect(id_)
+    return found(id_, {facts.id: facts for facts in causes()}, "cause")

@@ -6,6 +6,13 @@ from typing import Any, Literal
 __all__ = ["CauseFacts", "Quantity"]
 
 
+_KINDS = {
+    "noise": "changes the distribution of the readings; a diagnosis weighs its likelihood",
+    "row": "spoils single rows; a diagnosis repairs them or leaves them out, and says which",
+    "gross": "spoils whole columns; a diagnosis undoes it before anything else",
+}
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A parameter that a finding states.
@@ -52,3 +59,20 @@ class CauseFacts:
     def to_dict(self) -> dict[str, Any]:
         """As plain data, for JSON."""
         return asdict(self)
+
+    def details(self) -> dict[str, str]:
+        """Return what is known besides parameters, in reading order.
+
+        Examples
+        --------
+        >>> from echocal.diagnose.catalogue import find_cause
+        >>> find_cause("timeout").details()["found in"]
+        '2 % of tables (prior)'
+        """
+        return {
+            "kind": f"{self.kind}: {_KINDS[self.kind]}",
+            "signature": self.signature,
+            "found in": f"{100 * self.prior:g} % of tables (prior)",
+            "check": self.check,
+            "source": self.source,
+        }

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.diagnose.average import Estimate, Member, averaged
-from echocal.errors import DataError
+from echocal.errors import writing
 from echocal.model import Model
 
 __all__ = [
@@ -263,11 +263,8 @@ class Diagnosis:
     def to_json(self, path: str | Path) -> None:
         """Write `to_dict` to a file."""
         text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
-        try:
+        with writing(path):
             Path(path).write_text(text, encoding="utf-8")
-        except OSError as error:
-            message = f"{path} cannot be written: {error.strerror}"
-            raise DataError(message) from None
 
     def predict(self, distance: ArrayLike, **conditions: ArrayLike) -> Estimate:
         """Reading that the device would give at a true distance, all possible causes averaged.

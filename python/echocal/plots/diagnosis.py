@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose import Cause, Diagnosis, Refuted
 from echocal.diagnose.sentences import shown
-from echocal.errors import DataError
+from echocal.errors import writing
 from echocal.plots.next_measurements import plot_next
 
 __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
@@ -34,7 +34,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
 
     Raises
     ------
-    DataError
+    UsageError
         If the folder cannot be written.
     """
     folder = Path(folder)
@@ -46,13 +46,10 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             "next": _single(diagnosis, plot_next, (6.0, 3.8)),
         }
         paths = {folder / f"{name}.png": figure for name, figure in figures.items()}
-        try:
+        with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             for path, figure in paths.items():
                 figure.savefig(path, dpi=150)
-        except OSError as error:
-            message = f"plots cannot be written to {folder}: {error.strerror}"
-            raise DataError(message) from None
     return list(paths)
 
 

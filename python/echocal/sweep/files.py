@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import UsageError, writing
 
 __all__ = ["table", "write"]
 
@@ -39,29 +39,25 @@ def write(grid: xr.Dataset, path: Path) -> None:
     Raises
     ------
     UsageError
-        If the ending is another, or Parquet lacks its library.
-    DataError
-        If the file cannot be written.
+        If the ending is another, Parquet lacks its library, or the file cannot be written.
     """
     unfinished = path.with_name(f"{path.name}.tmp")
     try:
-        match path.suffix:
-            case ".csv":
-                table(grid).to_csv(unfinished, index=False)
-            case ".parquet":
-                table(grid).to_parquet(unfinished, index=False)
-            case ".nc":
-                grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
-            case other:
-                message = f"cannot write '{other}' ({path}); endings: .csv, .parquet, .nc"
-                raise UsageError(message)
-        unfinished.replace(path)
+        with writing(path):
+            match path.suffix:
+                case ".csv":
+                    table(grid).to_csv(unfinished, index=False)
+                case ".parquet":
+                    table(grid).to_parquet(unfinished, index=False)
+                case ".nc":
+                    grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
+                case other:
+                    message = f"cannot write '{other}' ({path}); endings: .csv, .parquet, .nc"
+                    raise UsageError(message)
+            unfinished.replace(path)
     except ImportError:
         message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
         raise UsageError(message) from None
-    except OSError as error:
-        message = f"{path} cannot be written: {error.strerror or error}"
-        raise DataError(message) from None
     finally:
         unfinished.unlink(missing_ok=True)
 
