@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from toolchain import C_COMPILERS, build, hash_of_all
 
@@ -37,6 +37,7 @@ def test_c_is_the_twin_on_every_input(model: Model, target: str, compiler: str, 
 
 
 @settings(max_examples=12, deadline=None)
+@example(delay=0.0, law="cramer", low=0.0, span=5.0, max_error=1e-3, prefer="size", target="avr")
 @given(
     delay=st.floats(0.0, 1e-4),
     law=st.sampled_from(["cramer", "ideal_gas"]),

@@ -100,10 +100,10 @@ fn forms(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let all: Vec<(Cost, Box<dyn Form>)> = costed.collect();
     let beaten = |(cost, form): &(Cost, Box<dyn Form>)| {
         all.iter().any(|(other, better)| {
-            // By a margin: rounding the constants can still change what they cost.
+            // By a margin: rounding the constants can still change what they cost. What costs nothing is its own equal.
             let no_worse = 5 * other.size <= 4 * cost.size && other.time <= cost.time
                 || 5 * other.time <= 4 * cost.time && other.size <= cost.size;
-            no_worse && better.floor() <= NEAR.mul_add(fit.bound, form.floor())
+            other != cost && no_worse && better.floor() <= NEAR.mul_add(fit.bound, form.floor())
         })
     };
     let kept = all.iter().filter(|candidate| !beaten(candidate));
