@@ -18,7 +18,7 @@ LAYERS = (
     {"model"},
     {"observations"},
     {"sweep", "calibrate"},
-    {"diagnose"},
+    {"diagnose", "silicon"},
     {"plots", "report", "verify", "firmware", "batch", "correct"},
     {"study"},
     {"cli"},

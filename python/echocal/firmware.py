@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal import _core
+from echocal import _core, silicon
 from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import DomainWarning, UsageError
@@ -167,6 +167,7 @@ def generate(
     assume: Mapping[str, float] | None = None,
     max_table_bytes: int = 1024,
     package: str = "c",
+    measure: bool = False,
     n_threads: int | None = None,
     progress: Progress | None = None,
     model_name: str = "MODEL.json",
@@ -205,6 +206,10 @@ def generate(
         What the files are: plain C with its self-test, an Arduino library with an example sketch, a
         PlatformIO project with the library in it, a configuration for ESPHome, or a module for
         MicroPython and CircuitPython. All but the last hold the same C.
+    measure : bool
+        Whether to compile the C for the target's core, call it in a simulator, and state in header and
+        report what it costs (``report["measured"]``); for ``c99`` on every core. Cores whose compiler or
+        simulator is not installed are left out: `echocal.silicon.missing` names what is missing.
     n_threads : int, optional
         Threads of the proof; default: all processors.
     progress : callable, optional
@@ -259,13 +264,24 @@ def generate(
         "assumed": air,
         "model_hash": model.hash,
     }
-    wish["command"] = _command(wish, model_name, assume or {})
+    if measure and package == "micropython":
+        message = "measure compiles C, and the package micropython holds none: measure another package"
+        raise UsageError(message)
+    wish["command"] = _command(wish, model_name, assume or {}) + (" --measure" if measure else "")
     core = _core.design_firmware(model._core, wish, progress)
     for end in (codes.low, codes.high):  # every limit is monotone in the temperature
         outside = describe(model.law, [end, *air[1:4], 0.0], f"outside at {end:g} degC in the assumed air")
         if outside:
             warnings.warn(outside, DomainWarning, stacklevel=2)
-    files = dict(core.files([]))
+    made = _firmware(core, [])
+    if not measure:
+        return made
+    found = [silicon.measure(made, name) for name in silicon.cores_of(target)]
+    return _firmware(core, [one.to_dict() for one in found if one is not None])
+
+
+def _firmware(core: _core.Firmware, measured: list[dict[str, Any]]) -> Firmware:
+    files = dict(core.files(measured))
     return Firmware(files, json.loads(files["report.json"]), core)
 
 

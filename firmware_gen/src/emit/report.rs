@@ -50,10 +50,14 @@ pub struct Measurement {
     pub ram_bytes: u64,
     /// Stack of a call, with the return address where it is kept there \[byte\].
     pub stack_bytes: u64,
-    /// Cycles of a call, `call` and `ret` included, where the simulator counts them.
+    /// Most cycles of a call, `call` and `ret` included, where the simulator counts them.
     pub cycles: Option<u64>,
-    /// Instructions of a call, its return included, where the simulator counts those.
+    /// Fewest of them; the same where the function takes constant time.
+    pub fewest_cycles: Option<u64>,
+    /// Most instructions of a call, its return included, where the simulator counts those.
     pub instructions: Option<u64>,
+    /// Fewest of them.
+    pub fewest_instructions: Option<u64>,
 }
 
 /// `report.json`: the keys in alphabetical order, so that equal reports are equal bytes.

@@ -18,6 +18,7 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from echocal import silicon
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
@@ -48,6 +49,7 @@ def command(
     assume: Annotated[list[str] | None, option("What is not measured.", metavar="NAME=VALUE")] = None,
     max_table_bytes: Annotated[int, option("Largest tables allowed, together.")] = 1024,
     package: Annotated[str, option("c, arduino, platformio, esphome or micropython.")] = "c",
+    measure: Annotated[bool, option("Compile, run in a simulator, state the costs.", "--measure")] = False,
     threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
     json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
     quiet: Annotated[bool, option("Print nothing but errors.", "--quiet", "-q")] = False,
@@ -84,18 +86,22 @@ def command(
             assume=dict(_assignment(text) for text in assume or ()),
             max_table_bytes=max_table_bytes,
             package=package,
+            measure=measure,
             n_threads=threads,
             progress=lambda form, checked, total: progress.update(
                 task, description=f"proving: {form}", completed=checked, total=total
             ),
             model_name=model.name,
         )
+    notes = [str(warning.message) for warning in warned]
+    absent = {core: silicon.missing(core) for core in silicon.cores_of(target)} if measure else {}
+    notes += [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]
     files = made.save(out)
     if json == "-":
         sys.stdout.write(made.files["report.json"])
     elif json is not None:
         _write(Path(json), made.files["report.json"])
-    console.print(_summary(made, files, [str(warning.message) for warning in warned]))
+    console.print(_summary(made, files, notes))
 
 
 def _write(path: Path, text: str) -> None:
@@ -124,6 +130,15 @@ def _assignment(text: str) -> tuple[str, float]:
         raise UsageError(message) from None
 
 
+def _cost(found: dict[str, Any]) -> str:
+    """Return what one core needs, in a line."""
+    unit = "instructions" if found["cycles"] is None else "cycles"
+    most, fewest = found[unit], found[f"fewest_{unit}"]
+    steps = f"{most}" if most == fewest else f"{fewest} to {most}"
+    memory = f"{found['flash_bytes']} bytes of flash, {found['stack_bytes']} of stack"
+    return f"{found['core']}: {memory}, {steps} {unit} ({found['compiler']} {found['options']})"
+
+
 def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     report = made.report
     table = Table.grid(padding=(0, 2))
@@ -139,6 +154,8 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     table.add_row("worst at", f"echo {worst['echo_us']} us, {worst['temperature']:g} degC{damp}")
     table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
     table.add_row("", "no overflow; never falls as the echo time grows")
+    for found in report["measured"]:
+        table.add_row("measured", _cost(found))
     for line in report["assumptions"]:
         table.add_row("assumed", escape(line))
     for note in notes:

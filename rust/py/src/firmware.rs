@@ -60,7 +60,9 @@ pub struct Measured {
     ram_bytes: u64,
     stack_bytes: u64,
     cycles: Option<u64>,
+    fewest_cycles: Option<u64>,
     instructions: Option<u64>,
+    fewest_instructions: Option<u64>,
 }
 
 impl From<Measured> for Measurement {
@@ -75,7 +77,9 @@ impl From<Measured> for Measurement {
             ram_bytes: found.ram_bytes,
             stack_bytes: found.stack_bytes,
             cycles: found.cycles,
+            fewest_cycles: found.fewest_cycles,
             instructions: found.instructions,
+            fewest_instructions: found.fewest_instructions,
         }
     }
 }

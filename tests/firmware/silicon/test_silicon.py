@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from boards import BOARDS, Avr, Cost, folded
+from costs import Cost, check
 
-from echocal import Model, firmware
+from echocal import Model, firmware, silicon
 from echocal.firmware import Firmware
+from echocal.silicon.avr import Avr, folded
 
 DRY = {"relative_humidity": 0.0, "co2_mole_fraction": 0.0}
 DS18B20 = (0.0625, -20.0, 60.0)
@@ -25,6 +26,7 @@ CEILINGS = {
     ("cortex-m4f", "cortex-m3", "size", "-Os"): {"12": Cost(60, 60, 0, 0, 19)},
     ("rv32", "rv32", "size", "-Os"): {"12": Cost(82, 82, 0, 0, 25)},
 }
+TARGETS = {"cortex-m4f": "cortex-m3", "rv32e": "rv32"}
 ERRORS = {"size": 0.1e-3, "speed": 0.5e-3}
 
 
@@ -35,21 +37,17 @@ def dry_air(target: str, prefer: str = "size") -> Firmware:
     )
 
 
-@pytest.mark.parametrize("name", BOARDS)
-def test_all_48_million_inputs(name: str, tmp_path: Path) -> None:
-    made = dry_air("cortex-m3" if name == "cortex-m4f" else name)
+@pytest.mark.parametrize("name", silicon.CORES)
+def test_all_48_million_inputs(name: str) -> None:
+    made = dry_air(TARGETS.get(name, name))
     assert made.report["inputs_checked"] == 48_679_281
-    assert BOARDS[name].hash_of_all(made, tmp_path) == made.report["output_hash"]
+    assert silicon.output_hash(made, name) == made.report["output_hash"]
 
 
 @pytest.mark.parametrize("case_", CEILINGS, ids="-".join)
-def test_costs_stay_below_their_ceilings(case_: tuple[str, str, str, str], tmp_path: Path) -> None:
-    name, target, prefer, level = case_
-    board = BOARDS[name]
-    found = board.measure(dry_air(target, prefer), tmp_path, level)
-    most = CEILINGS[case_][board.version]
-    over = {field: value for field, value in vars(found).items() if value > getattr(most, field)}
-    assert not over, f"{found} above {most}"
+def test_costs_stay_below_their_ceilings(case_: tuple[str, str, str, str]) -> None:
+    core, target, prefer, level = case_
+    check(dry_air(target, prefer), core, level, CEILINGS[case_])
 
 
 def test_the_accurate_one_is_the_small_one() -> None:
@@ -57,14 +55,14 @@ def test_the_accurate_one_is_the_small_one() -> None:
     assert dry_air("avr").report["error_proven_m"] <= 0.06e-3
 
 
-@pytest.mark.parametrize("name", [name for name in BOARDS if name != "avr"])
-def test_every_form_on_every_core(name: str, case: Firmware, tmp_path: Path) -> None:
-    assert BOARDS[name].hash_of_all(case, tmp_path) == case.report["output_hash"]
+@pytest.mark.parametrize("name", [name for name in silicon.CORES if name != "avr"])
+def test_every_form_on_every_core(name: str, case: Firmware) -> None:
+    assert silicon.output_hash(case, name) == case.report["output_hash"]
 
 
 def test_every_form_on_avr(case: Firmware, tmp_path: Path) -> None:
     """Three rows of each: the first, one in the middle, the last."""
-    board = BOARDS["avr"]
+    board = silicon.CORES["avr"]
     assert isinstance(board, Avr)
     device = case.report["device"]
     codes, echo = device["conditions"][0]["codes"], device["echo"]["codes"]["maximum"]

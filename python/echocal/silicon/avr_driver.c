@@ -1,11 +1,11 @@
 /*
  * Calls a generated function in a simulated ATmega328P, one call for each accepted input:
  *
- *     avr_driver FIRMWARE.elf ECHO_LAST FIRST LAST STEP [HUMIDITY_FIRST HUMIDITY_LAST]
+ *     avr_driver FIRMWARE.elf ECHO_LAST FIRST LAST STEP [HUMIDITY_FIRST HUMIDITY_LAST HUMIDITY_STEP]
  *
  * Prints, for every STEP-th temperature code in FIRST .. LAST, its hash over all echo codes; then the fewest and the
  * most cycles of a call, `call` and `ret` included, and the bytes of stack, return address included. The simulator is
- * GPL-3: a companion of the tests, never part of what is shipped.
+ * GPL-3: it is used where it is installed, and no part of what is shipped.
  */
 #include <simavr/sim_avr.h>
 #include <simavr/sim_core.h>
@@ -80,10 +80,11 @@ int main(int count, char **words)
     memcpy(avr->data + 0x100, avr->flash + firmware.flashsize - firmware.datasize, firmware.datasize);
     const unsigned echo_last = (unsigned)atoi(words[2]);
     const int first = atoi(words[3]), last = atoi(words[4]), step = atoi(words[5]);
-    const unsigned dry = count > 7 ? (unsigned)atoi(words[6]) : 0, damp = count > 7 ? (unsigned)atoi(words[7]) : 0;
+    const unsigned dry = count > 8 ? (unsigned)atoi(words[6]) : 0, damp = count > 8 ? (unsigned)atoi(words[7]) : 0;
+    const unsigned apart = count > 8 ? (unsigned)atoi(words[8]) : 1;
     for (int code = first; code <= last; code += step) {
-        for (unsigned humidity = dry; humidity <= damp; humidity++) {
-            printf("%08x\n", row(echo_last, code, humidity, code == first && humidity == damp));
+        for (unsigned humidity = dry; humidity <= damp; humidity += apart) {
+            printf("%08x\n", row(echo_last, code, humidity, code == first && humidity == dry));
         }
     }
     printf("%llu %llu %u\n", (unsigned long long)fewest, (unsigned long long)most, STACK_TOP - lowest);

@@ -16,7 +16,7 @@
 #define ECHOCAL_HUMIDITY_CODE_LAST 0
 #endif
 
-enum { WRITE0 = 0x04, EXIT = 0x18, CALLS = 100000 };
+enum { WRITE0 = 0x04, EXIT = 0x18, CALLS = 2000, DEEP = 1024, PAINT = 0xA5 };
 static const uint32_t SEED = UINT32_C(2166136261);
 volatile int32_t sink;
 
@@ -28,11 +28,12 @@ static int32_t __attribute__((noinline)) nothing(ARGUMENTS)
 }
 
 #ifdef __riscv
+#define MOVE "mv"
 static void host(uintptr_t operation, uintptr_t argument)
 {
     register uintptr_t a0 __asm__("a0") = operation;
     register uintptr_t a1 __asm__("a1") = argument;
-    __asm__ volatile(".option push\n.option norvc\n.balign 16\n"
+    __asm__ volatile(".balign 16\n.option push\n.option norvc\n"
                      "slli x0, x0, 0x1f\nebreak\nsrai x0, x0, 7\n.option pop"
                      : "+r"(a0) : "r"(a1) : "memory");
 }
@@ -40,10 +41,11 @@ static void host(uintptr_t operation, uintptr_t argument)
 static uint32_t now(void)
 {
     uint32_t count;
-    __asm__ volatile("csrr %0, minstret" : "=r"(count));
+    __asm__ volatile(".option push\n.option arch, +zicsr\ncsrr %0, minstret\n.option pop" : "=r"(count));
     return count;
 }
 #else
+#define MOVE "mov"
 #define SYSTICK ((volatile uint32_t *)0xE000E010)
 static void host(uintptr_t operation, uintptr_t argument)
 {
@@ -97,15 +99,49 @@ static uint32_t hash_of_all(void)
 #else
 
 /* Ticks that CALLS calls take. */
-static uint32_t time_of(int32_t (*volatile function)(TYPES))
+static uint32_t time_of(int32_t (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp)
 {
     int32_t (*const called)(TYPES) = function;
     uint32_t start = now();
     int32_t count;
+    (void)damp;
     for (count = 0; count < CALLS; count++) {
-        sink = called(GIVEN(12345, ECHOCAL_TEMPERATURE_CODE_LAST, ECHOCAL_HUMIDITY_CODE_LAST));
+        sink = called(GIVEN(echo, code, damp));
     }
     return now() - start;
+}
+
+/* Bytes below the caller's stack that a call writes to. */
+static uint32_t __attribute__((noinline)) stack_of(int32_t (*volatile function)(TYPES))
+{
+    uintptr_t here, place;
+    __asm__ volatile(MOVE " %0, sp" : "=r"(here));
+    for (place = here - DEEP; place < here; place++) {
+        *(volatile uint8_t *)place = PAINT;
+    }
+    sink = function(GIVEN(ECHOCAL_ECHO_US_LAST, ECHOCAL_TEMPERATURE_CODE_FIRST, ECHOCAL_HUMIDITY_CODE_LAST));
+    for (place = here - DEEP; place < here && *(volatile uint8_t *)place == PAINT; place++) { }
+    return (uint32_t)(here - place);
+}
+
+/* The stack of a call, the time of none, and the times of calls at the ends of each range and between. */
+static void count_all(void)
+{
+    int32_t echo, code, damp;
+    print(stack_of(echocal_distance_um));
+    (void)time_of(nothing, 0, 0, 0);
+    print(time_of(nothing, 0, 0, 0));
+    for (echo = 0; echo < 4; echo++) {
+        for (code = 0; code < 3; code++) {
+            for (damp = 0; damp < 2; damp++) {
+                print(time_of(echocal_distance_um,
+                    ECHOCAL_ECHO_US_FIRST + (ECHOCAL_ECHO_US_LAST - ECHOCAL_ECHO_US_FIRST) / 3 * echo,
+                    ECHOCAL_TEMPERATURE_CODE_FIRST
+                        + (ECHOCAL_TEMPERATURE_CODE_LAST - ECHOCAL_TEMPERATURE_CODE_FIRST) / 2 * code,
+                    damp ? ECHOCAL_HUMIDITY_CODE_LAST : ECHOCAL_HUMIDITY_CODE_FIRST));
+            }
+        }
+    }
 }
 #endif
 
@@ -117,9 +153,7 @@ void board_main(void)
     SYSTICK[0] = 5;
 #endif
 #ifdef COUNT
-    (void)time_of(nothing);
-    print(time_of(nothing));
-    print(time_of(echocal_distance_um));
+    count_all();
 #else
     print(hash_of_all());
 #endif

@@ -1,0 +1,115 @@
+"""A core, its compiler, and the simulator that plays it."""
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Protocol
+
+from echocal.silicon.tools import absent, compiler_version, run
+
+HERE = Path(__file__).parent
+STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-pedantic", "-Werror")
+MODE = ("-std=c99", "-ffreestanding", "-ffunction-sections", "-fstack-usage")
+
+
+class Generated(Protocol):
+    """What is measured: C text by path, and a report that names the codes."""
+
+    @property
+    def files(self) -> Mapping[str, str]:
+        """Text by path."""
+
+    @property
+    def report(self) -> Mapping[str, Any]:
+        """What was proven."""
+
+
+@dataclass(frozen=True)
+class Calls:
+    """What calls cost: the fewest and the most cycles or instructions of one, and its stack [byte]."""
+
+    fewest: int
+    most: int
+    stack: int
+
+
+@dataclass(frozen=True)
+class Board(ABC):
+    """A core, its compiler, and the simulator that plays it."""
+
+    name: str
+    compiler: str
+    flags: tuple[str, ...]
+    counts_cycles = False
+
+    @property
+    @abstractmethod
+    def tools(self) -> tuple[str, ...]:
+        """Commands that must be installed."""
+
+    @cached_property
+    @abstractmethod
+    def simulator(self) -> str:
+        """The simulator, with its version."""
+
+    @abstractmethod
+    def calls(self, thing: Path, made: Generated) -> Calls:
+        """Cost of a call of the function in an object file, return included."""
+
+    @abstractmethod
+    def output_hash(self, thing: Path, made: Generated) -> str:
+        """Hash over every accepted input, computed on the core."""
+
+    def missing(self) -> list[str]:
+        """Return what is not installed of what is needed."""
+        return absent(*self.tools)
+
+    @cached_property
+    def version(self) -> str:
+        """Version of the compiler."""
+        return compiler_version(self.compiler)
+
+    def compile(self, made: Generated, folder: Path, options: str, *, strict: bool = True) -> Path:
+        """Return the object file, compiled without a warning if `strict`."""
+        for path, text in made.files.items():
+            if path.endswith(("echocal_correction.c", "echocal_correction.h")):
+                (folder / Path(path).name).write_text(text, encoding="utf-8")
+        out = folder / f"{self.name}{options.replace(' ', '')}.o"
+        warnings = STRICT if strict else ("-w",)
+        source = folder / "echocal_correction.c"
+        run(self.compiler, *self.flags, *MODE, *warnings, *options.split(), "-c", source, "-o", out)
+        return out
+
+    def sizes(self, linked: Path) -> dict[str, int]:
+        """Return bytes of text with constants, initialized data and zeroed data."""
+        words = run(self.compiler.replace("gcc", "size"), linked).splitlines()[1].split()
+        return dict(zip(("text", "data", "bss"), map(int, words), strict=False))
+
+    def own(self, linked: Path) -> int:
+        """Return bytes of the function and its tables, all of which are named alike."""
+        lines = run(self.compiler.replace("gcc", "nm"), "--print-size", linked).splitlines()
+        symbols = (line.split() for line in lines)
+        return sum(int(words[1], 16) for words in symbols if words[-1].startswith("echocal_"))
+
+    def link(self, thing: Path, *more: str | Path) -> Path:
+        """Return the function with what it takes from the compiler's library, alone."""
+        out = thing.with_suffix(".elf")
+        entry = ("-nostdlib", "-Wl,--gc-sections,-e,echocal_distance_um,-u,echocal_distance_um")
+        run(self.compiler, *self.flags, thing, *entry, *more, "-lgcc", "-o", out)
+        return out
+
+
+def axes(made: Generated) -> list[tuple[int, int]]:
+    """Return the first and last code of the echo and of each condition."""
+    device = made.report["device"]
+    codes = [axis["codes"] for axis in (device["echo"], *device["conditions"])]
+    return [(axis["minimum"], axis["maximum"]) for axis in codes]
+
+
+def lines_of_numbers(text: str) -> list[list[int]]:
+    """Return the numbers of the lines that hold nothing else."""
+    lines = (line.split() for line in text.splitlines() if re.fullmatch(r"[0-9 ]+", line))
+    return [[int(word) for word in line] for line in lines]
