@@ -20,6 +20,8 @@ UNKNOWN = "unknown"
 
 _TAIL = 0.1  # weight of a prior's tail beside its bulk
 _CLOSEST = 0.5  # rows between two places at which an effect may begin
+_BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
+_FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
 
 
 @dataclass(frozen=True)
@@ -144,6 +146,9 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
         sizes = [p for p in effect.parameters if p.role == "size"]
         form = _known if all(p.known for p in sizes) else _free
         variants = form(found, effect, scene)
+        if not variants:
+            found.skipped[effect.id] = "too few distances before the one where it would begin"
+            continue
         finite = [v for v in variants if all(np.isfinite(found.columns[i]).all() for i in v.columns)]
         if len(finite) < len(variants):
             found.skipped[effect.id] = "not finite in these data"
@@ -238,11 +243,18 @@ def _places(
         fit = np.linalg.lstsq(design @ design.T, design @ scene.residual, rcond=1e-9)[0]
         return float(fit @ design @ scene.residual)
 
-    scores = {q: explained(q) for q in parameter.tried}
+    first, last = _reach(column, parameter) if along == "distance" else (-np.inf, np.inf)
+
+    def shows(q: float) -> bool:
+        return bool(first <= np.quantile(column, q) <= last)
+
+    scores = {q: explained(q) for q in parameter.tried if shows(q)}
+    if not scores:
+        return []
     step = float(np.diff(parameter.tried).min()) / 2
     while step * len(column) > _CLOSEST:
         best = max(scores, key=lambda q: scores[q])
-        scores |= {q: explained(q) for q in (best - step, best + step)}
+        scores |= {q: explained(q) for q in (best - step, best + step) if shows(q)}
         step /= 2
     places = sorted(scores)
     middles = np.array([0.0, *(np.diff(places) / 2 + places[:-1]), 1.0])
@@ -250,6 +262,15 @@ def _places(
     for value, share in zip(np.quantile(column, places).tolist(), np.diff(middles).tolist(), strict=True):
         values[value] = values.get(value, 0.0) + share
     return list(values.items())
+
+
+def _reach(distances: Column, parameter: Parameter) -> tuple[float, float]:
+    """First and last distance at which an effect may begin: one that begins before is an offset."""
+    distinct = np.unique(distances)
+    before = max(_FEWEST_BEFORE, int(np.ceil(_BEFORE * len(distinct))))
+    if len(distinct) <= before:
+        return np.inf, -np.inf
+    return max(parameter.bounds[0], float(distinct[before - 1])), float(distinct[-2])
 
 
 def _scale(parameter: Parameter, scene: Scene) -> float:

@@ -2,7 +2,7 @@
 
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.result import Cause, Diagnosis, NextMeasurement
-from echocal.diagnose.sentences import quantity_text
+from echocal.diagnose.sentences import parameter_text, quantity_text
 
 __all__ = ["explain", "parameter_text", "proposal_text"]
 
@@ -14,8 +14,6 @@ _LEAD = {
 }
 
 _SHOWN = 6  # causes named in one proposal
-
-_READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
 
 
 def explain(diagnosis: Diagnosis) -> str:
@@ -51,16 +49,6 @@ def _cause(cause: Cause) -> list[str]:
     if cause.indistinguishable_from:
         lines.append(f"  These data cannot tell it from {', '.join(cause.indistinguishable_from)}.")
     return lines
-
-
-def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
-    """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
-    factor, shown = _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
-    if unit == "s" and abs(value) >= 1.0:
-        factor, shown = 1.0, "s"  # a time constant, not an echo
-    if uncertainty == 0.0:
-        return f"{name} = {value * factor:g} {shown}".rstrip()
-    return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()
 
 
 def _gain(diagnosis: Diagnosis) -> list[str]:

@@ -10,7 +10,7 @@ from echocal.diagnose.evidence import Hypothesis, Stack
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.level_steps import steps_of
 from echocal.diagnose.result import Unexplained
-from echocal.diagnose.sentences import tendency
+from echocal.diagnose.sentences import first_against_others, tendency
 from echocal.diagnose.tension import reconciled
 from echocal.observations import Observations
 from echocal.registry import find_effect
@@ -26,7 +26,10 @@ def because(case: Case, claim: Claim, judgment: Judgment) -> str:
     signal = case.signal(claim.variant, claim.mean)
     beside = [c for c in judgment.kept if c is not claim] if claim in judgment.kept else []
     others = sum((case.signal(c.variant, c.mean) for c in beside), start=np.zeros_like(signal))
-    return tendency(case.residual - others, signal, case.table.against())
+    left = case.residual - others
+    if "position_in_group" in find_effect(claim.cause).reads:
+        return first_against_others(left, signal, case.table.conditions["position_in_group"] == 0)
+    return tendency(left, signal, case.table.against())
 
 
 def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:

@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["far_rows", "level_steps", "series_starts"]
+__all__ = ["far_from_stand", "far_rows", "level_steps", "series_starts"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Labels = NDArray[np.int64]
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
 _HALF_WINDOW = 6  # rows on each side that vouch for a level
@@ -15,6 +16,10 @@ _FAR_RELATIVE = 0.02  # and part of the reading, below which a deviation may be 
 _PER_KELVIN = 0.002  # part of the reading that a kelvin changes where nobody compensates
 _ANYHOW = 0.005  # and what else the air may do across a gap
 _GAP = 5.0  # usual intervals between rows
+_OFF_STAND = 10.0  # robust standard deviations that no noise of one target reaches
+_CYCLES = 0.018  # m, four cycles of the carrier: more than a comparator misses
+_AS_A_WHOLE = 0.5  # part of the rows from the first far one on
+_VOUCH = 8  # rows of one stand that vouch for its level
 _STEP = 7.0  # robust standard deviations of the difference of neighboring medians
 
 
@@ -49,6 +54,42 @@ def far_rows(indication: Column, expected: Column | None) -> Mask:
     center = np.nanmedian(deviation)
     limit = np.maximum(_FAR * _robust_sd(deviation), _FAR_RELATIVE * np.abs(expected))
     return np.asarray(np.abs(deviation - center) > limit)
+
+
+def far_from_stand(indication: Column, stands: Labels, temperature: Column | None) -> Mask:
+    """Find rows far from what the same target mostly read: what another echo answered to.
+
+    A last part of the table that is far as a whole is a step, not a lot of wild rows.
+
+    Parameters
+    ----------
+    indication : ndarray, shape (n,)
+        Readings [m], in the order recorded.
+    stands : ndarray of int, shape (n,)
+        Placement of the target of each row.
+    temperature : ndarray, shape (n,), or None
+        Air temperature [degC]; tells how much the air could have done.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    import pandas as pd  # takes long to import
+
+    none = np.zeros(len(indication), dtype=bool)
+    members = np.bincount(stands)
+    if np.median(members[members > 0]) < _VOUCH:
+        return none
+    by_stand = pd.Series(indication).groupby(stands)
+    off = np.abs(indication - by_stand.transform("median").to_numpy())
+    usual = float(_MAD_TO_SD * pd.Series(off).groupby(stands).median().median())
+    limit = np.full(len(indication), max(_OFF_STAND * usual, _CYCLES))
+    if temperature is not None:
+        warming = temperature - pd.Series(temperature).groupby(stands).transform("median").to_numpy()
+        limit += _PER_KELVIN * np.abs(warming * indication)
+    far = (off > limit) & (members[stands] >= _VOUCH)
+    first = int(far.argmax())
+    return none if far.any() and far[first:].mean() > _AS_A_WHOLE else np.asarray(far)
 
 
 def level_steps(indication: Column, elapsed: Column | None, temperature: Column | None) -> NDArray[np.int64]:

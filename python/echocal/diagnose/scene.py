@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
 from echocal.diagnose.base import Base
-from echocal.diagnose.rows import far_rows, level_steps, series_starts
+from echocal.diagnose.rows import far_from_stand, far_rows, level_steps, series_starts
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
@@ -20,6 +20,7 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 FAR = "far from what its neighbors or the base simulation say"
+OFF_STAND = "far from what the same target mostly read: another echo"
 _FEWEST = 8  # rows below which nothing can be told
 
 
@@ -153,6 +154,12 @@ def _arrange(
     far = far_rows(indication[kept], None if reference is None else reference[kept])
     reasons[kept[far]] = FAR
     kept = kept[~far]
+    if reference is not None:
+        temperature = observations.conditions.get("temperature")
+        stands = _stands(observations, reference, kept)
+        far = far_from_stand(indication[kept], stands, None if temperature is None else temperature[kept])
+        reasons[kept[far]] = OFF_STAND
+        kept = kept[~far]
     names, counts = np.unique(reasons[reasons != ""].astype(str), return_counts=True)
     unusable = dict(zip(names.tolist(), counts.tolist(), strict=True))
     if len(kept) < _FEWEST:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["quantity_text", "telling_column", "tendency"]
+__all__ = ["first_against_others", "parameter_text", "quantity_text", "telling_column", "tendency"]
 
 Column = NDArray[np.float64]
 
@@ -24,6 +24,8 @@ _SHOWN = {  # unit and factor in which people read a quantity
     "hour of day": ("h", 1.0),
 }
 
+_READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
+
 _EVEN = 0.1  # spread over mean below which what varies is not the point
 _SAME = 1e-6  # m, far below what any sensor of this kind resolves
 
@@ -32,6 +34,16 @@ def quantity_text(name: str, value: float) -> str:
     """``18.3 degC``, ``64 %``: a value as people read it."""
     unit, factor = _SHOWN.get(name, ("", 1.0))
     return f"{value * factor:.3g} {unit}".strip()
+
+
+def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
+    """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
+    factor, shown = _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
+    if unit == "s" and abs(value) >= 1.0:
+        factor, shown = 1.0, "s"  # a time constant, not an echo
+    if uncertainty == 0.0:
+        return f"{name} = {value * factor:g} {shown}".rstrip()
+    return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()
 
 
 def shown(name: str, values: Column) -> tuple[Column, str]:
@@ -86,4 +98,14 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
     return (
         f"the fifth of the rows with {name.replace('_', ' ')} around {ends[1]} reads {found:+.2f} mm against "
         f"the fifth around {ends[0]}, where this cause predicts {predicted:+.2f} mm"
+    )
+
+
+def first_against_others(left: Column, signal: Column, first: NDArray[np.bool_]) -> str:
+    """Compare the first rows of bursts with the others, as `tendency` compares the ends of a column."""
+    found = 1e3 * (np.median(left[first]) - np.median(left[~first]))
+    predicted = 1e3 * (signal[first].mean() - signal[~first].mean())
+    return (
+        f"the {int(first.sum())} first pings of the bursts read {found:+.2f} mm against the "
+        f"{int((~first).sum())} others (medians), where this cause predicts {predicted:+.2f} mm"
     )

@@ -9,6 +9,8 @@ from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh
 from echocal.diagnose.noise import Noise
+from echocal.diagnose.sentences import parameter_text
+from echocal.registry import find_effect
 
 __all__ = ["unsteady"]
 
@@ -34,10 +36,17 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise) -> dict[str, str
         value, error = np.array(sizes).T
         mean = (value / error**2).sum() / (1 / error**2).sum()
         if (((value - mean) / error) ** 2).sum() > chi2.isf(_CHANCE, len(value) - 1):
-            name, scale = claim.variant.names[0], claim.variant.scales[0]
-            parts = ", ".join(f"{scale * v:.2g} +/- {scale * e:.1g}" for v, e in sizes)
-            said[claim.cause] = f"{claim.cause} has no one size: {name} is {parts} in parts of the table"
+            said[claim.cause] = (
+                f"{claim.cause} has no one size: {_parts(claim, sizes)} in {len(sizes)} parts of the table"
+            )
     return said
+
+
+def _parts(claim: Claim, sizes: Sequence[tuple[float, float]]) -> str:
+    name, scale = claim.variant.names[0], claim.variant.scales[0]
+    unit = next(p.unit for p in find_effect(claim.cause).parameters if p.name == name)
+    parts = [parameter_text(name, scale * v, scale * e, unit).partition(" = ")[2] for v, e in sizes]
+    return f"{name} is {', '.join(parts)}"
 
 
 def _sizes(case: Case, claim: Claim, noise: Noise) -> list[tuple[float, float]]:

@@ -34,7 +34,8 @@ impl Effect for BeamEdge {
                 unit: "m",
                 role: Role::Shape,
                 neutral: 1.0,
-                bounds: (0.0, 100.0),
+                // a cone of 15 degrees to each side is wider than a module of 45 mm from 84 mm on
+                bounds: (0.084, 100.0),
                 prior_scale: 1.0,
                 tried: Tried::DistanceQuantiles(EVENLY),
                 ..ParameterFacts::USUAL

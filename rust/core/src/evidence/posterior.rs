@@ -26,6 +26,10 @@ pub struct Outcome {
 
 /// The most probable pairs that a third cause is added to.
 const EXTENDED: usize = 4;
+/// The most causes at once.
+const LARGEST: usize = 6;
+/// How much less probable each cause beyond three makes a set, before the data.
+const ANOTHER: f64 = 0.1;
 /// The most probable hypotheses that are also tried beside a shape.
 const BESIDE: usize = 8;
 /// Probability of a noise below which it is not carried along.
@@ -88,6 +92,10 @@ pub fn posterior(
     found.extend(search.weigh(search.pairs(), top(&found)));
     let triples = search.triples(&search.distinct(&found));
     found.extend(search.weigh(triples, top(&found)));
+    for size in 3..LARGEST {
+        let largest = search.grown(&search.distinct(&found), size);
+        found.extend(search.weigh(largest, top(&found)));
+    }
     let beside = search.beside(&search.distinct(&found), &shapes);
     found.extend(search.weigh(beside, top(&found)));
     (search.outcomes(found), noises)
@@ -247,6 +255,31 @@ impl Search<'_> {
             }
         }
         made
+    }
+
+    /// The most probable hypothesis, if it has this many causes, with every further one.
+    fn grown(&self, distinct: &[&Candidate], size: usize) -> Vec<Candidate> {
+        let Some(best) = distinct.first().filter(|c| c.variants.len() == size) else {
+            return Vec::new();
+        };
+        let there = |v: &usize| best.variants.contains(v);
+        let others: Vec<&Vec<usize>> = self
+            .causes
+            .iter()
+            .filter(|forms| !forms.iter().any(there))
+            .collect();
+        let sets = others.len() as f64 / (size + 1) as f64; // each set grows out of as many smaller ones
+        let prior = best.prior * ANOTHER / sets;
+        let grow = |&v: &usize| {
+            let variants = [&best.variants[..], &[v]].concat();
+            let weight = self.variants[v].weight;
+            Candidate {
+                variants,
+                prior: prior * weight,
+                score: f64::NAN,
+            }
+        };
+        others.into_iter().flatten().map(grow).collect()
     }
 
     /// The best hypotheses, each beside every shape.
