@@ -1,6 +1,9 @@
 //! Sums of products for diagnosis, over arrays.
 
-use echocal_core::evidence::{self, Layout, Outcome, Prior, Products, Stack, Variant, Weighed};
+use echocal_core::batch::available_threads;
+use echocal_core::evidence::{
+    self, Layout, Outcome, Prior, Products, Stack, Stored, Variant, Weighed,
+};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
@@ -35,10 +38,8 @@ pub fn products<'py>(
         block_count: count(blocks),
         cell_count: count(cells),
     };
-    let gathered: Vec<Products> = py.detach(|| {
-        let one = |&memory: &f64| Products::gather(&columns, &layout, memory);
-        memories.iter().map(one).collect()
-    });
+    let threads = available_threads();
+    let gathered = py.detach(|| Products::gather(&Stored(&columns), &layout, &memories, threads));
     let arrays = |sums: [Vec<f64>; 4]| {
         let arrays = sums.into_iter().map(|sum| PyArray1::from_vec(py, sum));
         arrays.collect()

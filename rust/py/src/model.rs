@@ -3,9 +3,11 @@
 use std::iter;
 use std::sync::OnceLock;
 
-use echocal_core::batch::{ModelOutput, of_model};
-use echocal_core::{Conditions, Law, Model, Quantity};
-use numpy::{PyArray2, PyReadonlyArray1};
+use echocal_core::batch::{ModelOutput, available_threads, jacobian, of_model};
+use echocal_core::{Law, Model, Quantity};
+use numpy::prelude::*;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::batch::{Entry, Input, Label, Options, call};
@@ -160,10 +162,15 @@ impl CoreModel {
         distance: Column<'py>,
         conditions: Vec<Column<'py>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows: Vec<Vec<f64>> = rows(&distance, &conditions)
-            .map(|(d, at)| self.model.jacobian(d, &at))
-            .collect();
-        Ok(PyArray2::from_vec2(py, &rows)?)
+        let inputs = iter::once(&distance).chain(&conditions);
+        let inputs: Vec<&[f64]> = inputs.map(|c| c.as_slice()).collect::<Result<_, _>>()?;
+        let rows = distance.len();
+        if inputs.len() != 1 + Quantity::COUNT || inputs.iter().any(|c| c.len() != rows) {
+            return Err(PyValueError::new_err("columns differ in number or length"));
+        }
+        let width = 1 + self.model.parameters().len();
+        let found = py.detach(|| jacobian(&self.model, &inputs, available_threads()));
+        PyArray1::from_vec(py, found).reshape([rows, width])
     }
 }
 
@@ -211,17 +218,4 @@ fn label(output: ModelOutput) -> Label {
         ModelOutput::Correction | ModelOutput::Distance => ("distance", "m"),
     };
     Label { name, unit }
-}
-
-/// The rows of an input column beside the columns of conditions, in the order of the quantities.
-fn rows<'a>(
-    input: &'a Column<'_>,
-    conditions: &'a [Column<'_>],
-) -> impl Iterator<Item = (f64, Conditions<f64>)> + 'a {
-    let input = input.as_array();
-    (0..input.len()).map(move |row| {
-        let values = core::array::from_fn(|q| conditions[q].as_array()[row]);
-        const { assert!(Quantity::COUNT > 0) };
-        (input[row], Conditions::new(values))
-    })
 }

@@ -8,13 +8,14 @@
 mod block;
 mod formulas;
 mod models;
+pub(crate) mod staged;
 #[cfg(test)]
 mod tests;
 mod threads;
 mod widened;
 
 pub use formulas::{Output, absorption, echo, speed_of_sound};
-pub use models::{ModelOutput, of_model};
+pub use models::{ModelOutput, jacobian, of_model};
 pub use threads::available as available_threads;
 
 use crate::scalar::Rows;
@@ -48,6 +49,14 @@ impl Column {
         Self {
             start: core::ptr::from_ref(value).cast_mut().cast(),
             stride: 0,
+        }
+    }
+
+    /// Numbers side by side.
+    fn of(values: &[f64]) -> Self {
+        Self {
+            start: values.as_ptr().cast_mut().cast(),
+            stride: size_of::<f64>().cast_signed(),
         }
     }
 

@@ -1,9 +1,12 @@
 //! Whole models as batch kernels.
 
-use super::{Formula, Kernel, kernel};
+#![allow(unsafe_code)]
+
+use super::staged::{BLOCK, Given as Block, Line, Newton, Pass, Reading, settle};
+use super::{Column, Formula, Kernel, kernel, threads};
 use crate::chain::Stage;
 use crate::conditions::{Conditions, Quantity};
-use crate::model::{Given, Model};
+use crate::model::{ENOUGH, Given, Model, Term};
 use crate::scalar::Rows;
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
@@ -22,11 +25,149 @@ pub enum ModelOutput {
     Distance,
 }
 
-/// The kernel of a model. It computes row by row in double precision, also between single-precision
-/// columns.
+/// The kernel of a model. It computes in double precision, also between single-precision columns.
 #[must_use]
 pub fn of_model(model: Model, output: ModelOutput) -> Box<dyn Kernel> {
-    kernel(Simulation { model, output })
+    Box::new(OfModel {
+        model: model.clone(),
+        output,
+        alone: kernel(Simulation { model, output }),
+    })
+}
+
+/// Rows from which on blocks pay: what a block costs at least is a few rows' time.
+const SEVERAL: usize = 16;
+
+/// Many rows in blocks, few one by one: the same bits.
+struct OfModel {
+    model: Model,
+    output: ModelOutput,
+    alone: Box<dyn Kernel>,
+}
+
+impl Kernel for OfModel {
+    fn arity(&self) -> usize {
+        INPUTS
+    }
+
+    fn evaluate(&self, inputs: &[f64]) -> f64 {
+        self.alone.evaluate(inputs)
+    }
+
+    unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
+        if rows < SEVERAL {
+            // SAFETY: the caller's.
+            return unsafe { self.alone.run_f64(inputs, output, rows, 1) };
+        }
+        let span = |first: usize, count: usize| {
+            let columns = core::array::from_fn(|q| inputs[1 + q].skip(first));
+            let mut given = Block::new(inputs[0].skip(first), columns);
+            let (mut pass, mut found) = (Pass::new(), Line::of(0.0));
+            for from in (0..count).step_by(BLOCK) {
+                let some = BLOCK.min(count - from);
+                // SAFETY: rows of columns that the caller guarantees.
+                let block = unsafe { given.block(from, some) };
+                self.block(&mut pass, block, &mut found);
+                for (row, &value) in found.0[..some].iter().enumerate() {
+                    // SAFETY: as above.
+                    unsafe { *output.skip(first + from + row).start.cast() = value };
+                }
+            }
+        };
+        threads::split(rows, threads, &span);
+    }
+
+    unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
+        // SAFETY: the caller's.
+        unsafe { self.alone.run_f32(inputs, output, rows, threads) }
+    }
+}
+
+impl OfModel {
+    fn block(&self, pass: &mut Pass, block: Reading, found: &mut Line) {
+        let last = match self.output {
+            ModelOutput::Correction | ModelOutput::Distance => {
+                return self.invert(pass, block, found);
+            }
+            ModelOutput::Indication => Stage::Indication,
+            ModelOutput::TimeOfFlight => Stage::Timer,
+            ModelOutput::SpeedOfSound => Stage::Speed,
+        };
+        pass.run(&self.model, block, last).values(last, found);
+    }
+
+    /// As [`Model::invert`], a block at once.
+    fn invert(&self, pass: &mut Pass, block: Reading, found: &mut Line) {
+        let (last, guess) = match self.output {
+            ModelOutput::Correction => (Stage::Indication, None),
+            _ => (Stage::Timer, Some(self.model.law())),
+        };
+        let mut newton = Newton::new(&block, guess);
+        for _ in 0..ENOUGH {
+            let here = block.to_distance(true).at(&newton.distance);
+            let reached = pass.run(&self.model, here, last).of(last);
+            if settle(&mut newton, reached, block.rows) {
+                break;
+            }
+        }
+        newton.found(found);
+    }
+}
+
+/// Derivatives of the indication, row by row: to the distance, then to each parameter.
+///
+/// `inputs` are the distance and every influence quantity, in the order of [`Quantity::ALL`].
+///
+/// # Panics
+/// If there are not as many inputs, or they differ in length.
+#[must_use]
+pub fn jacobian(model: &Model, inputs: &[&[f64]], threads: usize) -> Vec<f64> {
+    let rows = inputs[0].len();
+    assert!(inputs.len() == INPUTS && inputs.iter().all(|input| input.len() == rows));
+    let terms = model.terms().iter().enumerate();
+    let each = |(term, t): (usize, &Term)| (0..t.parameters.len()).map(move |p| Some((term, p)));
+    let seeds: Vec<_> = [None].into_iter().chain(terms.flat_map(each)).collect();
+    let mut found = vec![0.0; rows * seeds.len()];
+    let output = Output(found.as_mut_ptr());
+    let columns: [Column; INPUTS] = core::array::from_fn(|k| Column::of(inputs[k]));
+    let span = |first: usize, count: usize| {
+        let recorded = core::array::from_fn(|q| columns[1 + q].skip(first));
+        let mut given = Block::new(columns[0].skip(first), recorded);
+        let (mut pass, mut line) = (Pass::new(), Line::of(0.0));
+        for from in (0..count).step_by(BLOCK) {
+            let some = BLOCK.min(count - from);
+            // SAFETY: rows of the inputs.
+            let block = unsafe { given.block(from, some) };
+            for (place, &seed) in seeds.iter().enumerate() {
+                let here = block.to_distance(seed.is_none());
+                let reached = pass.seeded(model, here, Stage::Indication, seed);
+                reached.slopes(Stage::Indication, &mut line);
+                for (row, &slope) in line.0[..some].iter().enumerate() {
+                    let at = (first + from + row) * seeds.len() + place;
+                    // SAFETY: a number of the output, which one thread alone writes.
+                    unsafe { output.put(at, slope) };
+                }
+            }
+        }
+    };
+    threads::split(rows, threads, &span);
+    found
+}
+
+/// Where threads put numbers, each its own.
+#[derive(Clone, Copy)]
+struct Output(*mut f64);
+
+// SAFETY: who puts a number answers for its place.
+unsafe impl Send for Output {}
+// SAFETY: as above.
+unsafe impl Sync for Output {}
+
+impl Output {
+    unsafe fn put(&self, at: usize, value: f64) {
+        // SAFETY: the caller guarantees the place, and that nobody else has it.
+        unsafe { *self.0.add(at) = value };
+    }
 }
 
 const INPUTS: usize = 1 + Quantity::COUNT;

@@ -22,6 +22,15 @@ pub trait Effect {
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]);
 }
 
+/// What is to be done with an effect whose type is known when it is compiled.
+pub(crate) trait Visitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<E: Effect>(self) -> Self::Output;
+}
+
 macro_rules! registry {
     ($($module:ident :: $effect:ident),+ $(,)?) => {
         $(mod $module;)+
@@ -43,6 +52,18 @@ macro_rules! registry {
                 position += 1;
             )+
             debug_assert!(index < position, "no effect has index {index}");
+        }
+
+        /// Does something with the effect with this index in [`ALL`]: each in a function of its own.
+        pub(crate) fn visit<V: Visitor>(index: usize, visitor: V) -> V::Output {
+            let mut position = 0;
+            $(
+                if index == position {
+                    return visitor.visit::<$module::$effect>();
+                }
+                position += 1;
+            )+
+            unreachable!("{index} of {position} effects")
         }
     };
 }

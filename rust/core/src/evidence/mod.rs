@@ -4,13 +4,17 @@
 //! same for a thousand rows and for a million.
 
 mod cholesky;
+mod gram;
 mod hypothesis;
 mod normal;
 mod posterior;
 mod products;
+mod source;
+mod spans;
 mod weigh;
 
 pub use hypothesis::Variant;
 pub use posterior::{Outcome, Prior, posterior, weigh};
 pub use products::{Layout, Products};
+pub use source::{Reader, Source, Stored};
 pub use weigh::{Stack, Weighed};

@@ -7,8 +7,17 @@
 //! every `rho`; memory 0 is the plain autoregression. The pass keeps them per block of rows (for
 //! hold-out) and, for the first column alone, per cell (for the unknown level of a stretch or the
 //! error of a stand, which is a multiple of that column).
+//!
+//! Only symmetric products are summed, which halves the work: with `P` and `Q` the products of
+//! `z_t` and of `z_(t-1)` and `X` those of `x_t`, the lag-1 products and their transpose add up to
+//! `(P - X) / memory + memory Q`, and for memory 0 to `P + Q - D`, with `D` the products of
+//! `x_t - x_(t-1)`.
 
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
+
+use super::gram::GROUP;
+use super::source::Source;
+use super::spans::{KINDS, Parts, Plan, gathered};
 
 /// How rows belong together.
 #[derive(Clone, Copy, Debug)]
@@ -28,10 +37,9 @@ pub struct Layout<'a> {
 /// Sums of products of `width` columns for one memory.
 ///
 /// `present` sums `z_t z_t'` over rows that follow another row of their series, `previous` sums
-/// `z_(t-1) z_(t-1)'`, `lagged` sums `z_t z_(t-1)'` over the same rows, `first` sums `z_t z_t'`
-/// over rows that begin a series. Block sums are `width * width` each and symmetric except
-/// `lagged`; cell sums are the row of the first column, where `lagged` holds the symmetric part
-/// doubled.
+/// `z_(t-1) z_(t-1)'`, `lagged` sums the symmetric part of `z_t z_(t-1)'` over the same rows,
+/// `first` sums `z_t z_t'` over rows that begin a series. Block sums are `width * width` each and
+/// symmetric; cell sums are the row of the first column, where `lagged` is doubled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Products {
     /// Products per block: present, previous, lagged, first.
@@ -41,96 +49,101 @@ pub struct Products {
 }
 
 impl Products {
-    /// One pass over `columns` (each as long as the table), remembering with factor `memory`.
+    /// One pass over the rows of a source, on at most so many threads, remembering with each factor
+    /// in `memories`. The sums do not depend on the number of threads.
     ///
     /// # Panics
     /// If the columns and the layout differ in length.
     #[must_use]
-    pub fn gather(columns: &[&[f64]], layout: &Layout<'_>, memory: f64) -> Self {
-        let width = columns.len();
+    pub fn gather(
+        source: &dyn Source,
+        layout: &Layout<'_>,
+        memories: &[f64],
+        threads: usize,
+    ) -> Vec<Self> {
         let rows = layout.starts.len();
-        assert!(columns.iter().all(|column| column.len() == rows));
-        let mut sums = Self {
-            blocks: core::array::from_fn(|_| vec![0.0; layout.block_count * width * width]),
-            cells: core::array::from_fn(|_| vec![0.0; layout.cell_count * width]),
+        assert!(source.rows() == rows);
+        assert!(layout.blocks.len() == rows && layout.cells.len() == rows);
+        let remembered: Vec<f64> = memories.iter().copied().filter(|&m| m != 0.0).collect();
+        let plan = Plan {
+            source,
+            layout,
+            memories: &remembered,
+            width: source.width().next_multiple_of(GROUP),
         };
-        let mut now = vec![0.0; width];
-        let mut before = vec![0.0; width];
-        let place = |row: usize| (layout.blocks[row] as usize, layout.cells[row] as usize);
-        for row in 0..rows {
-            core::mem::swap(&mut now, &mut before);
-            let begins = layout.starts[row];
-            let kept = if begins { 0.0 } else { memory };
-            for ((z, &old), column) in now.iter_mut().zip(&before).zip(columns) {
-                *z = kept * old + column[row];
+        let parts = gathered(&plan, threads);
+        let of = |&memory: &f64| {
+            let kind = remembered.iter().position(|&m| m == memory);
+            Self::of(&plan, &parts, kind, memory)
+        };
+        memories.iter().map(of).collect()
+    }
+
+    /// The sums for one memory from those of the classes of rows.
+    fn of(plan: &Plan<'_>, parts: &Parts, remembered: Option<usize>, memory: f64) -> Self {
+        let (width, columns) = (plan.width, plan.source.width());
+        let blocks = plan.layout.block_count;
+        let empty = || vec![0.0; blocks * width * width];
+        let [mut present, mut previous, mut other, mut first] = [(); 4].map(|()| empty());
+        let kind = remembered.map_or(0, |k| KINDS + k);
+        // beside a memory the plain products, without one those of the differences
+        let beside = if remembered.is_some() { 0 } else { 1 };
+        let area = |block: usize| block * width * width..(block + 1) * width * width;
+        for (class, sums) in parts.classes() {
+            let own = if class.begins { &sums[0] } else { &sums[kind] };
+            if let Some(next) = class.next {
+                add(&mut previous[area(next)], own);
             }
-            let at = place(row);
-            if begins {
-                sums.add(3, at, 1.0, &now);
+            if class.begins {
+                add(&mut first[area(class.block)], own);
             } else {
-                sums.add(0, at, 1.0, &now);
-                sums.add_lagged(at, &now, &before);
-                if place(row - 1) != at {
-                    sums.add(1, at, 1.0, &before);
-                }
-            }
-            let goes_on = row + 1 < rows && !layout.starts[row + 1] && place(row + 1) == at;
-            if !goes_on {
-                sums.add(1, at, -1.0, &now);
+                add(&mut present[area(class.block)], own);
+                add(&mut other[area(class.block)], &sums[beside]);
             }
         }
-        sums.complete_previous();
-        sums
-    }
-
-    /// Adds `sign z z'` to the sums of a kind.
-    fn add(&mut self, kind: usize, (block, cell): (usize, usize), sign: f64, z: &[f64]) {
-        let width = z.len();
-        let area = block * width * width..(block + 1) * width * width;
-        add_outer(&mut self.blocks[kind][area], sign, z, z);
-        let line = cell * width..(cell + 1) * width;
-        add_scaled(&mut self.cells[kind][line], sign * z[0], z);
-    }
-
-    fn add_lagged(&mut self, (block, cell): (usize, usize), now: &[f64], before: &[f64]) {
-        let width = now.len();
-        let area = block * width * width..(block + 1) * width * width;
-        add_outer(&mut self.blocks[2][area], 1.0, now, before);
-        let line = cell * width..(cell + 1) * width;
-        add_scaled(&mut self.cells[2][line.clone()], now[0], before);
-        add_scaled(&mut self.cells[2][line], before[0], now);
-    }
-
-    /// Every row precedes another but the last ones, which `previous` holds so far, negative.
-    fn complete_previous(&mut self) {
-        for sums in [&mut self.blocks, &mut self.cells] {
-            let [present, previous, _, first] = sums;
-            for ((sum, &p), &f) in previous.iter_mut().zip(&*present).zip(&*first) {
-                *sum += p + f;
-            }
+        let lagged: Vec<f64> = (present.iter().zip(&previous).zip(&other))
+            .map(|((p, q), x)| 0.5 * both_ways(*p, *q, *x, memory))
+            .collect();
+        Self {
+            blocks: [present, previous, lagged, first].map(|sums| whole(&sums, width, columns)),
+            cells: parts.cells(plan, remembered, memory),
         }
     }
 }
 
-/// `matrix += sign left right'`, row-major.
-#[inline(always)]
-fn add_outer(matrix: &mut [f64], sign: f64, left: &[f64], right: &[f64]) {
-    for (line, &factor) in matrix.chunks_exact_mut(right.len()).zip(left) {
-        add_scaled(line, sign * factor, right);
+/// Lag-1 products and their transpose, see the module.
+pub(super) fn both_ways(present: f64, previous: f64, other: f64, memory: f64) -> f64 {
+    if memory == 0.0 {
+        present + previous - other
+    } else {
+        (present - other) / memory + memory * previous
     }
 }
 
-/// `line += factor * values`.
-#[inline(always)]
-fn add_scaled(line: &mut [f64], factor: f64, values: &[f64]) {
-    for (sum, &value) in line.iter_mut().zip(values) {
-        *sum += factor * value;
+/// `sums += more`.
+fn add(sums: &mut [f64], more: &[f64]) {
+    for (sum, &value) in sums.iter_mut().zip(more) {
+        *sum += value;
     }
+}
+
+/// Both triangles, without the padding.
+fn whole(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
+    let mut result = Vec::with_capacity(sums.len() / (width * width) * columns * columns);
+    for matrix in sums.chunks_exact(width * width) {
+        for i in 0..columns {
+            for j in 0..columns {
+                result.push(matrix[i.min(j) * width + i.max(j)]);
+            }
+        }
+    }
+    result
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evidence::source::Stored;
 
     const ONE: [f64; 5] = [1.0; 5];
     const X: [f64; 5] = [1.0, -2.0, 4.0, 0.5, 3.0];
@@ -143,6 +156,11 @@ mod tests {
             block_count: 1,
             cell_count: 1,
         }
+    }
+
+    fn gather(layout: &Layout<'_>, memory: f64) -> Products {
+        let mut all = Products::gather(&Stored(&[&ONE, &X]), layout, &[0.0, 0.5], 1);
+        all.swap_remove(usize::from(memory != 0.0))
     }
 
     /// Products of the whitened series, the slow and obvious way.
@@ -165,7 +183,7 @@ mod tests {
         let starts = [true, false, false, false, false];
         let zeros = [0; 5];
         for (rho, memory) in [(0.3, 0.0), (0.9, 0.5)] {
-            let p = Products::gather(&[&ONE, &X], &layout(&starts, &zeros), memory);
+            let p = gather(&layout(&starts, &zeros), memory);
             let [present, previous, lagged, _] = &p.blocks;
             let sum = present[3] + rho * rho * previous[3] - 2.0 * rho * lagged[3];
             assert!((sum - whitened(&starts, rho, memory)).abs() < 1e-12);
@@ -176,7 +194,7 @@ mod tests {
     fn nothing_is_remembered_across_series() {
         let starts = [true, false, true, false, false];
         let zeros = [0; 5];
-        let p = Products::gather(&[&ONE, &X], &layout(&starts, &zeros), 0.0);
+        let p = gather(&layout(&starts, &zeros), 0.0);
         assert_eq!(p.blocks[3][3], 1.0 + 16.0);
         assert_eq!(p.blocks[2][3], -2.0 + 2.0 + 1.5);
         assert_eq!(p.cells[2], vec![6.0, -1.0 + 4.5 + 3.5]);
@@ -192,8 +210,8 @@ mod tests {
             cell_count: 4,
             ..layout(&starts, &[])
         };
-        let whole = Products::gather(&[&ONE, &X], &layout(&starts, &[0; 5]), 0.5);
-        let parts = Products::gather(&[&ONE, &X], &parts, 0.5);
+        let whole = gather(&layout(&starts, &[0; 5]), 0.5);
+        let parts = gather(&parts, 0.5);
         for kind in 0..4 {
             for i in 0..4 {
                 let sum = parts.blocks[kind][i] + parts.blocks[kind][4 + i];

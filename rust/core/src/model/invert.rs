@@ -6,7 +6,7 @@ use crate::chain::Stage;
 use crate::conditions::Conditions;
 use crate::dual::Dual;
 use crate::echo;
-use crate::scalar::Rows;
+use crate::scalar::{Rows, Scalar};
 
 /// What a device recorded, for one row or several.
 #[derive(Clone, Copy)]
@@ -61,8 +61,6 @@ impl Model {
                 (Stage::Timer, time, echo::distance(time, speed))
             }
         };
-        const ENOUGH: usize = 20; // affine chains settle in two
-        const SETTLED: f64 = 1e-15; // relative; in meters below 1 m
         let recorded = constants(recorded);
         let mut fixed = Vec::with_capacity(parameters.len());
         for &parameter in parameters {
@@ -76,17 +74,36 @@ impl Model {
                 Stage::Timer => chain.time,
                 _ => chain.indication,
             };
-            let step = (target - reached.value) / reached.derivatives[0];
-            let next = distance + step;
-            let tolerance = S::constant(SETTLED) * next.abs().max(S::constant(1.0));
-            distance = S::select(settled, distance, next);
-            settled = S::select(settled, settled, tolerance - step.abs());
+            (distance, settled) = approach(target, reached, distance, settled);
             if settled.all_non_negative() {
                 break;
             }
         }
         S::select(settled, distance, S::constant(f64::NAN))
     }
+}
+
+/// Newton steps within which a row settles, or never: affine chains settle in two.
+pub(crate) const ENOUGH: usize = 20;
+
+/// One step of Newton's method: the next distance, and whether it has settled (`>= 0`).
+///
+/// A row that has settled stays as it is.
+#[inline(always)]
+pub(crate) fn approach<S: Scalar>(
+    target: S,
+    reached: Dual<1, S>,
+    distance: S,
+    settled: S,
+) -> (S, S) {
+    const SETTLED: f64 = 1e-15; // relative; in meters below 1 m
+    let step = (target - reached.value) / reached.derivatives[0];
+    let next = distance + step;
+    let tolerance = S::constant(SETTLED) * next.abs().max(S::constant(1.0));
+    (
+        S::select(settled, distance, next),
+        S::select(settled, settled, tolerance - step.abs()),
+    )
 }
 
 #[cfg(test)]

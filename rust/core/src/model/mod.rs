@@ -4,7 +4,7 @@ mod invert;
 mod jacobian;
 mod term;
 
-pub(crate) use invert::Given;
+pub(crate) use invert::{ENOUGH, Given, approach};
 pub use term::Term;
 
 use crate::air::{Air, Law};
@@ -126,7 +126,7 @@ impl Model {
         let mut terms = self.terms.iter().peekable();
         let mut rest = parameters;
         for stage in Stage::ALL.into_iter().take_while(|&stage| stage <= last) {
-            self.enter(stage, &mut chain);
+            enter(self.law, stage, &mut chain);
             while let Some(term) = terms.next_if(|t| t.facts().stage == stage) {
                 let (own, others) = rest.split_at(term.parameters.len());
                 effects::apply(term.index, &mut chain, own);
@@ -134,23 +134,6 @@ impl Model {
             }
         }
         chain
-    }
-
-    /// What a stage does without any effect.
-    #[inline(always)]
-    fn enter<S: Scalar>(&self, stage: Stage, chain: &mut Chain<S>) {
-        match stage {
-            Stage::Speed => chain.speed = self.law.speed(&chain.air),
-            Stage::Path => chain.path = chain.distance,
-            Stage::Flight => chain.time = echo::time_of_flight(chain.path, chain.speed),
-            Stage::Firmware => {
-                chain.firmware_speed = self.law.speed(&Air::recorded(&chain.recorded))
-            }
-            Stage::Indication => {
-                chain.indication = echo::distance(chain.time, chain.firmware_speed)
-            }
-            Stage::Air | Stage::Transducer | Stage::Timer => {}
-        }
     }
 
     /// One row up to and with a stage, compiled once: each copy holds all effects.
@@ -175,6 +158,19 @@ impl Model {
     #[must_use]
     pub fn time_of_flight(&self, distance: f64, recorded: &Conditions<f64>) -> f64 {
         self.row(Stage::Timer, distance, recorded).time
+    }
+}
+
+/// What a stage does without any effect.
+#[inline(always)]
+pub(crate) fn enter<S: Scalar>(law: Law, stage: Stage, chain: &mut Chain<S>) {
+    match stage {
+        Stage::Speed => chain.speed = law.speed(&chain.air),
+        Stage::Path => chain.path = chain.distance,
+        Stage::Flight => chain.time = echo::time_of_flight(chain.path, chain.speed),
+        Stage::Firmware => chain.firmware_speed = law.speed(&Air::recorded(&chain.recorded)),
+        Stage::Indication => chain.indication = echo::distance(chain.time, chain.firmware_speed),
+        Stage::Air | Stage::Transducer | Stage::Timer => {}
     }
 }
 

@@ -1,0 +1,95 @@
+//! A block of rows through the chain, with the effects of a model and one more.
+
+use super::kernels::{Apply, enter};
+use super::tracks::{Reading, TRACKS, Track, tracks_of};
+use crate::air::Law;
+use crate::chain::Stage;
+use crate::conditions::Quantity;
+use crate::effects::{self, ALL};
+use crate::model::Model;
+
+/// Memory for one block on its way.
+pub(crate) struct Pass {
+    tracks: Box<[Track; TRACKS]>,
+}
+
+/// One term at work: the derivative to one of its parameters may be wanted.
+type Applied<'a> = (usize, &'a [f64], Option<usize>);
+
+impl Pass {
+    pub(crate) fn new() -> Self {
+        Self {
+            tracks: Box::new([Track::NEW; TRACKS]),
+        }
+    }
+
+    /// Takes a block through the chain up to and with a stage; the result reads from this memory.
+    pub(crate) fn run(&mut self, model: &Model, reading: Reading, last: Stage) -> Reading {
+        self.seeded(model, reading, last, None)
+    }
+
+    /// The same with the derivative to one parameter of one term, by position.
+    pub(crate) fn seeded(
+        &mut self,
+        model: &Model,
+        mut reading: Reading,
+        last: Stage,
+        seed: Option<(usize, usize)>,
+    ) -> Reading {
+        for stage in Stage::ALL.into_iter().take_while(|&stage| stage <= last) {
+            self.enter(model.law(), stage, &mut reading);
+            let terms = model.terms().iter().enumerate();
+            for (position, term) in terms.filter(|(_, t)| t.facts().stage == stage) {
+                let own = seed.filter(|&(of, _)| of == position);
+                let seed = own.map(|(_, parameter)| parameter);
+                self.apply((term.index, &term.parameters, seed), &mut reading);
+            }
+        }
+        reading
+    }
+
+    fn enter(&mut self, law: Law, stage: Stage, reading: &mut Reading) {
+        match stage {
+            Stage::Air => {
+                let air = [
+                    Quantity::Temperature,
+                    Quantity::RelativeHumidity,
+                    Quantity::Pressure,
+                    Quantity::Co2MoleFraction,
+                ];
+                for (track, quantity) in tracks_of(stage).zip(air) {
+                    reading.copy(track, reading.constant(quantity));
+                }
+            }
+            Stage::Path => {
+                let [value, slope] = reading.distance;
+                reading.copy(tracks_of(stage).start, (value, slope));
+            }
+            Stage::Transducer => {
+                reading.copy(tracks_of(stage).start, reading.of(Stage::Flight));
+            }
+            Stage::Timer => {
+                reading.copy(tracks_of(stage).start, reading.of(Stage::Transducer));
+            }
+            _ => {
+                let target = &raw mut self.tracks[tracks_of(stage).start];
+                enter(law, stage, reading, target);
+            }
+        }
+    }
+
+    fn apply(&mut self, (index, parameters, seed): Applied<'_>, reading: &mut Reading) {
+        let tracks = tracks_of(ALL[index].stage);
+        let target = self.tracks[tracks.clone()].as_mut_ptr();
+        let work = Apply {
+            reading,
+            parameters,
+            seed,
+            target,
+        };
+        effects::visit(index, work);
+        for track in tracks {
+            reading.place(track, &raw const self.tracks[track]);
+        }
+    }
+}
