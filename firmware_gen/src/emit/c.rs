@@ -4,105 +4,189 @@ use super::Local;
 use crate::ir::{IntegerType, Node, Operation, Program, Value};
 /// The statements of a program: its locals, and what it returns.
 #[must_use]
-pub fn statements(program: &Program) -> (Vec<Local<'_>>, String) {
-    let named = program
-        .nodes
-        .iter()
-        .enumerate()
-        .filter_map(|(index, node)| {
-            let (name, note) = node.name.as_ref()?;
-            let value = Value(index);
-            Some(Local {
+pub fn statements(program: &Program) -> (Vec<Local>, String) {
+    let text = Text {
+        program,
+        spelled: spelled(program),
+    };
+    let mut locals = Vec::new();
+    for (index, node) in program.nodes.iter().enumerate() {
+        if let Some(name) = &text.spelled[index] {
+            locals.push(Local {
+                ty: node.computed.c_name(),
+                name: name.clone(),
+                expression: text.expression(Value(index)),
+                note: "exact, before its conversion".into(),
+            });
+        }
+        if let Some((name, note)) = &node.name {
+            locals.push(Local {
                 ty: node.held.c_name(),
-                name,
-                expression: kept(program, value),
+                name: name.clone(),
+                expression: text.kept(Value(index)),
                 note: note.clone(),
-            })
-        });
-    (
-        named.collect(),
-        read(program, program.result, IntegerType::I32),
+            });
+        }
+    }
+    (locals, text.read(program.result, IntegerType::I32))
+}
+
+/// Names for the values that need a variable only because of their next conversion: MISRA C:2012, rule 10.8, wants no
+/// composite expression widened or made signed.
+fn spelled(program: &Program) -> Vec<Option<String>> {
+    let mut needed = vec![false; program.nodes.len()];
+    let mut converted = |value: Value, wanted: IntegerType| {
+        let node = program.node(value);
+        needed[value.0] |= node.name.is_none() && composite(node) && apart(node.computed, wanted);
+    };
+    for node in &program.nodes {
+        let wanted = if node.name.is_some() && modular(node) {
+            node.held
+        } else {
+            node.computed
+        };
+        if !matches!(node.operation, Operation::Load(..)) {
+            node.operation
+                .operands()
+                .for_each(|value| converted(value, wanted));
+        }
+    }
+    converted(program.result, IntegerType::I32);
+    for (index, node) in program.nodes.iter().enumerate() {
+        needed[index] |= node.name.is_some()
+            && composite(node)
+            && !modular(node)
+            && apart(node.computed, node.held);
+    }
+    let mut count = 0;
+    let name = |needed: &bool| {
+        needed.then(|| {
+            count += 1;
+            if count == 1 {
+                "exact".into()
+            } else {
+                format!("exact_{count}")
+            }
+        })
+    };
+    needed.iter().map(name).collect()
+}
+
+/// Whether C writes the node as an expression of several operands.
+fn composite(node: &Node) -> bool {
+    !matches!(
+        node.operation,
+        Operation::Input(_) | Operation::Constant(_) | Operation::Load(..)
     )
 }
 
-/// The value of a node, converted to the type that it is kept in.
-fn kept(program: &Program, value: Value) -> String {
-    let node = program.node(value);
-    match node.operation {
-        // A variable that is only another name for a constant or a code.
-        Operation::Constant(constant) => literal(constant, node.held),
-        _ if node.computed == node.held => expression(program, value),
-        // What is known to end up natural is computed modulo its type from the start: compilers then know it for natural.
-        Operation::Add(a, b) if modular(node) => modulo(program, node, a, "+", b),
-        Operation::Subtract(a, b) if modular(node) => modulo(program, node, a, "-", b),
-        _ => format!("({})({})", node.held.c_name(), expression(program, value)),
-    }
+/// Whether a conversion between these types changes the sign or widens.
+fn apart(from: IntegerType, to: IntegerType) -> bool {
+    from.is_signed() != to.is_signed() || from.bits() < to.bits()
 }
 
 fn modular(node: &Node) -> bool {
-    node.computed.is_signed() && !node.held.is_signed()
+    let exact = matches!(node.operation, Operation::Add(..) | Operation::Subtract(..));
+    exact && node.computed.is_signed() && !node.held.is_signed()
 }
 
-fn modulo(program: &Program, node: &Node, a: Value, sign: &str, b: Value) -> String {
-    let operand = |value| read(program, value, node.held);
-    format!(
-        "({})({} {sign} {})",
-        node.held.c_name(),
-        operand(a),
-        operand(b)
-    )
+/// A program, and the names of what is spelled out.
+struct Text<'a> {
+    program: &'a Program,
+    spelled: Vec<Option<String>>,
 }
 
-/// The value of a node as an operand of type `wanted`.
-fn read(program: &Program, value: Value, wanted: IntegerType) -> String {
-    let node = program.node(value);
-    let (text, given) = match (&node.name, node.operation) {
-        (Some((name, _)), _) => (name.clone(), node.held),
-        (None, Operation::Constant(constant)) => return literal(constant, wanted),
-        (None, Operation::Input(index)) => {
-            (program.inputs[index].0.clone(), program.inputs[index].1)
+impl Text<'_> {
+    /// The value of a node, converted to the type that it is kept in.
+    fn kept(&self, value: Value) -> String {
+        let node = self.program.node(value);
+        match node.operation {
+            // A variable that is only another name for a constant or a code.
+            Operation::Constant(constant) => literal(constant, node.held),
+            _ if self.spelled[value.0].is_some() => self.spelled_as(value, node.held),
+            _ if node.computed == node.held => self.expression(value),
+            // What is known to end up natural is computed modulo its type from the start: compilers then know it for natural.
+            Operation::Add(a, b) if modular(node) => self.modulo(node, a, "+", b),
+            Operation::Subtract(a, b) if modular(node) => self.modulo(node, a, "-", b),
+            _ => format!("({})({})", node.held.c_name(), self.expression(value)),
         }
-        (None, Operation::Load(table, _)) => {
-            (expression(program, value), program.tables[table.0].ty)
-        }
-        (None, _) => (format!("({})", expression(program, value)), node.computed),
-    };
-    if given == wanted {
-        text
-    } else {
-        format!("({}){text}", wanted.c_name())
     }
-}
 
-/// The operation of a node, in the type that it is computed in.
-fn expression(program: &Program, value: Value) -> String {
-    let node = program.node(value);
-    let operand = |value| read(program, value, node.computed);
-    let text = match node.operation {
-        Operation::Input(index) => return program.inputs[index].0.clone(),
-        Operation::Constant(constant) => return literal(constant, node.computed),
-        Operation::Load(table, index) => {
-            let given = index_type(program.node(index));
-            let table = &program.tables[table.0];
-            let entry = format!("{}[{}]", table.name, read(program, index, given));
-            return match (table.program_memory, table.ty.bits()) {
-                (false, _) => entry,
-                (true, 8) => from_program_memory("byte", &entry, table.ty),
-                (true, 16) => from_program_memory("word", &entry, table.ty),
-                (true, _) => from_program_memory("dword", &entry, table.ty),
-            };
+    fn modulo(&self, node: &Node, a: Value, sign: &str, b: Value) -> String {
+        let operand = |value| self.read(value, node.held);
+        format!(
+            "({})({} {sign} {})",
+            node.held.c_name(),
+            operand(a),
+            operand(b)
+        )
+    }
+
+    /// The value of a node as an operand of type `wanted`.
+    fn read(&self, value: Value, wanted: IntegerType) -> String {
+        let node = self.program.node(value);
+        if node.name.is_none() && self.spelled[value.0].is_some() {
+            return self.spelled_as(value, wanted);
         }
-        Operation::Add(a, b) => format!("{} + {}", operand(a), operand(b)),
-        Operation::Subtract(a, b) => format!("{} - {}", operand(a), operand(b)),
-        Operation::Multiply(a, b) => format!("{} * {}", operand(a), operand(b)),
-        Operation::ShiftRight(a, bits) => format!("{} >> {bits}", operand(a)),
-        Operation::LowBits(a, bits) => format!("{} & {}U", operand(a), (1_u64 << bits) - 1),
-    };
-    // Below 32 bits C computes in `int`: the value is the same, its type is not.
-    if node.computed.bits() < 32 {
-        format!("({})({text})", node.computed.c_name())
-    } else {
-        text
+        let (text, given) = match (&node.name, node.operation) {
+            (Some((name, _)), _) => (name.clone(), node.held),
+            (None, Operation::Constant(constant)) => return literal(constant, wanted),
+            (None, Operation::Input(index)) => (
+                self.program.inputs[index].0.clone(),
+                self.program.inputs[index].1,
+            ),
+            (None, Operation::Load(table, _)) => {
+                (self.expression(value), self.program.tables[table.0].ty)
+            }
+            (None, _) => (format!("({})", self.expression(value)), node.computed),
+        };
+        if given == wanted {
+            text
+        } else {
+            format!("({}){text}", wanted.c_name())
+        }
+    }
+
+    /// A value that has a variable of its own, as an operand of type `wanted`.
+    fn spelled_as(&self, value: Value, wanted: IntegerType) -> String {
+        let name = self.spelled[value.0].as_deref().unwrap_or_default();
+        if self.program.node(value).computed == wanted {
+            name.to_owned()
+        } else {
+            format!("({}){name}", wanted.c_name())
+        }
+    }
+
+    /// The operation of a node, in the type that it is computed in.
+    fn expression(&self, value: Value) -> String {
+        let node = self.program.node(value);
+        let operand = |value| self.read(value, node.computed);
+        let text = match node.operation {
+            Operation::Input(index) => return self.program.inputs[index].0.clone(),
+            Operation::Constant(constant) => return literal(constant, node.computed),
+            Operation::Load(table, index) => {
+                let given = index_type(self.program.node(index));
+                let table = &self.program.tables[table.0];
+                let entry = format!("{}[{}]", table.name, self.read(index, given));
+                return match (table.program_memory, table.ty.bits()) {
+                    (false, _) => entry,
+                    (true, 8) => from_program_memory("byte", &entry, table.ty),
+                    (true, 16) => from_program_memory("word", &entry, table.ty),
+                    (true, _) => from_program_memory("dword", &entry, table.ty),
+                };
+            }
+            Operation::Add(a, b) => format!("{} + {}", operand(a), operand(b)),
+            Operation::Subtract(a, b) => format!("{} - {}", operand(a), operand(b)),
+            Operation::Multiply(a, b) => format!("{} * {}", operand(a), operand(b)),
+            Operation::ShiftRight(a, bits) => format!("{} >> {bits}", operand(a)),
+            Operation::LowBits(a, bits) => format!("{} & {}U", operand(a), (1_u64 << bits) - 1),
+        };
+        // Below 32 bits C computes in `int`: the value is the same, its type is not.
+        if node.computed.bits() < 32 {
+            format!("({})({text})", node.computed.c_name())
+        } else {
+            text
+        }
     }
 }
 

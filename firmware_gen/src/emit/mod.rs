@@ -21,12 +21,12 @@ use serde::Serialize;
 
 /// A local variable of the generated function.
 #[derive(Debug, Serialize)]
-pub struct Local<'a> {
+pub struct Local {
     /// Its type in C.
     #[serde(rename = "type")]
     pub ty: &'static str,
     /// Its name.
-    pub name: &'a str,
+    pub name: String,
     /// Its value.
     pub expression: String,
     /// What it is, with its unit.

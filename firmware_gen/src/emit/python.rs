@@ -5,7 +5,7 @@ use crate::ir::{Operation, Program, Value};
 
 /// The statements of a program: its locals, and what it returns.
 #[must_use]
-pub fn statements(program: &Program) -> (Vec<Local<'_>>, String) {
+pub fn statements(program: &Program) -> (Vec<Local>, String) {
     let named = program
         .nodes
         .iter()
@@ -14,7 +14,7 @@ pub fn statements(program: &Program) -> (Vec<Local<'_>>, String) {
             let (name, note) = node.name.as_ref()?;
             Some(Local {
                 ty: "",
-                name,
+                name: name.clone(),
                 expression: expression(program, Value(index)),
                 note: note.clone(),
             })

@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** What echocal_output_hash() must give. */
-#define ECHOCAL_OUTPUT_HASH 0xD629961EUL
+#define ECHOCAL_OUTPUT_HASH 0xD629961EU
 
 /**
  * @brief Compare 25 outputs with golden ones, those out of range among them.

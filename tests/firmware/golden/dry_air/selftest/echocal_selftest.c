@@ -49,11 +49,11 @@ uint16_t echocal_selftest(void)
 /** FNV-1a over words instead of bytes. */
 static uint32_t fold(uint32_t hash, uint32_t word)
 {
-    return (hash ^ word) * 16777619UL;
+    return (hash ^ word) * 16777619U;
 }
 
 /** The hash of no words. */
-#define SEED (2166136261UL)
+#define SEED (2166136261U)
 
 /** The hash over the outputs for all echo codes. */
 static uint32_t row(int16_t temperature_code)
