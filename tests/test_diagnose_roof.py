@@ -111,7 +111,11 @@ def test_no_cause_is_named_for_the_whole_record(roof: Path) -> None:
 def test_level_steps_before_june_are_steps(roof: Path) -> None:
     diagnosis = diagnose(roof, base="linear", reading_speed="331.4", until="2022-06-06")
     steps = diagnosis.rows["level_steps"]
-    assert len(steps) >= 3
+    assert len(steps) >= 8
+    assert {"2022-05-19", "2022-05-20", "2022-05-26", "2022-06-02"} <= {step.time[:10] for step in steps}
     assert all("2022-05-16" <= step.time < "2022-06-07" for step in steps)
     assert all(4e-3 < abs(step.size_m) < 60e-3 for step in steps)  # medians of a day jump by up to 22 mm
     assert "humidity" not in {r.id for r in diagnosis.refuted}
+    named = {cause.id for cause in diagnosis.causes if cause.probability >= 0.5}
+    assert not named & {"step_change", "drift"}  # they stand for steps that were missed
+    assert any("the level jumps" in note for note in diagnosis.notes)

@@ -154,7 +154,7 @@ def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack, a
 
     A cause may fill in where a smooth shape against one column falls short of what is there. So it
     keeps its probability only as far as it does better than a second shape, against any other
-    column, would do in its place.
+    column, would do in its place; what is then hardly possible is no claim.
     """
     shapes = [v for v in found.variants if v.cause == UNKNOWN]
     first = tuple(v for v in shapes if v.against == against)
@@ -168,7 +168,8 @@ def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack, a
         rival = max((weigh(h, stack, one_width=True).log_evidence for h in instead), default=-np.inf)
         better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
         doubted.append(replace(claim, probability=min(claim.probability, float(better))))
-    return sorted(doubted, key=lambda claim: -claim.probability)
+    likely = (claim for claim in doubted if claim.probability >= _POSSIBLE)
+    return sorted(likely, key=lambda claim: -claim.probability)
 
 
 def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:

@@ -14,6 +14,7 @@ from echocal.diagnose.base import Base
 from echocal.diagnose.case import examine
 from echocal.diagnose.faults import find_faults
 from echocal.diagnose.gain import Folds
+from echocal.diagnose.level_steps import further_step
 from echocal.diagnose.ranges import checked_ranges
 from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import prepare
@@ -25,6 +26,8 @@ from echocal.observations import Observations, read_observations
 from echocal.observations.plan import EVERYTHING
 
 __all__ = ["diagnose"]
+
+_MOST_STEPS = 6  # that the evidence finds beside those that anybody sees
 
 
 def diagnose(
@@ -125,9 +128,16 @@ def diagnose(
             raise strange
         observations = faults.observations
         ranges = None if can_vary is None else checked_ranges(can_vary, list(observations.conditions))
-        ready = prepare(observations, simulated, reference_distance, constant_distance)
-        folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
-        return conclude(examine(ready, simulated, folds, int(seed)), observations, faults, ranges, start)
+        steps: list[int] = []
+        while True:
+            ready = prepare(observations, simulated, reference_distance, constant_distance, steps)
+            folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
+            case = examine(ready, simulated, folds, int(seed))
+            diagnosis = conclude(case, observations, faults, ranges, start)
+            row = further_step(ready, diagnosis)
+            if row is None or len(steps) == _MOST_STEPS:
+                return diagnosis
+            steps.append(row)
 
 
 def _read(source: Any, table: Mapping[str, Any]) -> tuple[Observations, DataError | None]:

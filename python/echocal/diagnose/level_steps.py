@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import Table
 from echocal.observations import Observations
 
-__all__ = ["LevelStep", "steps_of"]
+__all__ = ["LevelStep", "further_step", "steps_of"]
 
 _WINDOW = 13  # rows on each side whose medians tell the size
 
@@ -45,3 +46,19 @@ def steps_of(table: Table, observations: Observations) -> tuple[LevelStep, ...]:
         time = None if observations.time is None else str(observations.time[row].astype("datetime64[s]"))
         steps.append(LevelStep(row + 1, time, float(np.median(after) - np.median(before))))
     return tuple(steps)
+
+
+def further_step(table: Table, diagnosis: Diagnosis) -> int | None:
+    """Source row at which an unknown level jumps, where the evidence names a step and stretches have none.
+
+    A step of a level that nobody knows is no error of the sensor: the stretch ends there.
+    """
+    if table.reference is not None:
+        return None
+    found = (c for c in diagnosis.causes if c.id == "step_change" and c.in_model)
+    cause = next(found, None)
+    if cause is None:
+        return None
+    time = next(p.value for p in cause.parameters if p.name == "time")
+    later = np.flatnonzero(table.conditions["elapsed_time"] > time)
+    return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])

@@ -21,6 +21,7 @@ _CYCLES = 0.018  # m, four cycles of the carrier: more than a comparator misses
 _AS_A_WHOLE = 0.5  # part of the rows from the first far one on
 _VOUCH = 8  # rows of one stand that vouch for its level
 _STEP = 7.0  # robust standard deviations of the difference of neighboring medians
+_STEP_OF_NO_AIR = 4.5  # the same, where the air cannot have made it
 
 
 def _robust_sd(values: Column) -> float:
@@ -117,18 +118,22 @@ def level_steps(indication: Column, elapsed: Column | None, temperature: Column 
     if len(indication) < 4 * size:
         return np.empty(0, dtype=np.int64)
     jump = _jumps(indication, size)
-    limit = _STEP * _robust_sd(jump)
-    steps: list[int] = []
     height = np.where(np.isnan(jump), 0.0, np.abs(jump))
+    warming = np.full(len(jump), 100.0) if temperature is None else np.abs(_jumps(temperature, size))
+    air = np.abs(indication) * (_ANYHOW + _PER_KELVIN * warming)
     for gap in np.flatnonzero(_gaps(elapsed)).tolist() if elapsed is not None else ():
         near = slice(max(0, gap - size), gap + size)
-        warming = 100.0 if temperature is None else np.abs(_jumps(temperature, size)[near])
-        air = np.abs(indication[near]) * (_ANYHOW + _PER_KELVIN * warming)
-        height[near] = np.where(height[near] > air, height[near], 0.0)
-    while limit > 0.0 and height.max() > limit:
-        row = _sharpest(indication, int(height.argmax()), size)
+        height[near] = np.where(height[near] > air[near], height[near], 0.0)
+    quiet = np.ones(len(jump), dtype=bool)  # away from steps: these must not widen what is usual
+    steps: list[int] = []
+    while quiet.any() and (usual := _robust_sd(jump[quiet])) > 0.0:
+        clear = height > usual * np.where(height > air, _STEP_OF_NO_AIR, _STEP)
+        if not clear.any():
+            break
+        row = _sharpest(indication, int((height * clear).argmax()), size)
         steps.append(row)
         height[max(0, row - 2 * size) : row + 2 * size] = 0.0
+        quiet[max(0, row - size) : row + size] = False
     return np.array(sorted(steps), dtype=np.int64)
 
 

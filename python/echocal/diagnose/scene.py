@@ -1,6 +1,6 @@
 """A table made ready: usable rows, their reading, level and blocks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,8 +107,12 @@ def prepare(
     base: Base,
     reference_distance: float | None,
     constant_distance: bool,
+    more_steps: Sequence[int] = (),
 ) -> Table:
-    """Leave out what cannot be used, find far rows, stretches and series."""
+    """Leave out what cannot be used, find far rows, stretches and series.
+
+    `more_steps` are source rows at which an unknown level is known to jump, besides those found.
+    """
     if reference_distance is not None and constant_distance:
         raise UsageError("give either a reference distance or constant_distance, not both")
     reference = observations.reference_distance
@@ -140,7 +144,7 @@ def prepare(
     reasons[odd] = "no reading can be computed"
     reasons[~good & (observations.unusable == "")] = "no reference distance"
     good &= ~odd
-    return _arrange(observations, indication, reference, good, reasons)
+    return _arrange(observations, indication, reference, good, reasons, more_steps)
 
 
 def _arrange(
@@ -149,6 +153,7 @@ def _arrange(
     reference: Column | None,
     good: NDArray[np.bool_],
     reasons: NDArray[np.object_],
+    more_steps: Sequence[int],
 ) -> Table:
     kept = np.flatnonzero(good)
     far = far_rows(indication[kept], None if reference is None else reference[kept])
@@ -176,6 +181,8 @@ def _arrange(
         if moved
         else np.empty(0, dtype=np.int64)
     )
+    if moved:
+        steps = np.union1d(steps, np.searchsorted(kept, np.array(more_steps, dtype=np.int64)))
     breaks = np.zeros(len(kept), dtype=bool)
     breaks[steps] = True
     groups = np.cumsum(breaks) if reference is None else _stands(observations, reference, kept)
