@@ -67,10 +67,10 @@ class Avr(Board):
         rows = [int(line, 16) for lines in parts for line in lines[:-1]]
         return rows, [Calls(*map(int, lines[-1].split())) for lines in parts]
 
-    def calls(self, thing: Path, made: Generated) -> Calls:
+    def calls(self, thing: Path, made: Generated, *library: str) -> Calls:
         """Cycles of a call with its return, over every echo code at the ends of each condition."""
         warm, damp = [*(max(1, last - first) for first, last in axes(made)[1:]), 1][:2]
-        return self.sampled(thing, made, warm, damp)
+        return self.sampled(thing, made, warm, damp, *library)
 
     def sampled(self, thing: Path, made: Generated, step: int, damp_step: int = 1, *library: str) -> Calls:
         """Cycles of a call over every echo code, and every `step`-th code of each condition."""

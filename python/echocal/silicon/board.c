@@ -147,6 +147,10 @@ static void count_all(void)
 
 void board_main(void)
 {
+#ifdef __ARM_FP /* coprocessors 10 and 11, the floating-point unit, on */
+    *(volatile uint32_t *)0xE000ED88 |= 0xFU << 20;
+    __asm__ volatile("dsb\nisb");
+#endif
 #ifndef __riscv
     SYSTICK[1] = 0xFFFFFF;
     SYSTICK[2] = 0;

@@ -56,7 +56,7 @@ class Board(ABC):
         """The simulator, with its version."""
 
     @abstractmethod
-    def calls(self, thing: Path, made: Generated) -> Calls:
+    def calls(self, thing: Path, made: Generated, *library: str) -> Calls:
         """Cost of a call of the function in an object file, return included."""
 
     @abstractmethod

@@ -87,7 +87,14 @@ def missing(core: str) -> list[str]:
     return board_of(core).missing()
 
 
-def measure(made: Generated, core: str, options: str = "-Os") -> Measurement | None:
+def measure(
+    made: Generated,
+    core: str,
+    options: str = "-Os",
+    *,
+    library: tuple[str, ...] = (),
+    strict: bool = True,
+) -> Measurement | None:
     """Compile a generated function for a core, call it in a simulator, and count.
 
     Parameters
@@ -98,6 +105,10 @@ def measure(made: Generated, core: str, options: str = "-Os") -> Measurement | N
         Name in `CORES`.
     options : str
         Options of the compiler.
+    library : tuple of str
+        Libraries that the function takes from, such as ``-lm``; generated ones take from none.
+    strict : bool
+        Whether a warning of the compiler is an error.
 
     Returns
     -------
@@ -115,10 +126,10 @@ def measure(made: Generated, core: str, options: str = "-Os") -> Measurement | N
     if board.missing():
         return None
     with tempfile.TemporaryDirectory(prefix="echocal-") as name:
-        thing = board.compile(made, Path(name), options)
-        linked = board.link(thing)
+        thing = board.compile(made, Path(name), options, strict=strict)
+        linked = board.link(thing, *library)
         whole, own = board.sizes(linked), board.own(linked)
-        calls = board.calls(thing, made)
+        calls = board.calls(thing, made, *library)
     counted = "cycles" if board.counts_cycles else "instructions"
     steps: Mapping[str, int] = {counted: calls.most, f"fewest_{counted}": calls.fewest}
     return Measurement(

@@ -1,0 +1,48 @@
+"""The tables of docs/firmware.md from firmware.json."""
+
+from pathlib import Path
+from typing import Any
+
+PAGE = Path(__file__).parents[1] / "docs" / "firmware.md"
+RESULTS = Path(__file__).with_name("firmware.json")
+BEGIN = "<!-- made by benches/firmware.py from benches/firmware.json; a test checks that they agree -->\n"
+END = "<!-- end of what is generated -->\n"
+HEAD = (
+    "| core | function | flash [B] | cycles or instructions | stack [B] | dry air [mm] | 0 .. 100 % [mm] |\n"
+    "|---|---|---|---|---|---|---|\n"
+)
+
+
+def line(row: dict[str, Any]) -> str:
+    """One function on one core."""
+    unit = "instructions" if row["cycles"] is None else "cycles"
+    most, fewest = row[unit], row[f"fewest_{unit}"]
+    steps = f"{most:,}" if most == fewest else f"{fewest:,} to {most:,}"
+    flash, own = row["flash_bytes"], row["own_flash_bytes"]
+    parts = f" ({own} + {flash - own})" if own != flash else ""
+    label = f"**{row['label']}**: {row['form']}" if "form" in row else row["label"]
+    bound = row.get("proven_m")
+    humid, dry = row["humid_m"], row["dry_m"]
+    errors = [f"{dry * 1e3:.3g}", f"{humid * 1e3:.3g}"]
+    if bound is not None:  # proven over every input, where it was only sampled here
+        proven = f"**{bound * 1e3:.3f}**"
+        errors = [errors[0], proven] if humid < 1e-3 else [proven, errors[1]]
+    cells = (row["core"], label, f"{flash}{parts}", steps, str(row["stack_bytes"]), *errors)
+    return f"| {' | '.join(cells)} |\n"
+
+
+def tables(results: dict[str, Any]) -> str:
+    """The rows of everybody, theirs first."""
+    rows = [*results["theirs"], *results["ours"], *results["humid"]]
+    compilers = sorted({row["compiler"] for row in rows})
+    simulators = sorted({row["simulator"] for row in rows})
+    text = HEAD + "".join(map(line, rows))
+    made = f"{', '.join(compilers)}, -Os where nothing else stands"
+    return f"{text}\nCompilers: {made}. Simulators: {', '.join(simulators)}.\n"
+
+
+def fresh(page: str, results: dict[str, Any]) -> str:
+    """The page with the tables between its marks made anew."""
+    before, rest = page.split(BEGIN)
+    _, after = rest.split(END)
+    return f"{before}{BEGIN}\n{tables(results)}{END}{after}"
