@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.linalg import toeplitz
 
+import echocal
 from echocal.diagnose.candidates import Variant
+from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh
 from echocal.diagnose.noise import NOISES, Noise, Sums, Whitened
 
@@ -12,7 +14,10 @@ from echocal.diagnose.noise import NOISES, Noise, Sums, Whitened
 def sums(columns: np.ndarray, groups: np.ndarray, *, flat_level: bool) -> Sums:
     n = columns.shape[1]
     starts = np.diff(groups, prepend=-1) != 0
-    return Sums.gather(columns, starts, np.arange(n) * 3 // n, groups, flat_level=flat_level)
+    stored = Columns(echocal.Model("linear"), np.ones(n), {}, None)
+    for column in columns:
+        stored.store(column)
+    return Sums.gather(stored, starts, np.arange(n) * 3 // n, groups, flat_level=flat_level)
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])

@@ -1,6 +1,6 @@
 """Candidate causes as columns: what each would add to the readings of this table."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.base import Base
+from echocal.diagnose.columns import Columns
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
 
@@ -66,17 +67,12 @@ class Variant:
 
 @dataclass
 class Candidates:
-    """Columns gathered so far, the variants that use them, and what was left out and why."""
+    """Columns so far, the variants that use them, and what was left out and why."""
 
-    columns: list[Column]
+    columns: Columns
     variants: list[Variant] = field(default_factory=list)
     size_tangents: dict[str, tuple[int, float]] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
-
-    def add(self, column: Column) -> int:
-        """Keep a column and return its position."""
-        self.columns.append(column)
-        return len(self.columns) - 1
 
 
 @dataclass(frozen=True)
@@ -97,8 +93,6 @@ class Scene:
         Stretch of each row where the level is unknown; None where the distance is.
     residual : ndarray, shape (n,)
         Reading less what the base simulation predicts [m].
-    slope : ndarray, shape (n,)
-        Derivative of the reading to the distance.
     """
 
     base: Base
@@ -107,29 +101,32 @@ class Scene:
     relevel: Callable[[Model], Column]
     groups: NDArray[np.int64] | None
     residual: Column
-    slope: Column
 
-    def shift(self, id_: str, at: Mapping[str, float]) -> Column:
-        """Change of the reading [m] if the effect were there with these parameters."""
-        model = self.base.model({id_: at})
-        true = self.relevel(model)
-        shift: Column = model.indicate(true, **self.conditions)
-        return shift - self.base.expected(self.distance, self.conditions)
+    def columns(self) -> Columns:
+        """A table's columns, of which there is none yet."""
+        return Columns(self.base.model(), self.distance, self.conditions, self.groups)
 
-    def tangents(self, id_: str, at: Mapping[str, float]) -> dict[str, Column]:
-        """Derivative of the reading to each parameter of the effect."""
-        model = self.base.model({id_: at})
-        jacobian = model.jacobian(self.relevel(model), **self.conditions)
-        order = [name.split(".") for name in model.parameter_names]
-        own = {name: jacobian[:, 1 + i] for i, (term, name) in enumerate(order) if term == id_}
-        return {name: self._at_its_level(column, jacobian[:, 0]) for name, column in own.items()}
-
-    def _at_its_level(self, tangent: Column, slope: Column) -> Column:
-        """Part of a tangent that an unknown level cannot take up."""
+    def levels(self, id_: str, at: Mapping[str, float]) -> Column | None:
+        """Level of each stretch [m] if an effect were there; None where the distance is known."""
         if self.groups is None:
-            return tangent
-        taken = np.bincount(self.groups, tangent / slope) / np.bincount(self.groups)
-        return tangent - slope * taken[self.groups]
+            return None
+        firsts = np.unique(self.groups, return_index=True)[1]
+        return self.relevel(self.base.model({id_: at}))[firsts]
+
+    def explained(self, effect: Effect, places: Sequence[Mapping[str, float]]) -> list[float]:
+        """Squares that the sizes of an effect explain beside a level, at each of some places."""
+        columns = self.columns()
+        sizes = [p.name for p in effect.parameters if p.role == "size"]
+        slope = columns.slope()
+        designs = [[slope, *(columns.tangent(effect.id, at, name, 1.0) for name in sizes)] for at in places]
+        residual = columns.store(self.residual)
+        gram = columns.gram()
+
+        def squares(design: list[int]) -> float:
+            along = gram[design, residual]
+            return float(np.linalg.lstsq(gram[np.ix_(design, design)], along, rcond=1e-9)[0] @ along)
+
+        return [squares(design) for design in designs]
 
 
 def effect_candidates(found: Candidates, scene: Scene) -> None:
@@ -149,12 +146,8 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
         if not variants:
             found.skipped[effect.id] = "too few distances before the one where it would begin"
             continue
-        finite = [v for v in variants if all(np.isfinite(found.columns[i]).all() for i in v.columns)]
-        if len(finite) < len(variants):
-            found.skipped[effect.id] = "not finite in these data"
-            continue
-        total = sum(v.weight for v in finite)
-        found.variants += [replace(v, weight=v.weight / total) for v in finite]
+        total = sum(v.weight for v in variants)
+        found.variants += [replace(v, weight=v.weight / total) for v in variants]
 
 
 def _why_not(effect: Effect, scene: Scene) -> str:
@@ -179,18 +172,23 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     speed = scene.base.device_speed
     if id_ == "fixed_speed" and speed is not None:  # the base says which speed it is
         at = {**sizes, "speed": speed}
-        return [Variant(id_, at, found.add(scene.shift(id_, at)))]
+        return [Variant(id_, at, found.columns.shift(id_, at, scene.levels(id_, at)))]
     variants = [
-        Variant(id_, at := {**sizes, p.name: float(value)}, found.add(scene.shift(id_, at)))
+        Variant(
+            id_,
+            at := {**sizes, p.name: float(value)},
+            found.columns.shift(id_, at, scene.levels(id_, at)),
+        )
         for p in shapes
         for value in p.known
     ]
     at = {**sizes, **{p.name: p.neutral for p in shapes}}
-    tangents = scene.tangents(id_, at)
-    whole = Variant(id_, at, found.add(scene.shift(id_, at)))
+    levels = scene.levels(id_, at)
+    whole = Variant(id_, at, found.columns.shift(id_, at, levels))
     for name, size in sizes.items():
-        found.size_tangents[id_] = (found.add(tangents[name]), size)
-    variants.append(_freed(found, whole, shapes, tangents) if shapes else whole)
+        column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
+        found.size_tangents[id_] = (column, size)
+    variants.append(_freed(found, whole, shapes, at_work=True, levels=levels) if shapes else whole)
     return variants
 
 
@@ -201,12 +199,11 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     variants = []
     for shape, weight in _shapes(effect, scene):
         at = {**neutral, **shape}
-        tangents = scene.tangents(effect.id, at)
         scaled = [replace(p, prior_scale=_scale(p, scene)) for p in sizes]
-        variants.append(_freed(found, Variant(effect.id, at, weight=weight), scaled, tangents))
+        variants.append(_freed(found, Variant(effect.id, at, weight=weight), scaled))
         if any(p.tail > 1 for p in sizes):
             wide = [replace(p, prior_scale=p.tail * p.prior_scale) for p in scaled]
-            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL * weight), wide, tangents))
+            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL * weight), wide))
     return variants
 
 
@@ -236,25 +233,21 @@ def _places(
     column = np.sort(scene.distance if along == "distance" else scene.conditions[along])
     neutral = {p.name: p.neutral for p in effect.parameters}
 
-    def explained(q: float) -> float:
-        place = {**neutral, **at, parameter.name: float(np.quantile(column, q))}
-        tangents = scene.tangents(effect.id, place)
-        design = np.stack([scene.slope, *(tangents[p.name] for p in effect.parameters if p.role == "size")])
-        fit = np.linalg.lstsq(design @ design.T, design @ scene.residual, rcond=1e-9)[0]
-        return float(fit @ design @ scene.residual)
-
     first, last = _reach(column, parameter) if along == "distance" else (-np.inf, np.inf)
 
-    def shows(q: float) -> bool:
-        return bool(first <= np.quantile(column, q) <= last)
+    def explained(tried: Sequence[float]) -> dict[float, float]:
+        values = dict(zip(tried, np.quantile(column, tried).tolist(), strict=True))
+        shown = {q: value for q, value in values.items() if first <= value <= last}
+        places = [{**neutral, **at, parameter.name: value} for value in shown.values()]
+        return dict(zip(shown, scene.explained(effect, places), strict=True)) if shown else {}
 
-    scores = {q: explained(q) for q in parameter.tried if shows(q)}
+    scores = explained(parameter.tried)
     if not scores:
         return []
     step = float(np.diff(parameter.tried).min()) / 2
     while step * len(column) > _CLOSEST:
         best = max(scores, key=lambda q: scores[q])
-        scores |= {q: explained(q) for q in (best - step, best + step) if shows(q)}
+        scores |= explained((best - step, best + step))
         step /= 2
     places = sorted(scores)
     middles = np.array([0.0, *(np.diff(places) / 2 + places[:-1]), 1.0])
@@ -283,14 +276,23 @@ def _scale(parameter: Parameter, scene: Scene) -> float:
 
 
 def _freed(
-    found: Candidates, variant: Variant, parameters: list[Parameter], tangents: dict[str, Column]
+    found: Candidates,
+    variant: Variant,
+    parameters: list[Parameter],
+    *,
+    at_work: bool = False,
+    levels: Column | None = None,
 ) -> Variant:
     """Let parameters of a variant move around where they stand."""
     scales = tuple(float(p.prior_scale) for p in parameters)
     low_high = [tuple((b - variant.at[p.name]) / p.prior_scale for b in p.bounds) for p in parameters]
+    tangents = [
+        found.columns.tangent(variant.cause, variant.at, p.name, scale, at_work=at_work, levels=levels)
+        for p, scale in zip(parameters, scales, strict=True)
+    ]
     return replace(
         variant,
-        free=tuple(found.add(tangents[p.name] * p.prior_scale) for p in parameters),
+        free=tuple(tangents),
         names=tuple(p.name for p in parameters),
         scales=scales,
         bounds=tuple((low, high) for low, high in low_high),

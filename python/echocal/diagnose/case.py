@@ -49,12 +49,9 @@ class Case:
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]."""
-        signal = np.zeros(len(self.table))
-        if variant.offset is not None:
-            signal = signal + self.found.columns[variant.offset]
-        for column, size in zip(variant.free, mean, strict=True):
-            signal = signal + size * self.found.columns[column]
-        return signal
+        fixed = [] if variant.offset is None else [variant.offset]
+        columns = self.found.columns.at([*fixed, *variant.free])
+        return np.asarray(np.concatenate([np.ones(len(fixed)), mean]) @ columns)
 
     @property
     def noises(self) -> tuple[Noise, ...]:
@@ -72,17 +69,29 @@ class Case:
 def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     """Build the columns and pass over them once."""
     distance = table.distance(base.model())
-    known = table.reference is not None
-    found = Candidates([base.model().jacobian(distance, **table.conditions)[:, 0]])
-    groups = None if known else table.groups
+    groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
-    scene = Scene(base, distance, table.conditions, table.distance, groups, residual, found.columns[0])
+    scene = Scene(base, distance, table.conditions, table.distance, groups, residual)
+    found = Candidates(scene.columns())
+    found.columns.slope()  # first: what a group's own level adds
     effect_candidates(found, scene)
     shape_candidates(found, table.against())
-    columns = np.stack([*found.columns, residual])
-    sums = Sums.gather(columns, table.starts, folds.blocks, table.groups, flat_level=not known)
+    found.columns.store(residual)  # last: what is to be explained
+    sums = Sums.gather(found.columns, table.starts, folds.blocks, table.groups, flat_level=groups is not None)
+    _drop_infinite(found, sums)
     _drop_invisible(found, sums)
     return Case(table, base, found, residual, sums, folds, seed)
+
+
+def _drop_infinite(found: Candidates, sums: Sums) -> None:
+    """Drop causes whose columns are not finite in these data."""
+    finite = np.isfinite(np.diagonal(sums.blocks[0, [0, 3]].sum(axis=(0, 1))))
+    if finite.all():
+        return
+    sums.blocks[..., ~finite, :] = sums.blocks[..., ~finite] = sums.cells[..., ~finite] = 0.0
+    broken = {v.cause for v in found.variants if not finite[list(v.columns)].all()}
+    found.skipped.update(dict.fromkeys(broken, "not finite in these data"))
+    found.variants[:] = [v for v in found.variants if v.cause not in broken]
 
 
 def _drop_invisible(found: Candidates, sums: Sums) -> None:

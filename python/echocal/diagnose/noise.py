@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
+from echocal.diagnose.columns import Columns
 
 __all__ = ["FINEST", "NOISES", "Noise", "Sums", "Whitened"]
 
@@ -103,18 +103,17 @@ class Sums:
     @classmethod
     def gather(
         cls,
-        columns: Matrix,
+        columns: Columns,
         starts: NDArray[np.bool_],
         blocks: NDArray[np.int64],
         groups: NDArray[np.int64],
         *,
         flat_level: bool,
     ) -> "Sums":
-        """Pass once over the rows of `columns`, shape (k, n); the first column is a group's own."""
+        """Pass once over the rows of some columns, of which the first is a group's own."""
         pairs, cells = np.unique(np.stack([blocks, groups]), axis=1, return_inverse=True)
         cells = cells.reshape(-1)
-        labels = (blocks.astype(np.uint32), cells.astype(np.uint32))
-        gathered = _core.products(np.ascontiguousarray(columns), starts, *labels, list(_RHO))
+        gathered = columns.products(starts, blocks, cells, list(_RHO))
         k, count = len(columns), int(blocks.max()) + 1
         return cls(
             blocks=np.stack([np.stack(b).reshape(4, count, k, k) for b, _ in gathered]),

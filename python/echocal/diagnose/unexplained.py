@@ -1,6 +1,6 @@
 """Smooth shapes without a cause: what competes when no effect of the catalogue fits."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,23 +34,22 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column]) -> None:
     """
     for name, column in against.items():
         if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
-            _add(found, name, _polynomials(column))
+            _add(found, name, _polynomials(found, column))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
-        _add(found, HOUR, _harmonics(elapsed))
+        _add(found, HOUR, [found.columns.store(wave) for wave in _harmonics(elapsed)])
 
 
-def _add(found: Candidates, name: str, shapes: list[Column]) -> None:
-    free = tuple(found.add(shape) for shape in shapes)
+def _add(found: Candidates, name: str, shapes: Sequence[int]) -> None:
+    free = tuple(shapes)
     unbounded = ((-np.inf, np.inf),) * len(free)
     found.variants.append(Variant(UNKNOWN, free=free, bounds=unbounded, against=name))
 
 
-def _polynomials(column: Column) -> list[Column]:
+def _polynomials(found: Candidates, column: Column) -> list[int]:
     low, high = np.percentile(column, [0.5, 99.5])  # a few far values must not bend the shape
-    scaled = np.clip((2 * column - low - high) / max(high - low, 1e-300), -1.5, 1.5)
-    basis = np.polynomial.legendre.Legendre.basis
-    return [_SIZE / degree * basis(degree)(scaled) for degree in range(1, _DEGREE + 1)]
+    scales = [_SIZE / degree for degree in range(1, _DEGREE + 1)]
+    return found.columns.legendre(column, float(low), float(high), scales)
 
 
 def _harmonics(elapsed: Column) -> list[Column]:

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 mod batch;
+mod columns;
 mod domain;
 mod errors;
 mod evidence;
@@ -19,9 +20,11 @@ mod _core {
         speed_of_sound, time_of_flight,
     };
     #[pymodule_export]
+    use super::columns::CoreColumns;
+    #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
-    use super::evidence::{posterior, products, weigh};
+    use super::evidence::{posterior, weigh};
     #[pymodule_export]
     use super::firmware::{CoreFirmware, design_firmware};
     #[pymodule_export]

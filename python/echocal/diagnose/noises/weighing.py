@@ -168,15 +168,11 @@ def _beside(
 
 
 def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) -> Trace:
-    left = case.residual[rows].copy()
-    first = 0
-    for variant in weighed.hypothesis.variants:
-        last = first + len(variant.free)
-        if variant.offset is not None:
-            left -= case.found.columns[variant.offset][rows]
-        for column, size in zip(variant.free, weighed.mean[first:last], strict=True):
-            left -= size * case.found.columns[column][rows]
-        first = last
+    variants = weighed.hypothesis.variants
+    fixed = [v.offset for v in variants if v.offset is not None]
+    free = [column for v in variants for column in v.free]
+    sizes = np.concatenate([np.ones(len(fixed)), weighed.mean])
+    left = case.residual[rows] - sizes @ case.found.columns.at([*fixed, *free], rows)
     groups = case.table.groups[rows]
     flat = case.sums.flat_level
     if flat:  # each stretch has a level of its own

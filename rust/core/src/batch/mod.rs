@@ -45,7 +45,7 @@ pub struct Column {
 
 impl Column {
     /// The same value in every row.
-    fn constant(value: &f64) -> Self {
+    pub(crate) fn constant(value: &f64) -> Self {
         Self {
             start: core::ptr::from_ref(value).cast_mut().cast(),
             stride: 0,
@@ -53,7 +53,7 @@ impl Column {
     }
 
     /// Numbers side by side.
-    fn of(values: &[f64]) -> Self {
+    pub(crate) fn of(values: &[f64]) -> Self {
         Self {
             start: values.as_ptr().cast_mut().cast(),
             stride: size_of::<f64>().cast_signed(),

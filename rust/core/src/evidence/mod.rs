@@ -4,6 +4,7 @@
 //! same for a thousand rows and for a million.
 
 mod cholesky;
+mod columns;
 mod gram;
 mod hypothesis;
 mod normal;
@@ -11,10 +12,13 @@ mod posterior;
 mod products;
 mod source;
 mod spans;
+mod threaded;
 mod weigh;
 
+pub use columns::{Columns, Level, Numbers, Recipe};
 pub use hypothesis::Variant;
 pub use posterior::{Outcome, Prior, posterior, weigh};
 pub use products::{Layout, Products};
-pub use source::{Reader, Source, Stored};
+pub use source::{Reader, Source};
+pub use spans::gram;
 pub use weigh::{Stack, Weighed};

@@ -105,7 +105,7 @@ impl Products {
             .map(|((p, q), x)| 0.5 * both_ways(*p, *q, *x, memory))
             .collect();
         Self {
-            blocks: [present, previous, lagged, first].map(|sums| whole(&sums, width, columns)),
+            blocks: [present, previous, lagged, first].map(|sums| triangles(&sums, width, columns)),
             cells: parts.cells(plan, remembered, memory),
         }
     }
@@ -128,7 +128,7 @@ fn add(sums: &mut [f64], more: &[f64]) {
 }
 
 /// Both triangles, without the padding.
-fn whole(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
+pub(super) fn triangles(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
     let mut result = Vec::with_capacity(sums.len() / (width * width) * columns * columns);
     for matrix in sums.chunks_exact(width * width) {
         for i in 0..columns {
@@ -143,7 +143,31 @@ fn whole(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::source::Stored;
+    use crate::batch::staged::Line;
+    use crate::evidence::source::Reader;
+
+    /// Columns in memory.
+    struct Stored<'a>(&'a [&'a [f64]]);
+
+    impl Source for Stored<'_> {
+        fn width(&self) -> usize {
+            self.0.len()
+        }
+        fn rows(&self) -> usize {
+            self.0[0].len()
+        }
+        fn reader(&self) -> Box<dyn Reader + '_> {
+            Box::new(Stored(self.0))
+        }
+    }
+
+    impl Reader for Stored<'_> {
+        fn read(&mut self, first: usize, count: usize, into: &mut [Line]) {
+            for (line, column) in into.iter_mut().zip(self.0) {
+                line.0[..count].copy_from_slice(&column[first..first + count]);
+            }
+        }
+    }
 
     const ONE: [f64; 5] = [1.0; 5];
     const X: [f64; 5] = [1.0, -2.0, 4.0, 0.5, 3.0];

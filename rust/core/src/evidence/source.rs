@@ -20,33 +20,6 @@ pub trait Reader {
     fn read(&mut self, first: usize, count: usize, into: &mut [Line]);
 }
 
-/// Columns in memory.
-pub struct Stored<'a>(pub &'a [&'a [f64]]);
-
-impl Source for Stored<'_> {
-    fn width(&self) -> usize {
-        self.0.len()
-    }
-
-    fn rows(&self) -> usize {
-        self.0.first().map_or(0, |column| column.len())
-    }
-
-    fn reader(&self) -> Box<dyn Reader + '_> {
-        Box::new(StoredReader(self.0))
-    }
-}
-
-struct StoredReader<'a>(&'a [&'a [f64]]);
-
-impl Reader for StoredReader<'_> {
-    fn read(&mut self, first: usize, count: usize, into: &mut [Line]) {
-        for (line, column) in into.iter_mut().zip(self.0) {
-            line.0[..count].copy_from_slice(&column[first..first + count]);
-        }
-    }
-}
-
 /// Rows of some columns side by side, `width` numbers a row, the last ones zero.
 pub(super) fn side_by_side(lines: &[Line], count: usize, width: usize, rows: &mut Vec<f64>) {
     static NONE: Line = Line([0.0; BLOCK]);

@@ -3,14 +3,13 @@
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 #![allow(unsafe_code)]
 
-use super::gram::add_products;
-use super::products::{Layout, both_ways};
+use super::gram::{GROUP, add_products};
+use super::products::{Layout, both_ways, triangles};
 use super::source::{Reader, Source, side_by_side};
+use super::threaded::in_spans;
 use crate::batch::staged::{BLOCK, Line};
 use crate::simd::{InstructionSet, active};
 use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What is passed over.
 pub(super) struct Plan<'a> {
@@ -24,10 +23,6 @@ pub(super) struct Plan<'a> {
 
 /// Products kept beside those of each memory: plain, and of differences.
 pub(super) const KINDS: usize = 2;
-/// The spans of a table, at most: as many sums are added up in the end.
-const SPANS: usize = 16;
-/// Rows that are worth a span.
-const WORTH: usize = 4096;
 /// Part of a row that a memory may have forgotten where a span begins.
 const FORGOTTEN: f64 = 1e-17;
 /// Rows of a class that wait to be summed.
@@ -140,33 +135,41 @@ impl Parts {
 
 /// Passes over all rows: the spans, and the order of their sums, are those of the table alone.
 pub(super) fn gathered(plan: &Plan<'_>, threads: usize) -> Parts {
-    let rows = plan.layout.starts.len();
-    let spans = (rows / WORTH).clamp(1, SPANS);
-    let bound = |span: usize| rows * span / spans;
-    let next = AtomicUsize::new(0);
-    let done: Vec<Mutex<Option<Parts>>> = (0..spans).map(|_| Mutex::default()).collect();
-    let work = || {
-        let mut pass = Span::new(plan);
-        loop {
-            let span = next.fetch_add(1, Ordering::Relaxed);
-            let Some(place) = done.get(span) else { break };
-            let parts = pass.run(bound(span), bound(span + 1));
-            if let Ok(mut place) = place.lock() {
-                *place = Some(parts);
-            }
-        }
+    let worker = || {
+        let mut span = Span::new(plan);
+        move |first, end| span.run(first, end)
     };
-    std::thread::scope(|scope| {
-        for _ in 1..threads.min(spans) {
-            scope.spawn(work);
-        }
-        work();
-    });
     let mut whole = Parts::default();
-    for span in done {
-        whole.join(span.into_inner().ok().flatten().unwrap_or_default());
+    for span in in_spans(plan.layout.starts.len(), threads, worker) {
+        whole.join(span);
     }
     whole
+}
+
+/// Products of every pair of columns, summed over all rows; row-major.
+#[must_use]
+pub fn gram(source: &dyn Source, threads: usize) -> Vec<f64> {
+    let columns = source.width();
+    let width = columns.next_multiple_of(GROUP);
+    let worker = || {
+        let (mut reader, mut rows) = (source.reader(), Vec::new());
+        let mut lines = vec![Line::of(0.0); columns];
+        move |first: usize, end: usize| {
+            let mut sums = vec![0.0; width * width];
+            for block in (first..end).step_by(BLOCK) {
+                let count = BLOCK.min(end - block);
+                reader.read(block, count, &mut lines);
+                side_by_side(&lines, count, width, &mut rows);
+                add_products(&rows, width, &mut sums);
+            }
+            sums
+        }
+    };
+    let mut whole = vec![0.0; width * width];
+    for sums in in_spans(source.rows(), threads, worker) {
+        add(&mut whole, &sums);
+    }
+    triangles(&whole, width, columns)
 }
 
 /// One thread's memory.

@@ -14,7 +14,10 @@ pub struct Term {
 
 impl Term {
     /// The effect of this id; parameters that are not given stay neutral.
-    pub(super) fn new(id: &str, parameters: &[(&str, f64)]) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// [`Error`] where the effect or a parameter is unknown or out of bounds.
+    pub fn new(id: &str, parameters: &[(&str, f64)]) -> Result<Self, Error> {
         let index = effects::index_of(id).ok_or_else(|| Error::UnknownEffect {
             given: id.to_owned(),
             known: effects::ids(),

@@ -6,7 +6,7 @@ use crate::air::Law;
 use crate::chain::Stage;
 use crate::conditions::Quantity;
 use crate::effects::{self, ALL};
-use crate::model::Model;
+use crate::model::{Model, Term};
 
 /// Memory for one block on its way.
 pub(crate) struct Pass {
@@ -46,6 +46,64 @@ impl Pass {
             }
         }
         reading
+    }
+
+    /// Takes a block that a model brought to the end through what one more effect changes.
+    ///
+    /// `base` is what [`Pass::run`] made, to the last stage, in a memory of its own; with `seed` the
+    /// derivative to that parameter of the effect comes along.
+    pub(crate) fn beside(
+        &mut self,
+        model: &Model,
+        base: &Reading,
+        term: &Term,
+        seed: Option<usize>,
+    ) -> Reading {
+        let mut reading = base.to_distance(false);
+        let own = ALL[term.index].stage;
+        for stage in Stage::ALL.into_iter().filter(|&stage| stage >= own) {
+            let alone = !model.terms().iter().any(|t| t.facts().stage == stage);
+            let extra: Applied<'_> = (term.index, &term.parameters, seed);
+            if stage == own && alone {
+                self.apply(extra, &mut reading); // the variable is what the stage's entry made it
+            } else if stage == own {
+                self.stage(model, stage, Some(extra), &mut reading);
+            } else if !(alone && matches!(stage, Stage::Path | Stage::Firmware)) {
+                // these two read nothing that an effect changes
+                self.stage(model, stage, None, &mut reading);
+            }
+        }
+        reading
+    }
+
+    /// Takes a block through the whole chain with one more effect.
+    pub(crate) fn with(&mut self, model: &Model, mut reading: Reading, term: &Term) -> Reading {
+        for stage in Stage::ALL {
+            let own = (ALL[term.index].stage == stage).then_some((
+                term.index,
+                &term.parameters[..],
+                None,
+            ));
+            self.stage(model, stage, own, &mut reading);
+        }
+        reading
+    }
+
+    fn stage(
+        &mut self,
+        model: &Model,
+        stage: Stage,
+        extra: Option<Applied<'_>>,
+        reading: &mut Reading,
+    ) {
+        self.enter(model.law(), stage, reading);
+        let own = model.terms().iter().filter(|t| t.facts().stage == stage);
+        let mut terms: Vec<Applied<'_>> = own.map(|t| (t.index, &t.parameters[..], None)).collect();
+        terms.extend(extra);
+        terms.sort_by_key(|&(index, ..)| index);
+        for term in terms {
+            self.apply(term, reading);
+        }
     }
 
     fn enter(&mut self, law: Law, stage: Stage, reading: &mut Reading) {
