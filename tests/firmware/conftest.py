@@ -52,7 +52,7 @@ def made(name: str, package: str = "c") -> Firmware:
 @functools.cache
 def with_humidity(package: str = "c", target: str = "avr") -> Firmware:
     """A function of three codes, for a model as a diagnosis makes it."""
-    codes = {"temperature": (1.0, -20.0, 60.0), "humidity": (0.05, 0.0, 1.0), "echo": 26_000}
+    codes = {"temperature": (2.0, -20.0, 60.0), "humidity": (0.1, 0.0, 1.0), "echo": 26_000}
     model = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
     return firmware.generate(model, target, package=package, **codes)
 

@@ -5,8 +5,8 @@ from pathlib import Path
 from statistics import mean
 
 import pytest
+from boards.arduino import build_core, link, serial
 from conftest import with_humidity
-from uno.arduino import build_core, link, serial
 
 from echocal import Model, firmware
 from echocal.firmware import Firmware
@@ -50,7 +50,7 @@ def test_the_example_prints_the_twins_distance_with_humidity(core: Path, tmp_pat
     packed = with_humidity("arduino")
     # 0.5 of the supply from a HIH-4030: 54.8 %
     lines = serial(core, link(packed, SKETCH, core, tmp_path), (MILLIVOLTS, 2500), ECHOES[:4])
-    check(packed, lines, ECHOES[:4], 21, 11)
+    check(packed, lines, ECHOES[:4], 10, 5)
 
 
 def test_where_there_is_no_echo_it_says_so(core: Path, tmp_path: Path) -> None:

@@ -5,10 +5,13 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import with_humidity
+from conftest import made, with_humidity
 from toolchain import C_COMPILERS, STRICT, run
 
+from echocal import silicon
 from echocal.firmware import Firmware
+from echocal.silicon.board import MODE
+from echocal.silicon.qemu import Qemu
 
 PASSED, FAILED = "echocal self-test: passed\n", "echocal self-test: FAILED\n"
 
@@ -61,3 +64,23 @@ def test_without_a_standard_library_it_speaks_by_its_exit_code(tmp_path: Path) -
     made = with_humidity()
     build(made, tmp_path, "gcc", "-ffreestanding")
     assert run(tmp_path / "selftest.out") == ""
+
+
+@pytest.mark.parametrize("core", [name for name, board in silicon.CORES.items() if isinstance(board, Qemu)])
+@pytest.mark.parametrize("name", ["product_of_64_bits", "full_table", "humid"])
+def test_it_passes_on_every_core(core: str, name: str, tmp_path: Path) -> None:
+    """And tells the first vector if the function is another; test_arduino has the ATmega328P."""
+    packed = with_humidity("c", "c99") if name == "humid" else made(name)
+    packed.save(tmp_path)
+    board = silicon.CORES[core]
+    assert isinstance(board, Qemu)
+    (tmp_path / "echocal_selftest.h").write_text(packed.files["selftest/echocal_selftest.h"])
+    test = tmp_path / "selftest.o"
+    source = tmp_path / "selftest" / "echocal_selftest.c"
+    run(board.compiler, *board.flags, *MODE, "-Os", f"-I{tmp_path}", "-c", source, "-o", test)
+    thing = board.compile(packed, tmp_path, "-Os")
+    assert int(board.play(thing, "-DSELFTEST", library=(str(test),)), 16) == 0
+    spoiled = packed.files["echocal_correction.c"].replace("return ECHOCAL_OUT", "return 1 + ECHOCAL_OUT")
+    other = Firmware({**packed.files, "echocal_correction.c": spoiled}, packed.report, packed._twin)
+    thing = board.compile(other, tmp_path, "-Os")
+    assert int(board.play(thing, "-DSELFTEST", library=(str(test),)), 16) > 0
