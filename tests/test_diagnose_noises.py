@@ -116,7 +116,7 @@ def test_noise_that_remembers_is_named_but_no_verdict() -> None:
     assert found.parameters[0].value == pytest.approx(0.8, abs=0.15)
 
 
-def test_a_tape_that_errs_is_named_but_no_verdict() -> None:
+def test_a_tape_that_errs_is_named() -> None:
     random = np.random.default_rng(4)
     stand = np.repeat(np.arange(12), 25)
     distance = np.linspace(0.4, 3.8, 12)[stand]
@@ -126,7 +126,7 @@ def test_a_tape_that_errs_is_named_but_no_verdict() -> None:
         "temperature_C": 20 + random.normal(0, 2, len(stand)),
     }
     diagnosis = echocal.diagnose(table)
-    assert diagnosis.verdict == "nothing"
+    assert diagnosis.verdict == "named"
     assert [cause.id for cause in diagnosis.causes] == ["reference_error"]
     assert diagnosis.causes[0].parameters[0].value == pytest.approx(4e-3, rel=0.6)
 

@@ -10,24 +10,38 @@ def read(**columns: object) -> dict[str, np.ndarray]:
     )
 
 
-def test_a_rate_is_that_of_a_ramp_and_zero_at_the_first_row() -> None:
+def test_a_rate_is_that_of_a_ramp_in_every_row() -> None:
     seconds = np.cumsum(np.random.default_rng().uniform(1.0, 300.0, 50)) - 1.0
     found = read(time_s=seconds, temperature_C=20 + 1e-3 * (seconds - seconds[0]))["temperature_rate"]
-    assert found[0] == 0.0
-    late = seconds - seconds[0] > 30.0
-    np.testing.assert_allclose(found[late], 1e-3, rtol=1e-9)
+    np.testing.assert_allclose(found, 1e-3, rtol=1e-9)
 
 
-def test_a_rate_looks_back_and_not_ahead() -> None:
+def test_a_rate_looks_as_far_back_as_ahead() -> None:
     seconds = 60.0 * np.arange(6)
     found = read(time_s=seconds, temperature_C=np.array([20.0, 20.0, 20.0, 26.0, 26.0, 26.0]))
-    np.testing.assert_allclose(found["temperature_rate"], [0, 0, 0, 0.1, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(found["temperature_rate"], [0, 0, 0.05, 0.05, 0, 0], atol=1e-15)
 
 
-def test_later_temperatures_stand_further_down_and_the_last_stays() -> None:
+def test_a_thermometer_that_lags_is_undone_between_the_ends() -> None:
+    seconds, constant, period = 20.0 * np.arange(400), 150.0, 4000.0
+    turn = 2 * np.pi / period
+    gain, behind = 1 / np.hypot(1, turn * constant), np.arctan(turn * constant)
+    recorded = 20 + 10 * gain * np.sin(turn * seconds - behind)
+    rate = read(time_s=seconds, temperature_C=recorded)["temperature_rate"]
+    air = recorded + constant * rate
+    np.testing.assert_allclose(air[1:-1], (20 + 10 * np.sin(turn * seconds))[1:-1], atol=5e-3)
+
+
+def test_a_single_row_changes_at_no_rate() -> None:
+    assert read(time_s=[0.0], temperature_C=[20.0])["temperature_rate"].tolist() == [0.0]
+
+
+def test_later_temperatures_stand_further_down_and_go_on_as_the_last_rows_do() -> None:
     found = read(time_s=np.arange(8.0), temperature_C=np.arange(20.0, 28.0))
-    assert found["temperature_later_1"].tolist() == [21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0, 27.0]
-    assert found["temperature_later_5"].tolist() == [25.0, 26.0, 27.0, 27.0, 27.0, 27.0, 27.0, 27.0]
+    np.testing.assert_allclose(found["temperature_later_1"], np.arange(21.0, 29.0))
+    np.testing.assert_allclose(found["temperature_later_5"], np.arange(25.0, 33.0))
+    still = read(time_s=np.arange(3.0), temperature_C=np.full(3, 20.0))["temperature_later_5"]
+    np.testing.assert_allclose(still, 20.0)
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
         "strict": top in truth,
         "class": _class_right(case, top),
         "covered": bool(credible & truth),
-        "credible_sets": len(credible),
+        "credible_sets": len(credible),  # exact aliases count as one
         "named": named,
         "refuted": [refuted["id"] for refuted in answer.get("refuted", [])],
         "says_unknown": answer["unexplained"] is not None or answer["verdict"] == "unknown",

@@ -33,7 +33,7 @@ thermometer's error lets the echo run through the true air while the device conv
 temperature, and the indication is too short where the air is warmer than recorded.
 
 What remembers earlier rows reads a quantity that reading a table derives from them: `temperature_rate` and
-`radiation_rate` (over the last step or 30 s, from the past alone), `temperature_later_1` to
+`radiation_rate` (from the row before to the row after, over at least 30 s), `temperature_later_1` to
 `temperature_later_5` (rows further down), `position_in_group` (from `group` or `order`). So every effect sees
 one row at a time. A shape that says where an effect begins (an edge, a step) is sought along its column, down
 to the row.

@@ -20,6 +20,8 @@ UNKNOWN = "unknown"
 """Id under which a smooth shape without a cause competes."""
 
 _TAIL = 0.1  # weight of a prior's tail beside its bulk
+_LAW = 300e-6 / 3**0.5
+"""Relative standard uncertainty of a law: Cramer 1993 states limits of 300 ppm (GUM 4.3.7)."""
 _CLOSEST = 0.5  # rows between two places at which an effect may begin
 _BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
 _FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
@@ -73,6 +75,11 @@ class Candidates:
     variants: list[Variant] = field(default_factory=list)
     size_tangents: dict[str, tuple[int, float]] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def competing(self) -> int:
+        """Number of causes that have a variant."""
+        return len({v.cause for v in self.variants} - {UNKNOWN})
 
 
 @dataclass(frozen=True)
@@ -189,6 +196,9 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
         column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
         found.size_tangents[id_] = (column, size)
     variants.append(_freed(found, whole, shapes, at_work=True, levels=levels) if shapes else whole)
+    if effect.extends and effect.calls:  # it stands in for the law: the law's own uncertainty comes in
+        law = found.columns.store(_LAW * scene.base.expected(scene.distance, scene.conditions))
+        variants = [replace(v, free=(*v.free, law), bounds=(*v.bounds, (-np.inf, np.inf))) for v in variants]
     return variants
 
 

@@ -11,6 +11,7 @@ from echocal.diagnose.alias import Geometry
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.hypotheses import preferred
+from echocal.diagnose.parsimony import shown
 from echocal.registry import find_effect
 
 __all__ = [
@@ -53,15 +54,22 @@ class Ranking:
         """Probability that at least one of these is at work."""
         return sum(p for ids, p in self.sets if set(ids) & set(causes))
 
-    def best(self) -> Weighed:
+    @property
+    def nothing(self) -> float:
+        """Probability that no cause is at work, and no shape either."""
+        return dict(self.sets).get((), 0.0)
+
+    def best(self, *, something: bool = False) -> Weighed:
         """Most probable hypothesis of the most probable set of effects, whatever shape beside it.
 
-        Of sets that are about as probable, the one that most devices can compensate.
+        Of sets that are about as probable, the one that most devices can compensate. With
+        `something`, the best that is not nothing.
         """
         effects: dict[tuple[str, ...], float] = {}
         for ids, p in self.sets:
             named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
-            effects[named] = effects.get(named, 0.0) + p
+            if named or not something:
+                effects[named] = effects.get(named, 0.0) + p
         likely = max(effects.values())
         near = [named for named in effects if effects[named] > _NEARLY * likely]
         top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
@@ -89,17 +97,12 @@ def _named(hypothesis: Hypothesis) -> tuple[str, ...]:
     return tuple(sorted(id_ for id_ in hypothesis.causes if id_ != UNKNOWN))
 
 
-def rank(weighed: list[Weighed]) -> Ranking:
-    """Normalize, and add up the variants of each set of causes."""
+def rank(weighed: list[Weighed], causes: int) -> Ranking:
+    """Normalize, add up the variants of each set of causes, and count only causes that show."""
     log = np.array([w.log_posterior for w in weighed])
     probability = np.exp(log - log.max())
     probability /= probability.sum()
-    sets: dict[tuple[str, ...], float] = {}
-    for w, p in zip(weighed, probability, strict=True):
-        ids = tuple(sorted(w.hypothesis.causes))
-        sets[ids] = sets.get(ids, 0.0) + float(p)
-    ordered = sorted(sets.items(), key=lambda item: -item[1])
-    return Ranking(weighed, probability, ordered)
+    return Ranking(weighed, probability, list(shown(weighed, probability, causes).items()))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside: identity is what matters
@@ -128,9 +131,8 @@ class Claim:
         return self.variant.cause
 
 
-def claims(ranking: Ranking, found: Candidates, shape: Geometry) -> list[Claim]:
-    """Claim the causes of the best hypothesis, each with its class."""
-    best = ranking.best()
+def claims(ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry) -> list[Claim]:
+    """Claim the causes of a hypothesis, each with its class."""
     others = _by_cause(found.variants)
     made = []
     first = 0

@@ -1,6 +1,8 @@
 """Which hypotheses compete, and how probable each is before the data."""
 
+import math
 import os
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,16 +11,19 @@ from echocal.diagnose.candidates import UNKNOWN, Candidates
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, form
 from echocal.diagnose.noise import FINEST
 
-__all__ = ["PRIOR", "posterior", "preferred"]
+__all__ = ["PRIOR", "posterior", "preferred", "set_prior"]
 
 PRIOR = {"nothing": 0.44, "one": 0.45, "two": 0.1, "three": 0.01, UNKNOWN: 0.05}
-"""Probability of no to three causes; and, independently, of a shape without a cause, the last resort."""
+"""Probability of no to three causes; and, independently, of a shape without a cause, the last resort.
+
+Each cause beyond three is as rare beside the last as the third is beside the second.
+"""
 
 _UNDECIDED = 1.5  # log odds between two forms of a cause below which neither is better
 
 
 def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
-    """Weigh no cause, each cause, each pair, and the best of these beside each unknown shape.
+    """Weigh no cause, each cause, each pair, larger sets greedily, and the best of all beside each shape.
 
     Returns
     -------
@@ -45,6 +50,15 @@ def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
         for chosen, prior, result in outcomes
     ]
     return weighed, stack.only(np.array(noises))
+
+
+def set_prior(ids: Sequence[str], causes: int) -> float:
+    """Probability of one set of causes before the data, of as many causes as compete."""
+    known = sum(id_ != UNKNOWN for id_ in ids)
+    shape = PRIOR[UNKNOWN] if known < len(ids) else 1 - PRIOR[UNKNOWN]
+    counts = [PRIOR[name] for name in ("nothing", "one", "two", "three")]
+    rarer = (counts[3] / counts[2]) ** max(known - 3, 0)
+    return shape * counts[min(known, 3)] * rarer / math.comb(causes, known)
 
 
 def preferred(same: list[Weighed]) -> Weighed:

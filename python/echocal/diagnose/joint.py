@@ -13,11 +13,14 @@ from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
 from echocal.diagnose.noises.weighing import SHAPES, NoiseShares
 from echocal.diagnose.result import Cause, Parameter
 
-__all__ = ["Joint", "join"]
+__all__ = ["NAMED", "Joint", "join"]
 
 _LEAST = 1e-6  # probability of a set worth a line
 _MATTERS = 0.05  # part of the variance of the noise from which on a noise is a verdict
+_OPEN = 0.2  # probability below which a guard is not split off: every hypothesis reckons with it anyhow
 _SEEN = 0.5  # probability from which on a cause is reported
+NAMED = 0.9
+"""Probability of one class from which on it is named."""
 
 Sets = dict[tuple[str, ...], float]
 
@@ -47,12 +50,9 @@ class Joint:
 
     @property
     def telling(self) -> tuple[Finding, ...]:
-        """Findings that a verdict counts: not what every table is guarded against anyhow."""
-        return tuple(f for f in self.findings if f.facts.id not in GUARDS and f.share > _MATTERS)
-
-
-GUARDS = frozenset({"correlated_noise", "reference_error"})
-"""Noise that every hypothesis reckons with: reported, but no verdict of its own."""
+        """Findings that a verdict counts: what every table is guarded against anyhow, only if sure."""
+        telling = (f for f in self.findings if f.share > _MATTERS and f.facts.id != "correlated_noise")
+        return tuple(f for f in telling if f.facts.id != "reference_error" or f.probability >= NAMED)
 
 
 def join(ranking: Ranking, found: Iterable[Finding], shares: NoiseShares, carried: Stack) -> Joint:
@@ -68,7 +68,8 @@ def join(ranking: Ranking, found: Iterable[Finding], shares: NoiseShares, carrie
         split |= {tuple(sorted((*ids, shape))): p * part for shape, part in shapes.items()}
         split = {named: part for named, part in split.items() if part >= _LEAST}
         for guard, probability in shares.guard_of(ids).items():
-            split = _crossed(split, guard, probability)
+            is_open = _OPEN < probability < 1 - _OPEN
+            split = _crossed(split, guard, probability if is_open else round(probability))
         for named, part in split.items():
             sets[named] = sets.get(named, 0.0) + part
     found = tuple(found)

@@ -1,7 +1,6 @@
 """Noise that the engine reckons with before it names anything: memory, and an error per stand."""
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,9 +49,11 @@ class Noise:
 
 
 def _grid(ratios: tuple[float, ...]) -> tuple[Noise, ...]:
-    # half of the prior on uncorrelated rows without an error per stand: the usual assumption
-    pairs = [(m, r, s) for m, rhos in _RHO.items() for r, s in product(rhos, ratios)]
-    return tuple(Noise(m, r, s, 0.5 if (r, s) == (0, 0) else 0.5 / (len(pairs) - 1)) for m, r, s in pairs)
+    # half of the prior on uncorrelated rows, the usual assumption; half on stands without an error
+    pairs = [(m, r) for m, rhos in _RHO.items() for r in rhos]
+    rows = {pair: 0.5 if pair == (0.0, 0.0) else 0.5 / (len(pairs) - 1) for pair in pairs}
+    stands = {s: 1.0 if len(ratios) == 1 else 0.5 if s == 0.0 else 0.5 / (len(ratios) - 1) for s in ratios}
+    return tuple(Noise(m, r, s, rows[m, r] * stands[s]) for m, r in pairs for s in ratios)
 
 
 NOISES = {False: _grid((0.0,)), True: _grid(_STAND_RATIO)}

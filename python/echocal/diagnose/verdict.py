@@ -8,25 +8,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.alias import Geometry
+from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import Case
 from echocal.diagnose.claims import (
     Claim,
+    Ranking,
     alternatives,
     beside_a_remainder,
     claims,
     parameters,
     rank,
 )
+from echocal.diagnose.evidence import Stack, Weighed
 from echocal.diagnose.faults import Faults
 from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
-from echocal.diagnose.joint import Joint, join
+from echocal.diagnose.joint import NAMED, Joint, join
 from echocal.diagnose.judge import Judgment, judge
 from echocal.diagnose.level_steps import steps_of
 from echocal.diagnose.members import members
 from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
+from echocal.diagnose.parsimony import Ids
 from echocal.diagnose.ranges import Ranges
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
 from echocal.diagnose.steadiness import unsteady
@@ -35,9 +39,6 @@ from echocal.observations import Observations
 from echocal.registry import find_effect
 
 __all__ = ["conclude"]
-
-NAMED = 0.9
-"""Probability of one class from which on it is named."""
 
 _CREDIBLE = 0.95
 
@@ -50,10 +51,9 @@ def conclude(
     weighed, carried = posterior(case.found, stack)
     steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]
     shares = weigh_noises(case, weighed, carried, steps)
-    ranking = rank(shares.weighed)
-    best = ranking.best()
-    noise, products = carried.likeliest(best)
-    claimed = claims(ranking, case.found, Geometry(products, best.variance))
+    ranking = rank(shares.weighed, case.found.competing)
+    best, claimed = _claimed(case, ranking, carried)
+    noise, _ = carried.likeliest(best)
     remainder = unexplained(case, ranking)
     if remainder is not None:
         claimed = beside_a_remainder(claimed, case.found, carried, remainder.against)
@@ -99,6 +99,32 @@ def conclude(
     )
 
 
+def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, list[Claim]]:
+    """Claims of the best hypothesis.
+
+    Causes that these data cannot tell apart share what probability their class has: nothing wins
+    only over the whole class, not over each of its members.
+    """
+    best = ranking.best()
+    claimed = _of(best, case, ranking, carried)
+    if best.hypothesis.variants or not any(_named(ids) for ids, _ in ranking.sets):
+        return best, claimed
+    rival = ranking.best(something=True)
+    instead = _of(rival, case, ranking, carried)
+    if max(claim.probability for claim in instead) > ranking.nothing:
+        return rival, instead
+    return best, claimed
+
+
+def _of(weighed: Weighed, case: Case, ranking: Ranking, carried: Stack) -> list[Claim]:
+    _, products = carried.likeliest(weighed)
+    return claims(ranking, weighed, case.found, Geometry(products, weighed.variance))
+
+
+def _named(ids: Ids) -> bool:
+    return any(id_ != UNKNOWN for id_ in ids)
+
+
 def _verdict(judgment: Judgment, varying: Container[str], remainder: bool, joint: Joint) -> Verdict:
     steady = [c.probability for c in judgment.kept if c.cause not in varying]
     if any(probability >= NAMED for probability in steady):
@@ -124,7 +150,8 @@ def _credible(joint: Joint) -> tuple[tuple[str, ...], ...]:
 def _cause(case: Case, claim: Claim, judgment: Judgment) -> Cause:
     in_model = claim in judgment.kept
     value = judgment.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
-    uncertainty = dict(zip(claim.variant.names, claim.deviation * claim.variant.scales, strict=False))
+    named = claim.deviation[: len(claim.variant.scales)]
+    uncertainty = dict(zip(claim.variant.names, named * claim.variant.scales, strict=False))
     values = tuple(
         Parameter(p.name, value[p.name], float(uncertainty.get(p.name, 0.0)), p.unit)
         for p in find_effect(claim.cause).parameters

@@ -11,6 +11,7 @@ Column = NDArray[np.float64]
 
 _WINDOW = 30.0  # s: what a rate is taken over at least, so that a thermometer's steps are no rates
 _LATER = 5  # rows
+_TREND = 10  # rows at the end of a table that say how it goes on
 
 
 def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.int64]]) -> dict[str, Column]:
@@ -34,7 +35,7 @@ def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.in
     >>> seconds = np.array([0.0, 60.0, 120.0])
     >>> found = derived({"elapsed_time": seconds, "temperature": 20 + 0.01 * seconds}, {})
     >>> found["temperature_rate"].round(6).tolist(), found["temperature_later_1"].round(1).tolist()
-    ([0.0, 0.01, 0.01], [20.6, 21.2, 21.2])
+    ([0.01, 0.01, 0.01], [20.6, 21.2, 21.8])
     """
     found: dict[str, Column] = {}
     elapsed, temperature = conditions.get("elapsed_time"), conditions.get("temperature")
@@ -49,26 +50,33 @@ def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.in
 
 
 def _rate(elapsed: Column, values: Column) -> Column:
-    """Rate of change up to each row: from the past alone, as a device would have it.
+    """Rate of change at each row, from the row before to the row after.
 
-    Over the step from the row before or over `_WINDOW`, whichever is longer; at the first row zero.
+    Over `_WINDOW` where rows stand closer. At either end of the table half of that is known.
     """
     rate = np.full(len(values), np.nan)
     known = np.flatnonzero(np.isfinite(elapsed) & np.isfinite(values))
     order = known[np.argsort(elapsed[known], kind="stable")]
     time, value = elapsed[order], values[order]
     if len(order):
-        window = np.maximum(_WINDOW, np.diff(time, prepend=time[0]))
-        rate[order] = (value - np.interp(time - window, time, value)) / window
+        half = 0.5 * _WINDOW
+        early = np.maximum(time - np.maximum(half, np.diff(time, prepend=time[0])), time[0])
+        late = np.minimum(time + np.maximum(half, np.diff(time, append=time[-1])), time[-1])
+        span = late - early
+        rise = np.interp(late, time, value) - np.interp(early, time, value)
+        rate[order] = np.divide(rise, span, out=np.zeros_like(rise), where=span > 0)
     return rate
 
 
 def _later(values: Column, rows: int) -> Column:
-    """Value that many rows further down; the last one where the table ends."""
+    """Value that many rows further down; beyond the end, on the straight line of the last rows."""
     later = np.full(len(values), np.nan)
-    known = np.flatnonzero(np.isfinite(values))
+    known = values[np.isfinite(values)]
     if len(known):
-        later[known] = values[known[np.minimum(np.arange(len(known)) + rows, len(known) - 1)]]
+        last = known[-_TREND:]
+        ahead = np.arange(len(last), len(last) + rows)
+        line = np.polynomial.Polynomial.fit(np.arange(len(last)), last, min(1, len(last) - 1))
+        later[np.isfinite(values)] = np.append(known, line(ahead))[rows:]
     return later
 
 

@@ -4,18 +4,23 @@ use super::{Effect, Facts, Firmware, ParameterFacts, Role, Tried};
 use crate::air::absorption;
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, polynomial};
 
 /// Carrier of most rangers \[Hz\].
 const FREQUENCY: f64 = 40e3;
 /// Distance that the delay is stated for \[m\].
 const REFERENCE: f64 = 4.0;
-/// How many times later an echo can be.
-const LATEST: f64 = 10.0;
+/// Threshold over amplitude beyond which an echo is lost in noise.
+const LOST: f64 = 0.95;
+/// What the air absorbs out to there and back at 20 degC, 50 % and 101.325 kPa \[Np\]: ISO 9613-1, 1.318 dB/m.
+const ABSORBED: f64 = 1.214;
 /// Decibels in a neper.
 const DECIBEL_PER_NEPER: f64 = 8.685_889_638_065_035;
 
 /// See [`AmplitudeWalk::FACTS`].
+///
+/// The receiver rings up as `A (1 - exp(-s / rise))` and the comparator waits for a fixed voltage, which is
+/// the part `p` of the echo's amplitude `A`; `p` is `threshold` at 4 m, 20 degC and 50 %.
 pub struct AmplitudeWalk;
 
 impl Effect for AmplitudeWalk {
@@ -23,10 +28,10 @@ impl Effect for AmplitudeWalk {
         id: "amplitude_walk",
         stage: Stage::Transducer,
         sentence: "A fainter echo rises more slowly and crosses the comparator's threshold later.",
-        formula: "t' = t + delay u (1 + 1/10) / (1 + u/10), u = (d / 4 m) exp(2 steepness alpha (d - 4 m)), alpha \
-                  the absorption of air at 40 kHz",
+        formula: "t' = t + delay ln(1 - p) / ln(1 - threshold), p = threshold (d / 4 m) exp(2 alpha d - 1.214), \
+                  alpha the absorption of air at 40 kHz",
         source: "threshold detectors err by millimeters to centimeters: Parrilla, Anaya and Fritsch 1991, IEEE \
-                 Trans. Instrum. Meas. 40, 759; absorption: ISO 9613-1:1993",
+                 Trans. Instrum. Meas. 40, 759; spreading, and absorption by ISO 9613-1:1993",
         reads: &[
             Quantity::Temperature,
             Quantity::RelativeHumidity,
@@ -42,15 +47,16 @@ impl Effect for AmplitudeWalk {
                 ..ParameterFacts::USUAL
             },
             ParameterFacts {
-                name: "steepness",
+                name: "threshold",
                 role: Role::Shape,
-                neutral: 1.0,
-                bounds: (0.0, 3.0),
-                prior_scale: 0.5,
-                tried: Tried::Values(&[1.0, 1.7, 2.5]),
+                neutral: 0.3,
+                bounds: (0.01, 0.9),
+                prior_scale: 0.2,
+                tried: Tried::Values(&[0.05, 0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.88]),
                 ..ParameterFacts::USUAL
             },
         ],
+        edges: true,
         domain: "one target; 0.1 to 6 m; without recorded humidity alpha is that of the model's assumed air",
         check: "record the echo's amplitude, or change the target's reflectivity at one distance",
         firmware: Firmware::Refused(
@@ -62,19 +68,23 @@ impl Effect for AmplitudeWalk {
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
         let neper = absorption(&chain.air, S::constant(FREQUENCY)) * S::constant(1.0 / DECIBEL_PER_NEPER);
-        let further = chain.path - S::constant(REFERENCE);
-        let fainter = (S::constant(2.0) * parameters[1] * neper * further).exp();
-        let fainter = chain.path * S::constant(1.0 / REFERENCE) * fainter;
-        // an echo that is ten times later than that from 4 m is lost in noise
-        let latest = S::constant(1.0 / LATEST).mul_add(fainter, S::constant(1.0));
-        let later = fainter * S::constant(1.0 + 1.0 / LATEST) / latest;
-        chain.time = parameters[0].mul_add(later, chain.time);
+        let absorbed = (S::constant(2.0) * neper).mul_add(chain.path, S::constant(-ABSORBED));
+        let fainter = chain.path * S::constant(1.0 / REFERENCE) * absorbed.exp();
+        let part = (parameters[1] * fainter).min(S::constant(LOST));
+        chain.time = (parameters[0] / crossing(parameters[1])).mul_add(crossing(part), chain.time);
     }
+}
+
+/// `-ln(1 - p)`, by the Padé approximant of orders 3 and 3: within 1 % up to 0.85, 8 % at 0.95.
+#[inline(always)]
+fn crossing<S: Scalar>(part: S) -> S {
+    let above = polynomial(part, [60.0, -60.0, 11.0]) * part;
+    above / polynomial(part, [60.0, -90.0, 36.0, -3.0])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::REFERENCE;
+    use super::{REFERENCE, crossing};
     use crate::effects::testing::error;
     use crate::{Conditions, Quantity};
 
@@ -85,19 +95,33 @@ mod tests {
 
     #[test]
     fn forty_microseconds_at_4_meters_are_7_millimeters() {
-        // 1 us is 0.1717 mm at 20 degC, whatever the absorption
-        for humidity in [0.1, 0.5, 0.9] {
-            assert!((millimeters(REFERENCE, 20.0, humidity) - 40.0 * 0.1717).abs() < 1e-9);
-        }
+        // 1 us is 0.1717 mm at 20 degC
+        assert!((millimeters(REFERENCE, 20.0, 0.5) - 40.0 * 0.1717).abs() < 1e-2);
+    }
+
+    #[test]
+    fn later_in_air_that_absorbs_more() {
+        // ISO 9613-1 at 40 kHz: 0.45 dB/m at 0 degC and 50 %, 1.32 dB/m at 20 degC and 50 %
+        let part = 0.3 * 10_f64.powf(2.0 * 4.0 * (0.45 - 1.318) / 20.0);
+        let expected = 40.0 * 0.1657 * (1.0 - part).ln() / 0.7_f64.ln();
+        assert!((millimeters(REFERENCE, 0.0, 0.5) / expected - 1.0).abs() < 0.01);
     }
 
     #[test]
     fn grows_with_distance_and_where_air_absorbs_more() {
         let steps = [0.1, 0.5, 1.0, 2.0, 4.0, 8.0].map(|distance| millimeters(distance, 20.0, 0.5));
         assert!(steps.is_sorted() && steps[0] < 0.2);
-        // half way, u is a half less what the further half absorbs: 1.32 dB/m at 20 degC and 50 %
-        let half = 0.5 * 10_f64.powf(-1.32 * 2.0 * 2.0 / 20.0);
-        let expected = 40.0 * 0.1717 * 1.1 * half / (1.0 + 0.1 * half);
+        // half way, p is a half less what the further half absorbs: 1.32 dB/m at 20 degC and 50 %
+        let half = 0.3 * 0.5 * 10_f64.powf(-1.32 * 2.0 * 2.0 / 20.0);
+        let expected = 40.0 * 0.1717 * (1.0 - half).ln() / 0.7_f64.ln();
         assert!((steps[3] / expected - 1.0).abs() < 0.01, "{} {expected}", steps[3]);
+    }
+
+    #[test]
+    fn the_approximation_is_the_logarithm() {
+        for (part, apart) in [(1e-6_f64, 1e-9), (0.1, 1e-6), (0.5, 1e-3), (0.85, 0.01), (0.95, 0.08)] {
+            let exact = -(-part).ln_1p();
+            assert!((crossing(part) / exact - 1.0).abs() < apart, "{part}: {} {exact}", crossing(part));
+        }
     }
 }

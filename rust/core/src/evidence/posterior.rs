@@ -1,4 +1,4 @@
-//! No cause, each cause, each pair, the best triples, and the best of these beside a shape.
+//! No cause, each cause, each pair, larger sets greedily, and the best of all beside a shape.
 
 use super::hypothesis::{Layout, Variant};
 use super::weigh::{Scales, Stack, Weighed, log_sum};
@@ -13,6 +13,21 @@ pub struct Prior {
     pub shape: f64,
 }
 
+impl Prior {
+    /// Of so many causes; beyond three, each further one is as rare beside the last as the third
+    /// is beside the second.
+    fn of(&self, count: usize) -> f64 {
+        let last = self.causes.len() - 1;
+        let rarer = self.causes[last] / self.causes[last - 1];
+        (last..count).fold(self.causes[count.min(last)], |p, _| p * rarer)
+    }
+}
+
+/// Sets of `chosen` among `all`.
+fn combinations(all: usize, chosen: usize) -> f64 {
+    (0..chosen).fold(1.0, |sets, i| sets * (all - i) as f64 / (i + 1) as f64)
+}
+
 /// A hypothesis with its place in the posterior.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -24,12 +39,10 @@ pub struct Outcome {
     pub weighed: Weighed,
 }
 
-/// The most probable pairs that a third cause is added to.
+/// The most probable sets that a further cause is added to.
 const EXTENDED: usize = 4;
-/// The most causes at once.
-const LARGEST: usize = 6;
-/// How much less probable each cause beyond three makes a set, before the data.
-const ANOTHER: f64 = 0.1;
+/// Causes at once that are tried, while each further one makes a better set.
+const MOST: usize = 6;
 /// The most probable hypotheses that are also tried beside a shape.
 const BESIDE: usize = 8;
 /// Probability of a noise below which it is not carried along.
@@ -90,11 +103,13 @@ pub fn posterior(
     let promising = search.promising(&found);
     search.causes = &promising;
     found.extend(search.weigh(search.pairs(), top(&found)));
-    let triples = search.triples(&search.distinct(&found));
-    found.extend(search.weigh(triples, top(&found)));
-    for size in 3..LARGEST {
-        let largest = search.grown(&search.distinct(&found), size);
-        found.extend(search.weigh(largest, top(&found)));
+    for count in 3..=MOST {
+        let extended = search.extended(&search.distinct(&found), count);
+        let before = top(&found);
+        found.extend(search.weigh(extended, before));
+        if top(&found) <= before {
+            break;
+        }
     }
     let beside = search.beside(&search.distinct(&found), &shapes);
     found.extend(search.weigh(beside, top(&found)));
@@ -217,69 +232,41 @@ impl Search<'_> {
         made
     }
 
-    /// The best pairs, each with every third cause.
-    fn triples(&self, distinct: &[&Candidate]) -> Vec<Candidate> {
-        let count = self.causes.len();
-        if count < 3 {
+    /// The best sets of one cause less, each with every further cause.
+    fn extended(&self, distinct: &[&Candidate], count: usize) -> Vec<Candidate> {
+        let all = self.causes.len();
+        if all < count {
             return Vec::new();
         }
-        let sets = (count * (count - 1) * (count - 2) / 6) as f64;
-        let prior = self.share * self.prior.causes[3] / sets;
-        let place = |v: usize| self.causes.iter().position(|forms| forms.contains(&v));
-        let mut tried: Vec<[usize; 3]> = Vec::new();
-        for pair in distinct
-            .iter()
-            .filter(|c| c.variants.len() == 2)
-            .take(EXTENDED)
-        {
-            let Some((a, b)) = place(pair.variants[0]).zip(place(pair.variants[1])) else {
+        let prior = self.share * self.prior.of(count) / combinations(all, count);
+        let place = |v: &usize| self.causes.iter().position(|forms| forms.contains(v));
+        let smaller = distinct.iter().filter(|c| c.variants.len() == count - 1);
+        let mut tried: Vec<Vec<usize>> = Vec::new();
+        for set in smaller.take(EXTENDED) {
+            let Some(set) = set.variants.iter().map(place).collect::<Option<Vec<_>>>() else {
                 continue;
             };
-            for third in (0..count).filter(|&third| third != a && third != b) {
-                let mut set = [a, b, third];
-                set.sort_unstable();
-                if !tried.contains(&set) {
-                    tried.push(set);
+            for further in (0..all).filter(|further| !set.contains(further)) {
+                let mut larger = [&set[..], &[further]].concat();
+                larger.sort_unstable();
+                if !tried.contains(&larger) {
+                    tried.push(larger);
                 }
             }
         }
         let mut made = Vec::new();
-        for [a, b, c] in tried
-            .into_iter()
-            .map(|set| set.map(|cause| &self.causes[cause]))
-        {
-            for &x in a {
-                for &y in b {
-                    made.extend(c.iter().map(|&z| self.candidate(vec![x, y, z], prior)));
-                }
+        for set in tried {
+            let mut chosen = vec![Vec::new()];
+            for forms in set.iter().map(|&cause| &self.causes[cause]) {
+                let longer = |some: &Vec<usize>| {
+                    let some = some.clone();
+                    forms.iter().map(move |&form| [&some[..], &[form]].concat())
+                };
+                chosen = chosen.iter().flat_map(longer).collect();
             }
+            made.extend(chosen.into_iter().map(|some| self.candidate(some, prior)));
         }
         made
-    }
-
-    /// The most probable hypothesis, if it has this many causes, with every further one.
-    fn grown(&self, distinct: &[&Candidate], size: usize) -> Vec<Candidate> {
-        let Some(best) = distinct.first().filter(|c| c.variants.len() == size) else {
-            return Vec::new();
-        };
-        let there = |v: &usize| best.variants.contains(v);
-        let others: Vec<&Vec<usize>> = self
-            .causes
-            .iter()
-            .filter(|forms| !forms.iter().any(there))
-            .collect();
-        let sets = others.len() as f64 / (size + 1) as f64; // each set grows out of as many smaller ones
-        let prior = best.prior * ANOTHER / sets;
-        let grow = |&v: &usize| {
-            let variants = [&best.variants[..], &[v]].concat();
-            let weight = self.variants[v].weight;
-            Candidate {
-                variants,
-                prior: prior * weight,
-                score: f64::NAN,
-            }
-        };
-        others.into_iter().flatten().map(grow).collect()
     }
 
     /// The best hypotheses, each beside every shape.

@@ -14,6 +14,8 @@ use super::normal::between;
 const WIDTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 /// Part of a sum of squares that arithmetic leaves behind.
 const ROUNDING: f64 = 1e-12;
+/// Part of a column's square that whitening may leave in doubt: slow noise takes most of it away.
+const WHITENED: f64 = 1e-9;
 /// Prior standard deviations; bounds beyond are as good as none.
 const FAR: f64 = 15.0;
 /// What a narrower prior and a bound may add to the log evidence, a coefficient: `ln 9 + ln 2`.
@@ -262,7 +264,7 @@ impl Scales {
     fn least_squares(&mut self, square: f64, order: usize) -> f64 {
         let trace: f64 = (0..order).map(|i| self.among[i * order + i]).sum();
         self.lower.clone_from(&self.among);
-        let ridge = ROUNDING * trace + 1e-300;
+        let ridge = WHITENED * trace + 1e-300;
         self.precision.clear();
         self.precision.resize(order, ridge);
         for i in 0..order {
@@ -283,7 +285,7 @@ impl Scales {
         for i in 0..order {
             let width = self.widths[first + i];
             // data without noise would make any prior too wide for the arithmetic
-            let precision = (least / (width * width)).max(ROUNDING * self.among[i * order + i]);
+            let precision = (least / (width * width)).max(WHITENED * self.among[i * order + i]);
             self.lower[i * order + i] += precision;
             self.precision.push(precision);
         }
