@@ -42,8 +42,8 @@ impl Effect for Drift {
                 unit: "s",
                 role: Role::Shape,
                 neutral: DAY,
-                bounds: (60.0, 1e8),
-                prior_scale: DAY,
+                bounds: (600.0, 1e8),
+                prior_scale: 0.05 * DAY,
                 tried: Tried::Values(&[0.01 * DAY, 0.05 * DAY, 0.25 * DAY, DAY, 4.0 * DAY]),
                 ..ParameterFacts::USUAL
             },
