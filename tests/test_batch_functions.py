@@ -4,6 +4,7 @@ import doctest
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
@@ -166,7 +167,12 @@ def test_messages() -> None:
         echocal.distance([0.01, 0.02], ["20", "21"])
     with pytest.raises(echocal.UsageError, match="relative_humidity must be real numbers"):
         echocal.speed_of_sound(20.0, "half")
-    with pytest.raises(echocal.UsageError, match="n_threads is 0"):
-        echocal.distance(np.ones(3), 20.0, n_threads=0)
+    for count in (0, -1, 2**70, 1.5):
+        with pytest.raises(echocal.UsageError, match=f"n_threads is {count}; give 1 or more"):
+            echocal.distance(np.ones(3), 20.0, n_threads=count)  # type: ignore[arg-type]
+    with pytest.raises(echocal.UsageError, match=r"temperature has dtype float128.*\.astype\(float\)"):
+        echocal.speed_of_sound(np.longdouble([20.0]))
+    with pytest.raises(echocal.UsageError, match="Dataset is several variables"):
+        echocal.speed_of_sound(xr.Dataset({"inside": ("x", [20.0]), "outside": ("x", [5.0])}))
     with pytest.raises(TypeError, match="temperature"):
         echocal.distance(0.01)  # type: ignore[call-overload]

@@ -113,6 +113,30 @@ def centimeters(table: Table) -> list[int]:
     return list(range(N))
 
 
+def some_centimeters(table: Table) -> list[int]:
+    rows = [22, 90, 91, 170]
+    table["reading_m"][rows] *= 100
+    return rows
+
+
+def some_milliseconds(table: Table) -> list[int]:
+    echoes(table)
+    rows = list(range(60, 85))
+    table["echo_us"][rows] /= 1000
+    return rows
+
+
+def exchanged(table: Table) -> list[int]:
+    echoes(table)
+    table["echo_us"], table["distance_m"] = table["distance_m"], table["echo_us"]
+    return list(range(N))
+
+
+def echoes(table: Table) -> None:
+    """Echo times instead of readings."""
+    table["echo_us"] = 2e6 * table.pop("reading_m") / (331.4 + 0.6 * table["temperature_C"])
+
+
 PLANTED: tuple[tuple[str, Callable[[Table], list[int]]], ...] = (
     ("mistyped_rows", mistyped),
     ("shifted_rows", shifted),
@@ -128,6 +152,9 @@ PLANTED: tuple[tuple[str, Callable[[Table], list[int]]], ...] = (
     ("round_trip_factor", twice),
     ("unit_mixup", inches),
     ("unit_mixup", centimeters),
+    ("unit_mixup", some_centimeters),
+    ("unit_mixup", some_milliseconds),
+    ("swapped_time_distance", exchanged),
 )
 
 
@@ -159,6 +186,27 @@ def test_a_clean_table_has_no_fault(seed: int) -> None:
     random = np.random.default_rng(seed)
     table["reading_m"] = table["distance_m"] + 1e-3 * random.standard_t(4, N)
     assert not [c for c in echocal.diagnose(table).causes if c.kind in {"row", "gross"}]
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(("step", "noise"), [(1e-2, 2e-3), (1e-2, 1e-4), (3e-3, 1.5e-3), (1e-3, 2e-4)])
+def test_equal_neighbors_of_a_coarse_reading_are_not_stuck(seed: int, step: float, noise: float) -> None:
+    """A target that stands still for a while reads the same where the step hides the noise."""
+    random = np.random.default_rng([seed, 3])
+    table = clean(seed)
+    stays = np.concatenate([np.arange(120), np.repeat(np.arange(120, 135), 8)])
+    table = {name: column[stays] for name, column in table.items()} | {"time_s": table["time_s"]}
+    table["reading_m"] = step * np.round((table["distance_m"] + random.normal(0, noise, N)) / step)
+    assert "stuck_reading" not in {c.id for c in echocal.diagnose(table).causes}
+
+
+def test_a_frozen_coarse_reading_is_found() -> None:
+    table = clean(4)
+    table["reading_m"] = np.round(table["reading_m"], 2)
+    table["reading_m"][50:62] = table["reading_m"][50]  # while the target moves on
+    (found,) = [c for c in echocal.diagnose(table).causes if c.kind == "row"]
+    assert found.id == "stuck_reading"
+    assert {p.name: p.value for p in found.parameters}["length"] == 12
 
 
 def test_a_column_that_no_fault_explains_is_still_refused() -> None:

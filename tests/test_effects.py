@@ -49,16 +49,18 @@ def test_neutral_is_identity_bit_for_bit(effect: Effect) -> None:
 @EVERY
 def test_what_it_does_not_read_leaves_the_echo_alone(effect: Effect) -> None:
     """Twin of the core's test, through the whole chain: the linear law reads the temperature alone."""
-    model, conditions = echocal.Model(law(effect), {effect.id: values(effect)}), recorded(effect)
+    conditions = recorded(effect)
+    base, model = (echocal.Model(law(effect), effects) for effects in ({}, {effect.id: values(effect)}))
 
-    def chain(**at: float) -> tuple[float, float]:
-        return model.time_of_flight(2.0, **at), model.indicate(2.0, **at)
+    def reacts(model: echocal.Model, name: str) -> bool:
+        here, there = conditions, {**conditions, name: SENSES[name]}
+        chain = [(model.time_of_flight(2.0, **at), model.indicate(2.0, **at)) for at in (here, there)]
+        return chain[0] != chain[1]
 
     for name in conditions:
-        there = chain(**{**conditions, name: SENSES[name]})
         if effect.edges and name in effect.reads:
             continue  # reacts where an edge lies between: the core's test draws many places
-        assert (there != chain(**conditions)) == (name in ("temperature", *effect.reads)), name
+        assert reacts(model, name) == (reacts(base, name) or name in effect.reads), name
 
 
 @EVERY
@@ -83,6 +85,11 @@ def test_a_quantity_that_it_requires_must_be_given(effect: Effect) -> None:
         lacking = {other: value for other, value in recorded(effect).items() if other != name}
         with pytest.raises(echocal.DataError, match=rf"(effect '{effect.id}'|law '\w+') needs {name}"):
             model.indicate(2.0, **lacking)
+
+
+def test_examples_have_every_quantity() -> None:
+    """So that a new effect needs no line anywhere else, whatever it reads."""
+    assert set(RECORD) == set(QUANTITIES)
 
 
 @EVERY

@@ -33,16 +33,26 @@ def propose(
     if len(members) < 2 or members[0].probability >= _SURE:
         return ()
     ranges = _ranges(case, can_vary)
-    varied = grid(ranges)
+    stands = _stands(case)
+    varied = grid(ranges, {"distance": stands})
     conditions = _conditions(case, varied)
     known = case.table.reference is not None or "distance" in ranges
-    prospect = Prospect.of(members, conditions, noise, variance, known)
+    prospect = Prospect.of(members, conditions, noise, variance, known, stands)
     if not np.isfinite(prospect.mean).all() or not np.isfinite(prospect.spread).all():
         return _sides(members, (tuple(range(len(members))),))
     probability = np.array([member.probability for member in members])
     plan = best_plan(prospect, probability, _ROWS, case.seed)
     rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
     return (*rows, *_sides(members, plan.classes))
+
+
+def _stands(case: Case) -> Column:
+    """Distances at which the target stands already, if they are few [m]."""
+    reference = case.table.reference
+    if reference is None:
+        return np.empty(0)
+    groups = np.unique(case.table.groups)
+    return np.unique(reference) if len(groups) > 1 or np.ptp(reference) == 0 else np.empty(0)
 
 
 def _ranges(case: Case, can_vary: Ranges | None) -> Ranges:

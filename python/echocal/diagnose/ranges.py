@@ -17,6 +17,8 @@ Column = NDArray[np.float64]
 _POINTS = {1: 9, 2: 7, 3: 4}
 """Levels of each condition, by how many vary; more vary at their ends alone."""
 
+_PRESENT = 3  # levels of the table that are tried too
+
 
 def parsed_range(text: str) -> tuple[str, tuple[float, float]]:
     """Read ``distance=0.2:4``."""
@@ -50,12 +52,17 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
     return {name: (float(low), float(high)) for name, (low, high) in can_vary.items()}
 
 
-def grid(ranges: Ranges) -> dict[str, Column]:
-    """Conditions that are tried: every combination of a few levels, distances in equal ratios."""
+def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[str, Column]:
+    """Conditions that are tried: every combination of a few levels, distances in equal ratios.
+
+    Levels that the table has already are tried too, if they are few and within the range.
+    """
     count = _POINTS.get(len(ranges), 2)
-    levels = [
-        np.geomspace(*ends, count) if name == "distance" else np.linspace(*ends, count)
-        for name, ends in ranges.items()
-    ]
+    levels = []
+    for name, (low, high) in ranges.items():
+        tried = np.geomspace(low, high, count) if name == "distance" else np.linspace(low, high, count)
+        there = (present or {}).get(name, tried[:0])
+        there = there[(there >= low) & (there <= high)]
+        levels.append(np.union1d(tried, there) if len(there) <= _PRESENT else tried)
     points = np.array(list(product(*levels)))
     return {name: points[:, i] for i, name in enumerate(ranges)}

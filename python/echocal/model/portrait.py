@@ -12,6 +12,7 @@ TEMPERATURES = (0.0, 20.0, 40.0)  # [degC]
 RECORDED: Mapping[str, float] = {
     "relative_humidity": 0.5,
     "pressure": 95e3,
+    "co2_mole_fraction": 1e-3,
     "elapsed_time": 3600.0,
     "supply_voltage": 4.8,
     "angle": 0.1,

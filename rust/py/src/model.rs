@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::batch::{Entry, Input, Label, Options, call};
+use crate::batch::{Entry, Input, Label, Options, Threads, call};
 
 use crate::errors::to_python;
 
@@ -72,7 +72,7 @@ impl CoreModel {
         distance: &Bound<'py, PyAny>,
         conditions: Given<'py>,
         out: Option<&Bound<'py, PyAny>>,
-        n_threads: Option<usize>,
+        n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.call(
             ModelOutput::Indication,
@@ -90,7 +90,7 @@ impl CoreModel {
         distance: &Bound<'py, PyAny>,
         conditions: Given<'py>,
         out: Option<&Bound<'py, PyAny>>,
-        n_threads: Option<usize>,
+        n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.call(
             ModelOutput::SpeedOfSound,
@@ -108,7 +108,7 @@ impl CoreModel {
         distance: &Bound<'py, PyAny>,
         conditions: Given<'py>,
         out: Option<&Bound<'py, PyAny>>,
-        n_threads: Option<usize>,
+        n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.call(
             ModelOutput::TimeOfFlight,
@@ -126,7 +126,7 @@ impl CoreModel {
         indication: &Bound<'py, PyAny>,
         conditions: Given<'py>,
         out: Option<&Bound<'py, PyAny>>,
-        n_threads: Option<usize>,
+        n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.call(
             ModelOutput::Correction,
@@ -144,7 +144,7 @@ impl CoreModel {
         time: &Bound<'py, PyAny>,
         conditions: Given<'py>,
         out: Option<&Bound<'py, PyAny>>,
-        n_threads: Option<usize>,
+        n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.call(
             ModelOutput::Distance,
@@ -181,7 +181,7 @@ impl CoreModel {
         (name, first): (&'static str, &Bound<'py, PyAny>),
         conditions: &Given<'py>,
         out: Option<&Bound<'py, PyAny>>,
-        n_threads: Option<usize>,
+        n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = first.py();
         let quantities = Quantity::ALL.iter().zip(conditions);

@@ -18,6 +18,7 @@ from echocal.diagnose.faults import (
     shifted_rows,
     stuck_reading,
     swapped_columns,
+    swapped_time_distance,
     timeout,
     unit_mixup,
 )
@@ -28,7 +29,7 @@ from echocal.observations import Observations
 
 __all__ = ["Faults", "Finding", "find_faults", "gross_faults", "row_faults"]
 
-_GROSS = (swapped_columns, fahrenheit_celsius, round_trip_factor, unit_mixup)
+_GROSS = (swapped_columns, swapped_time_distance, fahrenheit_celsius, round_trip_factor, unit_mixup)
 # what concerns many rows comes first: it would make the rest look wild
 _ROWS = (
     shifted_rows,

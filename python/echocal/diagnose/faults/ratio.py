@@ -48,13 +48,14 @@ def factor_of(view: View, factors: tuple[float, ...]) -> Factor | None:
     return Factor(nearest, float(np.exp(center)), min(float(without - with_it) + gain, _CAP))
 
 
-def divided(view: View, factor: float, column: str) -> Observations:
-    """Divide every echo time and reading; rows that were out of range only by the factor come back."""
+def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Observations:
+    """Divide echo times and readings; rows that were out of range only by the factor come back."""
     observations = view.observations
     reading = None if observations.reading is None else observations.reading / factor
     unusable = observations.unusable.astype(object)
     names = {observations.source_names.get(name, name) for name in ("reading", "echo_time")} | {column}
     sane: NDArray[np.bool_] = (view.indication / factor > 0) & (view.indication / factor <= 100.0)
+    sane &= np.not_equal(factor, 1.0)
     for name in names:
         unusable[sane & (unusable == f"{name} out of range")] = ""
     return replace(

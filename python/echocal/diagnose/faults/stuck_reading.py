@@ -13,13 +13,14 @@ __all__ = ["FACTS", "detect"]
 
 _SHORTEST = 4  # rows of one value
 _MOST = 5  # runs; more of them are how this sensor is
-_COARSE = 0.1  # part of neighbors that are equal anyhow, above which a run means nothing
+_HIDDEN = 0.75  # part of neighbors that are equal anyhow, above which a run means nothing
+_FINEST = 1e-6  # m; below it no two readings are equal by chance
 
 FACTS = CauseFacts(
     id="stuck_reading",
     kind="row",
     sentence="The reading froze and was logged again and again.",
-    signature="one value in a run of rows, far longer than chance makes runs",
+    signature="one value in a run of rows, far longer than the readings' step and noise make runs",
     source="arendst/Tasmota #2763: stuck at 283 cm after five minutes",
     parameters=(
         Quantity("first_row", "1", "first row of the run"),
@@ -40,7 +41,7 @@ def runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 def detect(view: View) -> Finding | None:
-    """Compare the longest runs with how often neighbors are equal elsewhere."""
+    """Compare the longest runs with how often neighbors would be equal by themselves."""
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
     longest = int(np.argmax(lengths))
@@ -49,11 +50,15 @@ def detect(view: View) -> Finding | None:
     elsewhere = np.delete(lengths, longest)
     rows_elsewhere = max(int(elsewhere.sum()), 1)
     equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
-    if equal > _COARSE or rows_elsewhere < 8:
+    if equal > _HIDDEN or rows_elsewhere < 8:
         return None
-    # a run of length L somewhere among n rows has probability n equal^(L-1)
-    surprise = -(lengths - 1) * np.log(equal) - np.log(len(values))
-    long = (lengths >= _SHORTEST) & (surprise > 0.5 * surprise[longest]) & (surprise > 0)
+    at = np.flatnonzero(lengths >= _SHORTEST)
+    surprise = np.zeros(len(lengths))
+    for run in at:  # somewhere among n rows
+        rows = slice(starts[run], starts[run] + lengths[run])
+        surprise[run] = -_by_chance(view, rows, equal) - np.log(len(values))
+    longest = int(at[np.argmax(surprise[at])])
+    long = (surprise > 0.5 * surprise[longest]) & (surprise > 0)
     if not long.any() or long.sum() > _MOST:
         return None
     evidence = float(surprise[longest])
@@ -62,9 +67,10 @@ def detect(view: View) -> Finding | None:
         frozen[start + 1 : start + length] = True  # the first row of a run was measured
     first, length = int(starts[longest]), int(lengths[longest])
     value = float(view.indication[first])
+    usual = np.exp(-(evidence + np.log(len(values))) / (length - 1))
     because = (
-        f"rows {first + 1} to {first + length} all read {value:.4f} m, where elsewhere "
-        f"{100 * equal:.1f} % of neighbors are equal; repeated rows are left out"
+        f"rows {first + 1} to {first + length} all read {value:.4f} m; by the readings' step and their noise "
+        f"{100 * usual:.2g} % of such neighbors would be equal; repeated rows are left out"
     )
     parameters = (
         Parameter("first_row", first + 1.0, 0.0, "1"),
@@ -72,3 +78,26 @@ def detect(view: View) -> Finding | None:
         Parameter("value", value, 0.0, "m"),
     )
     return Finding(FACTS, min(evidence, 60.0), because, parameters, frozen, view.without(frozen, FACTS.id))
+
+
+def _by_chance(view: View, rows: slice, equal: float) -> float:
+    """Log probability that all rows of a run fall into one step of the readings by themselves.
+
+    Noise carries each row's expectation into the run's step, or not; as often as neighbors are equal
+    elsewhere they are equal here at least.
+    """
+    from scipy.special import ndtr  # takes long to import
+
+    half = 0.5 * max(view.resolution, _FINEST)
+    noise = _noise(view)
+    off = view.expected[rows] - np.median(view.expected[rows])  # the run's own level is its business
+    inside = ndtr((half - off) / noise) - ndtr((-half - off) / noise)
+    return float(np.log(np.clip(inside, max(equal, 1e-12), 1.0))[1:].sum())
+
+
+def _noise(view: View) -> float:
+    """Standard deviation of a reading without its step, from its changes from row to row [m]."""
+    changes = np.abs(np.diff(view.deviation[view.good & np.isfinite(view.deviation)]))
+    step = view.resolution
+    robust = 1.4826 / np.sqrt(2) * float(np.median(changes)) if len(changes) else 0.0
+    return float(np.sqrt(max(robust**2 - step**2 / 12, (0.05 * step) ** 2, _FINEST**2)))

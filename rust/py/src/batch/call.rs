@@ -30,7 +30,28 @@ pub struct Label {
 pub struct Options<'a, 'py> {
     pub out: Option<&'a Bound<'py, PyAny>>,
     pub condition: Option<&'a Bound<'py, PyAny>>,
-    pub n_threads: Option<usize>,
+    pub n_threads: Option<Threads>,
+}
+
+/// Threads that a caller allows: at least one.
+#[derive(Clone, Copy)]
+pub struct Threads(usize);
+
+impl<'py> FromPyObject<'_, 'py> for Threads {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let count = given.extract::<i64>().ok().map(usize::try_from);
+        match count {
+            Some(Ok(count)) if count > 0 => Ok(Self(count)),
+            _ => {
+                let told = given.repr()?;
+                let message =
+                    format!("n_threads is {told}; give 1 or more, or None for every processor");
+                Err(raise("UsageError", message))
+            }
+        }
+    }
 }
 
 /// The function's value: a float for plain numbers, else whatever the ufunc makes of the inputs.
@@ -49,7 +70,7 @@ pub fn call<'py>(
             let value = kernel.evaluate(&values[..inputs.len()]);
             return Ok(PyFloat::new(py, value).into_any());
         }
-        let threads = threads(options.n_threads)?;
+        let threads = threads(options.n_threads);
         if let Some(result) = direct(py, kernel, inputs, options.out, threads) {
             return Ok(result);
         }
@@ -58,7 +79,7 @@ pub fn call<'py>(
         .iter()
         .map(|input| (input.name, filled(py, input)))
         .collect();
-    let threads = threads(options.n_threads)?;
+    let threads = threads(options.n_threads);
     let arguments = PyTuple::new(py, inputs.iter().map(|(_, value)| value))?;
     let keywords = keywords(py, &arguments, options)?;
     let ufunc = entry.ufunc(py)?;
@@ -90,16 +111,12 @@ fn filled<'py>(py: Python<'py>, input: &Input<'_, 'py>) -> Bound<'py, PyAny> {
     }
 }
 
-fn threads(asked: Option<usize>) -> PyResult<usize> {
+fn threads(asked: Option<Threads>) -> usize {
     static AVAILABLE: OnceLock<usize> = OnceLock::new();
-    match asked {
-        None => Ok(*AVAILABLE.get_or_init(available_threads)),
-        Some(0) => {
-            let message = "n_threads is 0; give 1 or more, or None for every processor";
-            Err(raise("UsageError", message.to_owned()))
-        }
-        Some(count) => Ok(count),
-    }
+    asked.map_or_else(
+        || *AVAILABLE.get_or_init(available_threads),
+        |Threads(count)| count,
+    )
 }
 
 fn keywords<'py>(
@@ -150,6 +167,11 @@ fn labelled(result: Bound<'_, PyAny>, label: Label) -> PyResult<Bound<'_, PyAny>
         "numpy" if class.name()? != "ndarray" && class.name()? != "memmap" => {
             Ok(PyFloat::new(py, result.extract()?).into_any()) // NumPy's own scalar
         }
+        "xarray" if class.name()? == "Dataset" => {
+            let message =
+                "an xarray Dataset is several variables; give one of them, as in ds['temperature']";
+            Err(raise("UsageError", message.to_owned()))
+        }
         "xarray" => {
             let attributes = PyDict::new(py);
             attributes.set_item("units", label.unit)?;
@@ -198,6 +220,16 @@ fn explained<'py>(
             let letter = kind.getattr("kind").and_then(|kind| kind.extract::<char>());
             if !letter.is_ok_and(|letter| "fiub".contains(letter)) {
                 let message = format!("{name} must be real numbers, but has dtype {kind}");
+                return raise("UsageError", message);
+            }
+            let bytes = kind
+                .getattr("itemsize")
+                .and_then(|size| size.extract::<usize>());
+            if bytes.is_ok_and(|bytes| bytes > size_of::<f64>()) {
+                let message = format!(
+                    "{name} has dtype {kind}, and the result would have fewer digits; \
+                                       convert it with .astype(float)"
+                );
                 return raise("UsageError", message);
             }
         }

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyString};
 
 use super::cache::{Function, entry};
-use super::call::{Input, Options, call};
+use super::call::{Input, Options, Threads, call};
 use super::documentation::{air, law, options};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -46,7 +46,7 @@ pub fn speed_of_sound<'py>(
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
-    n_threads: Option<usize>,
+    n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("temperature", temperature),
@@ -100,7 +100,7 @@ pub fn time_of_flight<'py>(
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
-    n_threads: Option<usize>,
+    n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("distance", distance),
@@ -158,7 +158,7 @@ pub fn distance<'py>(
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
-    n_threads: Option<usize>,
+    n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("time_of_flight", time_of_flight),
@@ -218,7 +218,7 @@ pub fn error<'py>(
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
-    n_threads: Option<usize>,
+    n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("distance", distance),
@@ -285,7 +285,7 @@ pub fn absorption<'py>(
     frequency: &Bound<'py, PyAny>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
-    n_threads: Option<usize>,
+    n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("temperature", temperature),

@@ -9,6 +9,6 @@ mod module;
 mod ufunc;
 
 pub use cache::Entry;
-pub use call::{Input, Label, Options, call};
+pub use call::{Input, Label, Options, Threads, call};
 pub use functions::{absorption, distance, error, speed_of_sound, time_of_flight};
 pub use module::{instruction_sets, module_attribute, set_instruction_set};

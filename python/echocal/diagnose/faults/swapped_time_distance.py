@@ -1,0 +1,78 @@
+"""Echo time and reference distance exchanged."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.finding import Finding
+from echocal.diagnose.faults.view import View
+from echocal.diagnose.result import Parameter
+from echocal.observations import Observations
+
+__all__ = ["FACTS", "detect"]
+
+Column = NDArray[np.float64]
+
+_UNITS = (1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6)
+"""Unit of the distances [m] over that of the times [s]: 1e6 for m and us, 1e4 for cm and us, ..."""
+
+_REACH = (0.02, 20.0)  # m, of any such sensor
+_NEAR = 0.1  # of the log ratio: what laws, thermometers and mounts do to it
+_MOST = 0.8  # part of the rows that must agree
+_EACH = 3.0  # log Bayes factor of a row that agrees to a tenth, where it could be anything
+_FEWEST = 5
+
+FACTS = CauseFacts(
+    id="swapped_time_distance",
+    kind="gross",
+    sentence="The columns of echo time and reference distance changed places.",
+    signature="distances of thousands beside times of a few; exchanged, they agree by the speed of sound",
+    source="range test; CATALOGUE, swapped_columns",
+    parameters=(Quantity("rows", "1", "rows concerned: all"),),
+    check="look at the header of the logger's file: 2 m are 11.6 ms",
+    prior=0.005,
+)
+
+
+def detect(view: View) -> Finding | None:
+    """Read each column as the other and ask whether they then agree."""
+    observations = view.observations
+    reference = observations.reference_distance
+    if reference is None or observations.reading is not None or view.given is not None:
+        return None
+    with np.errstate(all="ignore"):
+        half_speed = view.indication / observations.echo_time
+        straight = np.log(view.indication / reference)
+        if float(np.mean(np.abs(straight) < np.log(2))) > 0.5:
+            return None  # as they stand they agree
+    for unit in _UNITS:
+        distance, time = observations.echo_time * unit, reference / unit
+        with np.errstate(all="ignore"):
+            off = np.abs(np.log(half_speed * time / distance))
+        agree = (off < _NEAR) & (distance >= _REACH[0]) & (distance <= _REACH[1])
+        known = np.isfinite(off)
+        if known.sum() >= _FEWEST and agree.sum() > _MOST * known.sum():
+            return _finding(view, agree, distance, time)
+    return None
+
+
+def _finding(view: View, agree: NDArray[np.bool_], distance: Column, time: Column) -> Finding:
+    low, high = float(np.min(distance[agree])), float(np.max(distance[agree]))
+    because = (
+        f"read as each other, the columns of echo time and distance agree in {int(agree.sum())} rows: "
+        f"{low:.3g} .. {high:.3g} m are {1e3 * time[agree].min():.3g} .. {1e3 * time[agree].max():.3g} ms; "
+        "exchanged back"
+    )
+    count = float(agree.sum())
+    parameters = (Parameter("rows", count, 0.0, "1"),)
+    repaired = _exchanged(view.observations, distance, time)
+    return Finding(FACTS, min(_EACH * count, 60.0), because, parameters, agree, repaired)
+
+
+def _exchanged(observations: Observations, distance: Column, time: Column) -> Observations:
+    unusable = observations.unusable.astype(object)
+    for name in ("echo_time", "reference_distance"):
+        unusable[unusable == f"{observations.source_names.get(name, name)} out of range"] = ""
+    return replace(observations, echo_time=time, reference_distance=distance, unusable=unusable.astype(str))
