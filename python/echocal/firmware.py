@@ -239,6 +239,7 @@ def generate(
     >>> int(made.distance_um(11_690, 40))  # 20 degC
     2001627
     """
+    model.refuse_shape("firmware")
     codes = temperature if isinstance(temperature, TemperatureCodes) else TemperatureCodes(*temperature)
     if codes.low < _ABSOLUTE_ZERO:
         message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"

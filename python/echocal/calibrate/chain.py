@@ -42,6 +42,7 @@ class Chain:
     linear = False
 
     def __init__(self, model: Model, fit: Iterable[str]) -> None:
+        model.refuse_shape("a calibration")
         self.model = model
         self.names = [name for request in fit for name in _expand(request)]
         if not self.names or len(set(self.names)) < len(self.names):

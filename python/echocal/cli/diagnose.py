@@ -55,6 +55,13 @@ def command(
         typer.Option(metavar="TIME", help="Hold out rows from this time on: ISO 8601, or seconds."),
     ] = None,
     model: Annotated[Path | None, typer.Option(metavar="OUT.json", help="Write the extended model.")] = None,
+    with_shape: Annotated[
+        bool,
+        typer.Option(
+            "--with-shape",
+            help="Let the model have the shape that nobody explains, as a term that data gave.",
+        ),
+    ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
     can_vary: Annotated[
         list[str] | None,
@@ -82,15 +89,17 @@ def command(
             seed=seed,
             **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
         )
-    _write(diagnosis, model, plots)
+    _write(diagnosis, model, plots, with_shape=with_shape)
     write_json(diagnosis.to_dict(), json)
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
 
 
-def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None) -> None:
+def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, *, with_shape: bool) -> None:
+    if with_shape and model is None:
+        raise UsageError("--with-shape says what the model has: give --model OUT.json, too")
     if model is not None:
-        diagnosis.model.save(model)
+        (diagnosis.model_with_shape if with_shape else diagnosis.model).save(model)
     if plots is not None:
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 

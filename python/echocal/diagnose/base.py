@@ -46,6 +46,7 @@ class Base:
     def of(cls, base: "str | Model") -> "Base":
         """Read a law's name, an expression, a fixed speed or a model."""
         if isinstance(base, Model):
+            base.refuse_shape("the base of a diagnosis")
             return cls(base.law, base.effects, base.air)
         law = Model(base).law
         try:

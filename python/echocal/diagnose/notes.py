@@ -52,11 +52,7 @@ def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
 
 def _described(case: Case, against: str, signal: NDArray[np.float64], probability: float) -> Unexplained:
     rms = float(np.std(signal))
-    label = against.replace("_", " ")
-    text = (
-        f"a smooth remainder of {1e3 * rms:.1f} mm (rms) that follows {label} and that no effect of the "
-        "catalogue accounts for; it is not part of the model"
-    )
+    text = f"{1e3 * rms:.1f} mm against {against}"  # said in full once the model is known
     return Unexplained(against, rms, min(probability, 1.0), text)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.diagnose.average import Estimate, Member, averaged
-from echocal.errors import writing
-from echocal.model import Model
+from echocal.errors import UsageError, writing
+from echocal.model import Model, Shape
 
 __all__ = [
     "Cause",
@@ -30,6 +30,7 @@ __all__ = [
 SCHEMA = "echocal.diagnosis/1"
 Verdict = Literal["named", "ambiguous", "unknown", "nothing"]
 Column = NDArray[np.float64]
+_OF_THIS_TABLE = frozenset({"row", "time", "hour of day"})
 Ladder = tuple[tuple[tuple[str, ...], float], ...]
 
 
@@ -87,12 +88,25 @@ class Refuted:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """A shape that no cause of the catalogue accounts for."""
+    """A shape that no cause of the catalogue accounts for.
+
+    Attributes
+    ----------
+    against : str
+        Column that it is a function of.
+    rms_m : float
+        Its size beside the model [m].
+    probability : float
+    description : str
+    shape : Shape or None
+        The function, with its band.
+    """
 
     against: str
     rms_m: float
     probability: float
     description: str
+    shape: Shape | None = None
 
 
 @dataclass(frozen=True)
@@ -312,6 +326,42 @@ class Diagnosis:
             Of the true distance [m].
         """
         return averaged(self.members, "correct", indication, conditions, self.noise["standard_deviation_m"])
+
+    @property
+    def model_with_shape(self) -> Model:
+        """The model and the shape that nobody explains, as a term that data gave.
+
+        It is held flat outside the range that was seen, and no firmware is made of it. Where nobody
+        knows the cause, nobody knows how long or where else the shape holds.
+
+        Raises
+        ------
+        UsageError
+            If nothing is unexplained, or it follows the clock or the rows, which no later reading has.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import echocal
+        >>> celsius = 20.0 + 20.0 * np.sin(2.4 * np.arange(200.0))
+        >>> kink = 8e-3 * np.exp(-(((celsius - 22) / 5) ** 2)) + 5e-4 * np.sin(np.arange(200.0) ** 2)
+        >>> table = {"reading_m": 1.0 + kink, "temperature_C": celsius, "distance_m": np.full(200, 1.0)}
+        >>> diagnosis = echocal.diagnose(table)
+        >>> model = diagnosis.model_with_shape
+        >>> model.shape.against, abs(model.correct(1.008, temperature=22.0) - 1.0) < 2e-3
+        ('temperature', True)
+        """
+        found = self.unexplained
+        if found is None or found.shape is None:
+            message = "nothing is unexplained in these data: there is no shape to add"
+            raise UsageError(message)
+        if found.against in _OF_THIS_TABLE:
+            message = (
+                f"the shape that nobody explains follows the {found.against} of this table, which no later "
+                "reading has: it cannot extend a model"
+            )
+            raise UsageError(message)
+        return self.model.with_shape(found.shape)
 
     def explain(self) -> str:
         """Plain sentences that a user can check in the data."""

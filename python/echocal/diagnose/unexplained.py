@@ -1,13 +1,14 @@
 """Smooth shapes without a cause: what competes when no effect of the catalogue fits."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
 
-__all__ = ["HOUR", "shape_candidates"]
+__all__ = ["HOUR", "Basis", "column_of", "shape_candidates"]
 
 Column = NDArray[np.float64]
 
@@ -17,8 +18,48 @@ HOUR = "hour of day"
 _DEGREE = 7  # of the polynomial: bends, humps and a few waves
 _HARMONICS = 2
 _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
+_SCALES = tuple(_SIZE / degree for degree in range(1, _DEGREE + 1))
 _DAY = 86400.0
 _LEVELS = 6  # fewer distinct values cannot show a smooth shape
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Smooth functions of one column.
+
+    Attributes
+    ----------
+    against : str
+    low, high : float
+        Range of the column that the functions are made for: nearly all of its values.
+    """
+
+    against: str
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, against: str, column: Column) -> "Basis":
+        """Functions for a column; for the time of day, of the time [s]."""
+        if against == HOUR:
+            return cls(HOUR, 0.0, 24.0)
+        low, high = np.percentile(column, [0.5, 99.5])  # a few far values must not bend the shape
+        return cls(against, float(low), float(high))
+
+    def at(self, values: Column) -> list[Column]:
+        """Every function, in units of its prior standard deviation [m]."""
+        if self.against == HOUR:
+            phases = [2 * np.pi * k * values / 24.0 for k in range(1, _HARMONICS + 1)]
+            return [_SIZE / k * wave(p) for k, p in enumerate(phases, 1) for wave in (np.sin, np.cos)]
+        scaled = (2 * values - self.low - self.high) / max(self.high - self.low, 1e-300)
+        legendre = np.polynomial.legendre.Legendre.basis
+        scaled = np.clip(scaled, -1.5, 1.5)
+        return [scale * legendre(n)(scaled) for n, scale in enumerate(_SCALES, 1)]
+
+
+def column_of(name: str, against: Mapping[str, Column]) -> Column:
+    """Values of a column that a shape is a function of; the hour of the day comes from the time."""
+    return against["time"] % _DAY / 3600.0 if name == HOUR else against[name]
 
 
 def shape_candidates(found: Candidates, against: Mapping[str, Column]) -> None:
@@ -34,24 +75,15 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column]) -> None:
     """
     for name, column in against.items():
         if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
-            _add(found, name, _polynomials(found, column))
+            basis = Basis.of(name, column)
+            _add(found, name, found.columns.legendre(column, basis.low, basis.high, _SCALES))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
-        _add(found, HOUR, [found.columns.store(wave) for wave in _harmonics(elapsed)])
+        hour = column_of(HOUR, against)
+        _add(found, HOUR, [found.columns.store(wave) for wave in Basis.of(HOUR, hour).at(hour)])
 
 
 def _add(found: Candidates, name: str, shapes: Sequence[int]) -> None:
     free = tuple(shapes)
     unbounded = ((-np.inf, np.inf),) * len(free)
     found.variants.append(Variant(UNKNOWN, free=free, bounds=unbounded, against=name))
-
-
-def _polynomials(found: Candidates, column: Column) -> list[int]:
-    low, high = np.percentile(column, [0.5, 99.5])  # a few far values must not bend the shape
-    scales = [_SIZE / degree for degree in range(1, _DEGREE + 1)]
-    return found.columns.legendre(column, float(low), float(high), scales)
-
-
-def _harmonics(elapsed: Column) -> list[Column]:
-    phases = [2 * np.pi * k * elapsed / _DAY for k in range(1, _HARMONICS + 1)]
-    return [_SIZE / k * wave(p) for k, p in enumerate(phases, 1) for wave in (np.sin, np.cos)]

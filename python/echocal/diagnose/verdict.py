@@ -32,6 +32,7 @@ from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.parsimony import Ids
 from echocal.diagnose.ranges import Ranges
+from echocal.diagnose.remainder import told_apart, with_its_shape
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
 from echocal.diagnose.steadiness import unsteady
 from echocal.errors import DomainWarning
@@ -57,6 +58,7 @@ def conclude(
     remainder = unexplained(case, ranking)
     if remainder is not None:
         claimed = beside_a_remainder(claimed, case.found, carried, remainder.against)
+        best, claimed = told_apart(best, claimed, carried)
     believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
     judgment = judge(case, best, believed or claimed, noise)
     joint = join(ranking, faults.found, shares, carried)
@@ -69,7 +71,7 @@ def conclude(
         causes=tuple(_cause(case, claim, judgment) for claim in (*judgment.kept, *others)) + joint.causes,
         posterior=tuple(joint.sets.items()),
         credible_set=_credible(joint),
-        unexplained=remainder,
+        unexplained=None if remainder is None else with_its_shape(case, remainder, judgment.model, noise),
         refuted=judgment.refuted,
         gain=judgment.gain,
         next_measurements=propose(case, possible, noise, best.variance, can_vary),

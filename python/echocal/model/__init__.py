@@ -1,5 +1,6 @@
 """Models: a law for the speed of sound and the effects that extend it."""
 
 from echocal.model.composition import Model
+from echocal.model.shape import Shape
 
-__all__ = ["Model"]
+__all__ = ["Model", "Shape"]

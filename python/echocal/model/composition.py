@@ -12,11 +12,14 @@ from echocal.conditions import QUANTITIES, columns, numbers, refuse_unknown
 from echocal.errors import ModelError
 from echocal.model import covariance as covariances
 from echocal.model import document, needs
+from echocal.model.shape import DISTANCE, Shape
 from echocal.registry import find_effect
 
 __all__ = ["Model"]
 
 Values = NDArray[np.float64]
+
+_ROUNDS = 6  # of the fixed point for a shape against the distance, whose slope is a few percent at most
 
 
 def _terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
@@ -78,6 +81,8 @@ class Model:
         Covariance of the parameters in the order of `parameter_names`; zero where one was held.
     provenance : mapping, optional
         Where the model comes from; saved as it stands, not part of the `hash`.
+    shape : Shape, optional
+        A term that data gave and nobody explains, added to every indication; no firmware has it.
 
     Raises
     ------
@@ -106,6 +111,7 @@ class Model:
         air: Mapping[str, float] | None = None,
         covariance: ArrayLike | None = None,
         provenance: Mapping[str, Any] | None = None,
+        shape: Shape | None = None,
     ) -> None:
         self._core = _core.Model(law, _terms(effects or {}))
         _refuse_standstill(self._core.law)
@@ -114,6 +120,7 @@ class Model:
         self.effects = {id_: _by_name(id_, values) for id_, values in self._core.terms}
         self.covariance = covariances.checked(covariance, self.parameter_names)
         self.provenance = dict(provenance or {})
+        self.shape = shape
 
     @property
     def law(self) -> str:
@@ -194,7 +201,11 @@ class Model:
     def indicate(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def indicate(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return what the device indicates [m] at a true distance [m]."""
-        return self._map(self._core.indicate, distance, conditions)
+        if self.shape is None:
+            return self._map(self._core.indicate, distance, conditions)
+        shift, rest = self._shift(distance, conditions)
+        shifted: float | Values = self._map(self._core.indicate, distance, rest) + shift
+        return shifted
 
     @overload
     def speed_of_sound(self, distance: float, **conditions: float | None) -> float: ...
@@ -210,6 +221,7 @@ class Model:
     def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the echo time, out and back, that the device records [s] at a true distance [m]."""
+        self.refuse_shape("an echo time")
         return self._map(self._core.time_of_flight, distance, conditions)
 
     @overload
@@ -218,7 +230,14 @@ class Model:
     def correct(self, indication: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def correct(self, indication: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the true distance [m] of an indication [m]; NaN where there is none."""
-        return self._map(self._core.correct, indication, conditions)
+        if self.shape is None:
+            return self._map(self._core.correct, indication, conditions)
+        found: Any = indication
+        for _ in range(_ROUNDS if self.shape.against == DISTANCE else 1):
+            shift, rest = self._shift(found, conditions)
+            found = self._map(self._core.correct, _numeric("the first argument", indication) - shift, rest)
+        corrected: float | Values = found
+        return corrected
 
     @overload
     def distance(self, time: float, **conditions: float | None) -> float: ...
@@ -226,6 +245,7 @@ class Model:
     def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the true distance [m] of a recorded echo time [s]; NaN where there is none."""
+        self.refuse_shape("the distance of an echo time")
         return self._map(self._core.distance, time, conditions)
 
     def jacobian(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values:
@@ -234,12 +254,47 @@ class Model:
         The first column is the derivative to the distance [1], then one per parameter in the
         order of `parameter_names` [m per unit of the parameter].
         """
+        if self.shape is not None and self.shape.against == DISTANCE:
+            self.refuse_shape("a derivative")
         shape, (first, *rest) = columns(distance, self._conditions(conditions))
         return self._core.jacobian(first, rest).reshape(*shape, -1)
 
+    def with_shape(self, shape: Shape | None) -> "Model":
+        """The same model with a term that nobody explains."""
+        same = Model(self.law, self.effects, air=self.air, provenance=self.provenance, shape=shape)
+        same.covariance = self.covariance
+        return same
+
+    def without_shape(self) -> "Model":
+        """The same model without the term that nobody explains."""
+        return self.with_shape(None)
+
+    def refuse_shape(self, what: str) -> None:
+        """Raise `ModelError` where `what` would leave a shape out in silence."""
+        if self.shape is not None:
+            message = (
+                f"the model has a shape against {self.shape.against} that nobody explains, and {what} cannot "
+                "take it into account; Model.without_shape() leaves it out"
+            )
+            raise ModelError(message)
+
+    def _shift(self, distance: Any, given: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """What the shape adds, and the conditions for the rest."""
+        assert self.shape is not None
+        if given.get("out") is not None:
+            message = "a model with a shape makes a new array: leave out= away"
+            raise ModelError(message)
+        column = self.shape.column({**self.air, **given, DISTANCE: distance})
+        shift = self.shape.of(column)
+        rest = {
+            name: v for name, v in given.items() if not (self.shape.is_extra and name == self.shape.against)
+        }
+        return (float(shift) if shift.ndim == 0 else shift), rest
+
     def __repr__(self) -> str:
         air = f", air={self.air}" if self.air else ""
-        return f"Model({self.law!r}, {self.effects}{air})"
+        shape = f", shape against {self.shape.against} (not explained)" if self.shape else ""
+        return f"Model({self.law!r}, {self.effects}{air}{shape})"
 
     def _conditions(self, given: Mapping[str, ArrayLike | None]) -> dict[str, ArrayLike]:
         refuse_unknown(given)

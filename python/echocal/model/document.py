@@ -31,12 +31,14 @@ def content(model: "Model") -> dict[str, Any]:
             for p in find_effect(id_).parameters
         }
 
+    shape = {} if model.shape is None else {"shape": model.shape.to_dict()}
     return {
         "schema": SCHEMA,
         "law": model.law,
         "air": model.air,
         "effects": [{"id": id_, "parameters": parameters(id_)} for id_ in model.effects],
         "covariance": None if model.covariance is None else model.covariance.tolist(),
+        **shape,
     }
 
 

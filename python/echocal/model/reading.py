@@ -3,13 +3,14 @@
 import json
 import re
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
 
 from echocal.errors import ModelError, UsageError
 from echocal.model.document import NEWEST, SCHEMA, digest
+from echocal.model.shape import Shape
 from echocal.registry import find_effect
 
 __all__ = ["read"]
@@ -30,12 +31,21 @@ class _Effect(_Entry):
     parameters: dict[str, _Parameter] = {}
 
 
+class _Shape(_Entry):
+    against: str
+    at: list[float]
+    shift: list[float]
+    standard_uncertainty: list[float]
+    unit: Literal["m"]
+
+
 class _File(_Entry):
     schema_: str = Field(alias="schema")
     law: str
     air: dict[str, float] = {}
     effects: list[_Effect] = []
     covariance: list[list[float]] | None = None
+    shape: _Shape | None = None
     hash: str | None = None
     data: dict[str, Any] = {}
 
@@ -119,7 +129,12 @@ def _arguments(file: _File) -> dict[str, Any]:
         "air": file.air,
         "effects": {e.id: {n: p.value for n, p in e.parameters.items()} for e in file.effects},
         "provenance": file.data,
+        "shape": None if file.shape is None else _shape(file.shape),
     }
+
+
+def _shape(entry: _Shape) -> Shape:
+    return Shape(entry.against, tuple(entry.at), tuple(entry.shift), tuple(entry.standard_uncertainty))
 
 
 def _check_units(effect: _Effect) -> None:

@@ -34,11 +34,19 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
     """
     indication = base_indication(observations, model.law)
     try:
-        distance = np.asarray(model.correct(indication, **_conditions(observations)))
+        distance = np.asarray(
+            model.correct(indication, **_conditions(observations), **_extra(observations, model))
+        )
     except DataError as error:
         message = f'{error}; map a column with --column, or leave one out with --column "NAME=ignore"'
         raise DataError(message) from None
     return distance
+
+
+def _extra(observations: Observations, model: Model) -> dict[str, Column]:
+    """Further columns that a shape of the model is a function of."""
+    extra = observations.extra
+    return {name: extra[name] for name in extra if model.shape is not None and name == model.shape.against}
 
 
 def _conditions(observations: Observations) -> dict[str, Column]:

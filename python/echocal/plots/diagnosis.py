@@ -12,6 +12,7 @@ from echocal.diagnose import Cause, Diagnosis, Refuted
 from echocal.diagnose.sentences import shown
 from echocal.errors import writing
 from echocal.plots.next_measurements import plot_next
+from echocal.plots.unexplained import plot_unexplained
 
 __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
@@ -21,6 +22,8 @@ _BINS = 30
 
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     """Write ``residuals.png``, ``gain.png``, ``posterior.png`` and ``next.png``.
+
+    Where something is left that no cause explains, ``unexplained.png`` shows it.
 
     Parameters
     ----------
@@ -45,6 +48,8 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             "posterior": _single(diagnosis, plot_posterior, (8.0, 3.2)),
             "next": _single(diagnosis, plot_next, (6.0, 3.8)),
         }
+        if diagnosis.unexplained is not None:
+            figures["unexplained"] = _single(diagnosis, plot_unexplained, (6.5, 3.6))
         paths = {folder / f"{name}.png": figure for name, figure in figures.items()}
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,98 @@
+"""A term of a model that data gave and nobody explains."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal.conditions import QUANTITIES
+from echocal.errors import DataError, ModelError
+
+__all__ = ["DISTANCE", "Shape"]
+
+Column = NDArray[np.float64]
+
+DISTANCE = "distance"
+"""Name under which a shape is a function of the true distance."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What readings are off by, as a function of one column, and nobody knows why.
+
+    Between its knots it is linear, outside the range that was seen it is held flat. It is added to
+    the indication after everything that has a cause; microcontrollers get no firmware of it.
+
+    Attributes
+    ----------
+    against : str
+        ``"distance"``, an influence quantity, or a further column by its name in the table.
+    at : tuple of float
+        Knots, ascending, in the unit of the column (SI for quantities, degC for temperatures).
+    shift : tuple of float
+        What readings are off by there [m].
+    standard_uncertainty : tuple of float
+        Of the shifts [m].
+
+    Raises
+    ------
+    ModelError
+        If the knots are no ascending finite numbers, or the lengths differ.
+
+    Examples
+    --------
+    >>> shape = Shape("temperature", (0.0, 20.0), (0.0, 2e-3), (1e-4, 1e-4))
+    >>> shape.of([-5.0, 10.0, 30.0]).tolist()
+    [0.0, 0.001, 0.002]
+    """
+
+    against: str
+    at: tuple[float, ...]
+    shift: tuple[float, ...]
+    standard_uncertainty: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        lengths = {len(self.at), len(self.shift), len(self.standard_uncertainty)}
+        numbers = np.array([*self.at, *self.shift, *self.standard_uncertainty])
+        fits = len(lengths) == 1 and len(self.at) >= 2 and np.isfinite(numbers).all()
+        if not fits or not (np.diff(self.at) > 0).all() or min(self.standard_uncertainty) < 0:
+            message = (
+                f"the shape against {self.against} needs at, shift and standard_uncertainty of one length of "
+                f"2 or more, finite, at ascending; they have {len(self.at)}, {len(self.shift)} and "
+                f"{len(self.standard_uncertainty)}"
+            )
+            raise ModelError(message)
+
+    def of(self, values: ArrayLike) -> Column:
+        """Shift [m] at values of the column; NaN where the value is NaN."""
+        return np.asarray(np.interp(np.asarray(values, dtype=float), self.at, self.shift))
+
+    def band(self, values: ArrayLike) -> Column:
+        """Standard uncertainty of the shift [m]."""
+        return np.asarray(np.interp(np.asarray(values, dtype=float), self.at, self.standard_uncertainty))
+
+    @property
+    def is_extra(self) -> bool:
+        """Whether it needs a column that is no influence quantity."""
+        return self.against not in QUANTITIES and self.against != DISTANCE
+
+    def column(self, conditions: dict[str, Any]) -> Any:
+        """Values of its column among what is given."""
+        if self.against not in conditions:
+            message = (
+                f"the model has a shape against {self.against} that nobody explains, and {self.against} is "
+                "not given: record it, or use the model without its shape (Model.without_shape)"
+            )
+            raise DataError(message)
+        return conditions[self.against]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in a model file."""
+        return {
+            "against": self.against,
+            "at": list(self.at),
+            "shift": list(self.shift),
+            "standard_uncertainty": list(self.standard_uncertainty),
+            "unit": "m",
+        }

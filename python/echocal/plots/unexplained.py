@@ -1,0 +1,50 @@
+"""What nobody explains, as a picture."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from echocal.diagnose import Diagnosis
+from echocal.diagnose.sentences import shown
+from echocal.diagnose.unexplained import column_of
+
+__all__ = ["plot_unexplained"]
+
+_LEFT, _SHAPE = "#b9c4ca", "#7a3b8f"
+_MANY = 200  # rows from which on points are faint
+
+
+def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
+    """Shape against its column with its band, over what the model leaves of every row.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    ax : matplotlib.axes.Axes
+    """
+    found = diagnosis.unexplained
+    if found is None or found.shape is None:
+        ax.axis("off")
+        ax.text(0.5, 0.5, "nothing is left unexplained", ha="center", transform=ax.transAxes)
+        return
+    column = column_of(found.against, diagnosis.traces.against)
+    left = 1e3 * diagnosis.traces.after
+    values, label = shown(found.against, column)
+    opacity = float(np.clip(_MANY / max(len(left), 1), 0.15, 0.9))
+    ax.plot(values, left, "o", color=_LEFT, mew=0, markersize=3, alpha=opacity, label="left by the model")
+    knots = np.array(found.shape.at)
+    at, _ = shown(found.against, knots)
+    shift, band = 1e3 * found.shape.of(knots), 1e3 * found.shape.band(knots)
+    ax.fill_between(at, shift - 2 * band, shift + 2 * band, color=_SHAPE, alpha=0.25, lw=0, label="95 %")
+    ax.plot(at, shift, color=_SHAPE, linewidth=2, label="smooth shape")
+    ends = np.nanpercentile(left, [0.5, 99.5])
+    low, high = min(ends[0], (shift - 2 * band).min()), max(ends[1], (shift + 2 * band).max())
+    ax.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
+    ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
+    ax.set(xlabel=label, ylabel="residual [mm]")
+    ax.set_title(
+        f"not explained: {1e3 * found.rms_m:.1f} mm (rms) against {label.partition(' [')[0]}; "
+        "no cause of the catalog accounts for it",
+        fontsize=8,
+        loc="left",
+    )
+    ax.legend(loc="best", frameon=False, fontsize=8)
