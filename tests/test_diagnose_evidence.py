@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
+from scipy.signal import lfilter
 
 import echocal
 from echocal.diagnose.candidates import Variant
@@ -93,14 +94,24 @@ def test_noises_have_a_prior_of_one() -> None:
         assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in noises)
 
 
-def test_merged_blocks_are_whitened_as_the_blocks_are() -> None:
-    random = np.random.default_rng()
-    columns = random.normal(size=(4, 90))
-    for flat_level in (False, True):
-        parts = sums(columns, np.repeat(np.arange(5), 18), flat_level=flat_level)
-        use = np.array([True, False, True])
-        noise = Noise(0.5, 0.85, 0.0 if flat_level else 1.0, 1.0)
-        one, other = parts.whiten(noise, use), parts.merged(use).whiten(noise)
-        np.testing.assert_allclose(one.products, other.products, rtol=1e-9, atol=1e-9)
-        assert one.log_weight == pytest.approx(other.log_weight)
-        assert parts.degrees(use) == parts.merged(use).degrees()
+@pytest.mark.parametrize("noise", [Noise(0.0, 0.98, 0.0, 1.0), Noise(0.9, 0.98, 0.0, 1.0)])
+def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(noise: Noise) -> None:
+    n = 20_000
+    columns = np.cumsum(np.random.default_rng().normal(size=(3, n)), axis=1)
+    columns[0] = 1.0
+    remembered = lfilter([1.0], [1.0, -noise.memory], columns)
+    white = remembered[:, 1:] - noise.rho * remembered[:, :-1]
+    expected = white @ white.T + noise.first_weight * np.outer(columns[:, 0], columns[:, 0])
+    found = sums(columns, np.zeros(n, dtype=int), flat_level=False).whiten(noise).products
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+def test_many_noises_at_once_are_each_by_itself() -> None:
+    columns = np.random.default_rng().normal(size=(4, 90))
+    parts = sums(columns, np.repeat(np.arange(5), 18), flat_level=False)
+    use = np.array([True, False, True])
+    products, log_weight = parts.whiten_all(NOISES[True], use)
+    for noise, matrix, weight in zip(NOISES[True], products, log_weight, strict=True):
+        one = parts.whiten(noise, use)
+        np.testing.assert_array_equal(matrix, one.products)
+        assert weight == one.log_weight

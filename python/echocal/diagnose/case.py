@@ -61,9 +61,8 @@ class Case:
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
         """Whitened products over some blocks, one per noise."""
-        merged = self.sums.merged(blocks)
-        whitened = [merged.whiten(noise) for noise in self.noises]
-        return Stack.of(whitened, self.sums.degrees(blocks))
+        products, log_weight = self.sums.whiten_all(self.noises, blocks)
+        return Stack(products, log_weight, self.sums.degrees(blocks), self.noises)
 
 
 def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
@@ -85,10 +84,9 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
 
 def _drop_infinite(found: Candidates, sums: Sums) -> None:
     """Drop causes whose columns are not finite in these data."""
-    finite = np.isfinite(np.diagonal(sums.blocks[0, [0, 3]].sum(axis=(0, 1))))
+    finite = sums.clear_infinite()
     if finite.all():
         return
-    sums.blocks[..., ~finite, :] = sums.blocks[..., ~finite] = sums.cells[..., ~finite] = 0.0
     broken = {v.cause for v in found.variants if not finite[list(v.columns)].all()}
     found.skipped.update(dict.fromkeys(broken, "not finite in these data"))
     found.variants[:] = [v for v in found.variants if v.cause not in broken]

@@ -105,9 +105,17 @@ class Columns:
         return gram
 
     def products(
-        self, starts: NDArray[np.bool_], blocks: Labels, cells: Labels, memories: Sequence[float]
-    ) -> list[tuple[list[Column], list[Column]]]:
+        self,
+        starts: NDArray[np.bool_],
+        blocks: Labels,
+        cells: Labels,
+        places: tuple[Labels, Labels],
+        series: Column,
+        memories: Sequence[float],
+        flat_level: bool,
+    ) -> _core.Sums:
         """Lag-0 and lag-1 products, see `Sums`; settles the columns."""
         self._core.settle()
         labels = (blocks.astype(np.uint32), cells.astype(np.uint32))
-        return self._core.products(starts, *labels, list(memories))
+        where = list(zip(*(place.tolist() for place in places), strict=True))
+        return self._core.products(starts, *labels, where, series, list(memories), flat_level)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.noise import FINEST, Noise, Sums
 from echocal.diagnose.result import Gain, Ladder
 from echocal.diagnose.scene import Table, levels
@@ -167,18 +168,7 @@ def floor(sums: Sums, held: Mask, variance: float) -> float:
     by the rows less the effective number of coefficients.
     """
     white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
-    columns = slice(1, -1)
-    among, along, square = white[columns, columns], white[columns, -1], white[-1, -1]
-    values, vectors = np.linalg.eigh(among)
-    projected = (vectors.T @ along) ** 2
-    degrees = sums.degrees(held)
-    for _ in range(3):
-        ridge = max(variance, FINEST**2) / 9
-        kept = np.maximum(values, 0.0) + ridge
-        left = square - (projected * (values + 2 * ridge) / kept**2).sum()
-        used = (np.maximum(values, 0.0) / kept).sum()
-        variance = max(left, 1e-12 * square) / max(degrees - used, 1.0)
-    return float(np.sqrt(variance))
+    return float(np.sqrt(_core.left_over(white, sums.degrees(held), variance, FINEST**2)))
 
 
 def summarize(

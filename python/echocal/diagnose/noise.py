@@ -1,10 +1,12 @@
 """Noise that the engine reckons with before it names anything: memory, and an error per stand."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.columns import Columns
 
 __all__ = ["FINEST", "NOISES", "Noise", "Sums", "Whitened"]
@@ -83,8 +85,8 @@ class Sums:
 
     Attributes
     ----------
-    blocks : ndarray, shape (memories, 4, blocks, k, k)
-    cells : ndarray, shape (memories, 4, cells, k)
+    products : object
+        The sums, in the core.
     cell_block, cell_group : ndarray of int, shape (cells,)
         Block and group (stretch, or stand) of each cell.
     rows, series : ndarray of int, shape (blocks,)
@@ -93,8 +95,7 @@ class Sums:
         Whether groups have an unknown level (nothing known about it) or a random error.
     """
 
-    blocks: NDArray[np.float64]
-    cells: NDArray[np.float64]
+    products: _core.Sums
     cell_block: NDArray[np.int64]
     cell_group: NDArray[np.int64]
     rows: NDArray[np.int64]
@@ -112,60 +113,47 @@ class Sums:
         flat_level: bool,
     ) -> "Sums":
         """Pass once over the rows of some columns, of which the first is a group's own."""
-        pairs, cells = np.unique(np.stack([blocks, groups]), axis=1, return_inverse=True)
-        cells = cells.reshape(-1)
-        gathered = columns.products(starts, blocks, cells, list(_RHO))
-        k, count = len(columns), int(blocks.max()) + 1
+        code = blocks * (int(groups.max()) + 1) + groups
+        present = np.flatnonzero(np.bincount(code))
+        place = np.zeros(int(present[-1]) + 1, dtype=np.int64)
+        place[present] = np.arange(len(present))
+        cell_block, cell_group = np.divmod(present, int(groups.max()) + 1)
+        count = int(blocks.max()) + 1
+        series = np.bincount(blocks, weights=starts, minlength=count).astype(np.float64)
+        cells = (cell_block, cell_group)
         return cls(
-            blocks=np.stack([np.stack(b).reshape(4, count, k, k) for b, _ in gathered]),
-            cells=np.stack([np.stack(c).reshape(4, -1, k) for _, c in gathered]),
-            cell_block=pairs[0],
-            cell_group=pairs[1],
+            products=columns.products(starts, blocks, place[code], cells, series, list(_RHO), flat_level),
+            cell_block=cell_block,
+            cell_group=cell_group,
             rows=np.bincount(blocks, minlength=count),
-            series=np.bincount(blocks, weights=starts, minlength=count).astype(np.int64),
+            series=series.astype(np.int64),
             flat_level=flat_level,
         )
 
-    def merged(self, use: NDArray[np.bool_]) -> "Sums":
-        """Take the blocks in `use` for one: whitening many noises then costs one addition."""
-        cells = use[self.cell_block]
-        names, inverse = np.unique(self.cell_group[cells], return_inverse=True)
-        member = (inverse == np.arange(len(names))[:, None]).astype(float)  # groups x cells
-        summed = member @ self.cells[:, :, cells]
-        return Sums(
-            blocks=self.blocks[:, :, use].sum(axis=2, keepdims=True),
-            cells=summed,
-            cell_block=np.zeros(len(names), dtype=np.int64),
-            cell_group=names,
-            rows=np.array([self.rows[use].sum()]),
-            series=np.array([self.series[use].sum()]),
-            flat_level=self.flat_level,
-        )
+    def whiten_all(
+        self, noises: Sequence[Noise], use: NDArray[np.bool_] | None = None
+    ) -> tuple[Matrix, Matrix]:
+        """Products of the columns whitened for each noise, and what it adds to the log evidence."""
+        use = np.ones(len(self.rows), dtype=bool) if use is None else use
+        memories = list(_RHO)
+        given = [
+            (memories.index(n.memory), n.rho, n.stand_ratio, n.first_weight, float(np.log(n.prior)))
+            for n in noises
+        ]
+        return self.products.whiten(given, use.tolist())
 
     def whiten(self, noise: Noise, use: NDArray[np.bool_] | None = None) -> Whitened:
         """Products of the whitened columns over the blocks in `use` (all by default)."""
-        use = np.ones(len(self.rows), dtype=bool) if use is None else use
-        memory = list(_RHO).index(noise.memory)
-        factors = np.array([1.0, noise.rho**2, -noise.rho, noise.first_weight])
-        total = np.tensordot(factors, self.blocks[memory][:, use].sum(axis=1), 1)
-        lagged = self.blocks[memory][2][use].sum(axis=0)
-        total = total - noise.rho * lagged.T
-        cells = np.tensordot(factors, self.cells[memory][:, use[self.cell_block]], 1)
-        groups = _sum_by(self.cell_group[use[self.cell_block]], cells)
-        log_weight = np.log(noise.prior)
-        log_weight += 0.5 * self.series[use].sum() * np.log(noise.first_weight)
-        own = groups[:, 0]
-        if self.flat_level:
-            shrink, log_det = 1 / own, np.log(own).sum()
-        else:
-            shrink = noise.stand_ratio / (1 + noise.stand_ratio * own)
-            log_det = np.log1p(noise.stand_ratio * own).sum()
-        total -= groups.T @ (shrink[:, None] * groups)
-        return Whitened(total, float(log_weight - 0.5 * log_det), noise)
+        products, log_weight = self.whiten_all([noise], use)
+        return Whitened(products[0], float(log_weight[0]), noise)
+
+    def clear_infinite(self) -> NDArray[np.bool_]:
+        """Make columns zero that are not finite; return which are."""
+        return np.array(self.products.clear_infinite())
 
     def mean_square_step(self) -> float:
         """Mean square of the last column's change from row to row."""
-        present, previous, lagged, _ = self.blocks[0][:, :, -1, -1].sum(axis=1)
+        present, previous, lagged = self.products.steps()
         steps = self.rows.sum() - self.series.sum()
         return float((present + previous - 2 * lagged) / max(steps, 1))
 
@@ -174,10 +162,3 @@ class Sums:
         use = np.ones(len(self.rows), dtype=bool) if use is None else use
         levels = len(np.unique(self.cell_group[use[self.cell_block]])) if self.flat_level else 0
         return int(self.rows[use].sum()) - levels
-
-
-def _sum_by(labels: NDArray[np.int64], lines: Matrix) -> Matrix:
-    names, inverse = np.unique(labels, return_inverse=True)
-    sums = np.zeros((len(names), lines.shape[1]))
-    np.add.at(sums, inverse, lines)
-    return sums

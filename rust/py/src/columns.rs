@@ -1,7 +1,7 @@
 //! Columns of candidate causes, over arrays.
 
 use echocal_core::batch::available_threads;
-use echocal_core::evidence::{Columns, Level, Numbers, Products, Recipe, gram};
+use echocal_core::evidence::{Columns, Layout, Level, Numbers, Products, Recipe, Sums, gram};
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
 use numpy::prelude::*;
@@ -10,8 +10,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::errors::to_python;
-use crate::evidence::{Gathered, gathered, layout};
+use crate::evidence::layout;
 use crate::model::CoreModel;
+use crate::sums::CoreSums;
 
 type Array = Py<PyArray1<f64>>;
 
@@ -158,21 +159,43 @@ impl CoreColumns {
         PyArray1::from_vec(py, found).reshape([width, width])
     }
 
-    /// Lag-0 and lag-1 products of all columns per memory: block sums, then cell sums.
+    /// Lag-0 and lag-1 products of all columns per memory; `places` has block and group of each
+    /// cell, `series` those that begin in each block.
+    #[allow(clippy::too_many_arguments)] // as Python sees it
     fn products<'py>(
         &self,
         py: Python<'py>,
         starts: PyReadonlyArray1<'py, bool>,
         blocks: PyReadonlyArray1<'py, u32>,
         cells: PyReadonlyArray1<'py, u32>,
+        places: Vec<(usize, usize)>,
+        series: Vec<f64>,
         memories: Vec<f64>,
-    ) -> PyResult<Gathered<'py>> {
+        flat_level: bool,
+    ) -> PyResult<CoreSums> {
         let layout = layout(&starts, &blocks, &cells, self.distance.bind(py).len())?;
+        let known = places.iter().all(|&(block, _)| block < series.len());
+        if layout.block_count > series.len() || layout.cell_count != places.len() || !known {
+            return Err(PyValueError::new_err(
+                "labels of blocks and cells do not fit",
+            ));
+        }
+        let layout = Layout {
+            block_count: series.len(),
+            ..layout
+        };
         let threads = available_threads();
-        let found = self.using(py, |columns| {
+        let products = self.using(py, |columns| {
             Products::gather(columns, &layout, &memories, threads)
         })?;
-        Ok(gathered(py, found))
+        let sums = Sums {
+            products,
+            width: self.recipes.len(),
+            cells: places,
+            series,
+            flat_level,
+        };
+        Ok(CoreSums { sums })
     }
 }
 

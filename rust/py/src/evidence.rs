@@ -1,15 +1,10 @@
-//! Sums of products for diagnosis, over arrays.
+//! Evidence, over arrays.
 
-use echocal_core::evidence::{self, Layout, Outcome, Prior, Products, Stack, Variant, Weighed};
+use echocal_core::evidence::{self, Layout, Outcome, Prior, Stack, Variant, Weighed};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-
-type Sums<'py> = Vec<Bound<'py, PyArray1<f64>>>;
-
-/// Lag-0 and lag-1 products per memory: block sums, then cell sums.
-pub type Gathered<'py> = Vec<(Sums<'py>, Sums<'py>)>;
 
 /// Which rows belong together, checked.
 pub fn layout<'a>(
@@ -30,16 +25,6 @@ pub fn layout<'a>(
         block_count: count(blocks),
         cell_count: count(cells),
     })
-}
-
-/// Products as arrays.
-pub fn gathered(py: Python<'_>, products: Vec<Products>) -> Gathered<'_> {
-    let arrays = |sums: [Vec<f64>; 4]| {
-        let arrays = sums.into_iter().map(|sum| PyArray1::from_vec(py, sum));
-        arrays.collect()
-    };
-    let each = products.into_iter();
-    each.map(|p| (arrays(p.blocks), arrays(p.cells))).collect()
 }
 
 /// A form of a cause: cause (none for a shape), fixed columns, free columns, their bounds, weight.
@@ -69,12 +54,58 @@ fn stack(
         ));
     }
     Ok(Stack {
-        products: products.as_array().iter().copied().collect(),
+        products: products.as_slice()?.to_vec(),
         log_weight: log_weight.as_slice()?.to_vec(),
         width,
         degrees,
         finest,
     })
+}
+
+/// The columns that some forms use, and the last one, alone.
+fn narrow(
+    products: &PyReadonlyArray3<'_, f64>,
+    log_weight: &PyReadonlyArray1<'_, f64>,
+    (degrees, finest): (f64, f64),
+    mut forms: Vec<Form>,
+) -> PyResult<(Stack, Vec<Form>)> {
+    let products = products.as_array();
+    let (noises, width, other) = products.dim();
+    if width != other || noises != log_weight.len() || noises == 0 || width == 0 {
+        return Err(PyValueError::new_err(
+            "products and weights differ in shape",
+        ));
+    }
+    let each = forms
+        .iter()
+        .flat_map(|(_, offsets, free, ..)| offsets.iter().chain(free));
+    let mut used: Vec<usize> = each.copied().chain([width - 1]).collect();
+    used.sort_unstable();
+    used.dedup();
+    if used.last() != Some(&(width - 1)) {
+        return Err(PyValueError::new_err(
+            "a form has columns that are not there",
+        ));
+    }
+    for (_, offsets, free, ..) in &mut forms {
+        for column in offsets.iter_mut().chain(free) {
+            *column = used.partition_point(|&other| other < *column);
+        }
+    }
+    let mut chosen = Vec::with_capacity(noises * used.len() * used.len());
+    for noise in products.outer_iter() {
+        for &i in &used {
+            chosen.extend(used.iter().map(|&j| noise[[i, j]]));
+        }
+    }
+    let stack = Stack {
+        products: chosen,
+        log_weight: log_weight.as_slice()?.to_vec(),
+        width: used.len(),
+        degrees,
+        finest,
+    };
+    Ok((stack, forms))
 }
 
 fn variants(forms: Vec<Form>, width: usize) -> PyResult<Vec<Variant>> {
@@ -108,6 +139,26 @@ fn result<'py>(py: Python<'py>, weighed: Weighed) -> PyResult<Result<'py>> {
     ))
 }
 
+/// Variance that the columns between the first and the last leave of the last, see the core.
+#[pyfunction]
+pub fn left_over(
+    products: PyReadonlyArray2<'_, f64>,
+    degrees: f64,
+    variance: f64,
+    finest: f64,
+) -> PyResult<f64> {
+    let &[width, other] = products.shape() else {
+        unreachable!("a two-dimensional array has two lengths")
+    };
+    if width != other || width < 2 {
+        return Err(PyValueError::new_err("products are no square"));
+    }
+    let products = products.as_slice()?;
+    Ok(evidence::left_over(
+        products, width, degrees, variance, finest,
+    ))
+}
+
 /// Weighs one hypothesis, all its forms at once.
 #[pyfunction]
 pub fn weigh<'py>(
@@ -119,7 +170,7 @@ pub fn weigh<'py>(
     forms: Vec<Form>,
     one_width: bool,
 ) -> PyResult<Result<'py>> {
-    let stack = stack(&products, &log_weight, degrees, finest)?;
+    let (stack, forms) = narrow(&products, &log_weight, (degrees, finest), forms)?;
     let variants = variants(forms, stack.width)?;
     let weighed = py.detach(|| evidence::weigh(&stack, &variants, one_width));
     result(py, weighed)

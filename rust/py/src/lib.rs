@@ -10,6 +10,7 @@ mod evidence;
 mod firmware;
 mod model;
 mod registry;
+mod sums;
 
 /// The compiled core of echocal.
 #[pymodule]
@@ -24,11 +25,13 @@ mod _core {
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
-    use super::evidence::{posterior, weigh};
+    use super::evidence::{left_over, posterior, weigh};
     #[pymodule_export]
     use super::firmware::{CoreFirmware, design_firmware};
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]
     use super::registry::{effects, laws, quantities};
+    #[pymodule_export]
+    use super::sums::CoreSums;
 }

@@ -1,6 +1,7 @@
 //! No cause, each cause, each pair, larger sets greedily, and the best of all beside a shape.
 
 use super::hypothesis::{Layout, Variant};
+use super::threaded::each_of;
 use super::weigh::{Scales, Stack, Weighed, log_sum};
 use std::collections::HashMap;
 
@@ -56,7 +57,7 @@ const HOPELESS: f64 = 25.0;
 /// Log odds beyond which a hypothesis is not reported: a probability below one in a million.
 const NEGLIGIBLE: f64 = 14.0;
 /// Hypotheses below which a thread costs more than it saves.
-const PER_THREAD: usize = 64;
+const PER_THREAD: usize = 16;
 
 struct Candidate {
     variants: Vec<usize>,
@@ -86,7 +87,7 @@ pub fn posterior(
         });
         causes[at].push(v);
     }
-    let noises = plausible(stack, variants, &causes, &shapes);
+    let noises = plausible(stack, variants, &causes, &shapes, threads);
     let mut search = Search {
         stack: &stack.only(&noises),
         variants,
@@ -99,7 +100,7 @@ pub fn posterior(
         prior,
         threads,
     };
-    let mut found = search.scored(search.singles(), f64::NEG_INFINITY);
+    let mut found = search.scored(search.singles(), None);
     let promising = search.promising(&found);
     search.causes = &promising;
     found.extend(search.weigh(search.pairs(), top(&found)));
@@ -132,6 +133,7 @@ fn plausible(
     variants: &[Variant],
     causes: &[Vec<usize>],
     shapes: &[usize],
+    threads: usize,
 ) -> Vec<bool> {
     let freest = |forms: &Vec<usize>| {
         let free = |v: &usize| variants[*v].free.len();
@@ -153,11 +155,15 @@ fn plausible(
         .into_iter()
         .chain(simple)
         .chain(beside);
-    let (mut scales, mut layout) = (Scales::default(), Layout::default());
-    let mut most = vec![0.0_f64; stack.log_weight.len()];
-    for hypothesis in tried {
+    let tried: Vec<Vec<usize>> = tried.collect();
+    let shares = each_of(&tried, threads, |hypothesis| {
+        let mut layout = Layout::default();
         layout.fill(hypothesis.iter().map(|&v| &variants[v]));
-        for (most, share) in most.iter_mut().zip(scales.noise(stack, &layout)) {
+        Scales::default().noise(stack, &layout)
+    });
+    let mut most = vec![0.0_f64; stack.log_weight.len()];
+    for shares in shares {
+        for (most, share) in most.iter_mut().zip(shares) {
             *most = most.max(share);
         }
     }
@@ -325,13 +331,14 @@ impl Search<'_> {
 
     /// Scores the candidates, on several threads, and keeps those that are not hopeless.
     fn weigh(&self, candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
-        let mut candidates = self.scored(candidates, best);
+        let mut candidates = self.scored(candidates, Some(best));
         let best = best.max(top(&candidates));
         candidates.retain(|c| c.score > best - HOPELESS);
         candidates
     }
 
-    fn scored(&self, mut candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
+    /// Scores, minus infinity where one is hopeless beside the best so far; without one, all of them.
+    fn scored(&self, mut candidates: Vec<Candidate>, best: Option<f64>) -> Vec<Candidate> {
         let threads = self.threads.min(candidates.len() / PER_THREAD).max(1);
         let share = candidates.len().div_ceil(threads).max(1);
         std::thread::scope(|scope| {
@@ -346,18 +353,15 @@ impl Search<'_> {
         candidates
     }
 
-    fn score(&self, candidates: &mut [Candidate], mut best: f64) {
+    fn score(&self, candidates: &mut [Candidate], mut best: Option<f64>) {
         let (mut scales, mut layout) = (Scales::default(), Layout::default());
         for candidate in candidates {
             layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
             let prior = candidate.prior.ln();
-            let least = if candidate.variants.is_empty() {
-                f64::NEG_INFINITY
-            } else {
-                best - HOPELESS - prior
-            };
+            let prune = best.filter(|_| !candidate.variants.is_empty());
+            let least = prune.map_or(f64::NEG_INFINITY, |best| best - HOPELESS - prior);
             candidate.score = scales.log_evidence(self.stack, &layout, least) + prior;
-            best = best.max(candidate.score);
+            best = best.map(|best| best.max(candidate.score));
         }
     }
 

@@ -41,3 +41,32 @@ pub(super) fn in_spans<T: Send, W: FnMut(usize, usize) -> T>(
     each.filter_map(|place| place.into_inner().ok().flatten())
         .collect()
 }
+
+/// What each item gives, in order, on several threads where there are many.
+pub(super) fn each_of<I: Sync, T: Send>(
+    items: &[I],
+    threads: usize,
+    work: impl Fn(&I) -> T + Sync,
+) -> Vec<T> {
+    let share = items.len().div_ceil(threads.max(1)).max(MANY);
+    std::thread::scope(|scope| {
+        let mut parts = items.chunks(share);
+        let own = parts.next().unwrap_or(&[]);
+        let work = &work;
+        let others: Vec<_> = parts
+            .map(|part| scope.spawn(move || part.iter().map(work).collect::<Vec<_>>()))
+            .collect();
+        let mut all: Vec<T> = own.iter().map(work).collect();
+        for other in others {
+            all.extend(
+                other
+                    .join()
+                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            );
+        }
+        all
+    })
+}
+
+/// Items that are worth a thread.
+const MANY: usize = 8;
