@@ -104,13 +104,17 @@ def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> Held
     error = np.full(len(table), np.nan)
     for held in folds.held:
         test = folds.rows(held)
-        error[test] = errors(table, fitted(folds.fit & ~held), ~test)[test]
+        model = fitted(folds.fit & ~held)
+        if table.reference is not None:  # no level is to be found: the rows held out are enough
+            error[test] = table.correct(model, test) - table.reference[test]
+        else:
+            error[test] = errors(table, model, ~test)[test]
     return HeldOut(error)
 
 
 def errors(table: Table, model: Model, level_from: Mask) -> Column:
     """Reading corrected by a model, less reference or less the mean level of some rows [m]."""
-    corrected: Column = model.correct(table.indication, **table.conditions)
+    corrected = table.correct(model)
     if table.reference is not None:
         return corrected - table.reference
     return corrected - levels(corrected, table.groups, level_from, np.mean)

@@ -71,10 +71,19 @@ class Table:
         """
         if self.reference is not None:
             return self.reference
-        corrected = model.correct(self.indication, **self.conditions)
+        corrected = self.correct(model)
         return levels(
             corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
         )
+
+    def correct(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
+        """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
+        reads = model.reads
+        needed = {name: column for name, column in self.conditions.items() if name in reads}
+        if rows is None:
+            return np.asarray(model.correct(self.indication, **needed))
+        some = {name: column[rows] for name, column in needed.items()}
+        return np.asarray(model.correct(self.indication[rows], **some))
 
     def air(self) -> dict[str, float]:
         """Median of each recorded quantity of the air but the temperature, which every device has."""

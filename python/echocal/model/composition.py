@@ -133,6 +133,13 @@ class Model:
         return tuple(f"{id_}.{name}" for id_, own in self.effects.items() for name in own)
 
     @property
+    def reads(self) -> frozenset[str]:
+        """Influence quantities that the law and the effects react to or ask for."""
+        effects = [find_effect(id_) for id_ in self.effects]
+        own = (name for effect in effects for name in (*effect.reads, *effect.requires))
+        return frozenset((*self._core.law_reads, *own))
+
+    @property
     def standard_uncertainties(self) -> dict[str, float | None]:
         """Standard uncertainty by parameter name; None where it is not known."""
         if self.covariance is None:

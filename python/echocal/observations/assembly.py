@@ -98,7 +98,8 @@ class Assembly:
         """Give rows a reason code; the first reason stays."""
         if source.form.quantity == "reading" and "echo_time" in self.plan.assignments:
             return  # the echo time is there without it
-        self.unusable[where & (self.unusable == "")] = reason
+        rows = np.flatnonzero(where)
+        self.unusable[rows[self.unusable[rows] == ""]] = reason
 
     def _echo_time(
         self, values: dict[str, Column], conditions: dict[str, Column], reading_speed: str | float | None

@@ -90,9 +90,6 @@ def _evidence(warm: Column, percent: Column, row: int) -> float:
     """
     steps = np.abs(np.stack([np.diff(warm), np.diff(percent)]))
     scale = np.median(steps[:, : row - 1], axis=1) / np.log(2) + 0.05  # of a Laplace distribution
-    after = steps[:, row:]
-    stays, changes = (float(np.minimum(after / s[:, None], _WILD).sum()) for s in (scale, scale[::-1]))
-    part = min(1.0, 60.0 / max(after.shape[1], 1))  # neighbors are no independent witnesses
     sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
     ends = np.array([[np.median(column[side]) for side in sides] for column in (warm, percent)])
     wide = 3 * scale + 2.0
@@ -100,6 +97,9 @@ def _evidence(warm: Column, percent: Column, row: int) -> float:
     crossed = np.abs(ends[::-1, 1] - ends[:, 0]) / wide
     if crossed.max() > _FITS:
         return -np.inf
+    after = steps[:, row:]
+    stays, changes = (float(np.minimum(after / s[:, None], _WILD).sum()) for s in (scale, scale[::-1]))
+    part = min(1.0, 60.0 / max(after.shape[1], 1))  # neighbors are no independent witnesses
     levels = float(np.minimum(straight, 12.0).sum() - np.minimum(crossed, 12.0).sum())
     return float(part * (stays - changes) + levels)
 
