@@ -81,6 +81,12 @@ class Candidates:
         """Number of causes that have a variant."""
         return len({v.cause for v in self.variants} - {UNKNOWN})
 
+    @property
+    def shapes(self) -> dict[str, Variant]:
+        """The freest shape without a cause against each column."""
+        shapes = sorted((v for v in self.variants if v.cause == UNKNOWN), key=lambda v: len(v.free))
+        return {v.against: v for v in shapes}
+
 
 @dataclass(frozen=True)
 class Scene:

@@ -158,9 +158,8 @@ def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack, a
     keeps its probability only as far as it does better than a second shape, against any other
     column, would do in its place; what is then hardly possible is no claim.
     """
-    shapes = [v for v in found.variants if v.cause == UNKNOWN]
-    first = tuple(v for v in shapes if v.against == against)
-    seconds = [v for v in shapes if v.against != against]
+    first = (found.shapes[against],)
+    seconds = [shape for name, shape in found.shapes.items() if name != against]
     whole = Hypothesis((*(claim.variant for claim in made), *first), 1.0)
     with_it = weigh(whole, stack, one_width=True).log_evidence
     doubted = []

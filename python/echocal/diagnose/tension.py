@@ -42,7 +42,7 @@ def reconciled(
     moved = []
     named = without(beside, UNKNOWN)
     size, uncertainty = free_size(cause, case.found, named, stack)
-    for variant in (v for v in case.found.variants if v.cause == UNKNOWN):
+    for variant in case.found.shapes.values():
         shaped = replace(named, variants=(*named.variants, variant))
         there, error = free_size(cause, case.found, shaped, stack)
         closer = abs(size - known) - abs(there - known)

@@ -15,10 +15,10 @@ Column = NDArray[np.float64]
 HOUR = "hour of day"
 """Name of the periodic shape that is tried where a table spans days."""
 
-_DEGREE = 7  # of the polynomial: bends, humps and a few waves
+_DEGREES = (4, 10)  # of the polynomials: a bend or a hump, cheaply; and a few waves
 _HARMONICS = 2
 _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
-_SCALES = tuple(_SIZE / degree for degree in range(1, _DEGREE + 1))
+_SCALES = tuple(_SIZE / degree for degree in range(1, max(_DEGREES) + 1))
 _DAY = 86400.0
 _LEVELS = 6  # fewer distinct values cannot show a smooth shape
 
@@ -76,7 +76,9 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column]) -> None:
     for name, column in against.items():
         if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
             basis = Basis.of(name, column)
-            _add(found, name, found.columns.legendre(column, basis.low, basis.high, _SCALES))
+            shapes = found.columns.legendre(column, basis.low, basis.high, _SCALES)
+            for degree in _DEGREES:
+                _add(found, name, shapes[:degree])
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
         hour = column_of(HOUR, against)
