@@ -59,10 +59,12 @@ def conclude(
     if remainder is not None:
         claimed = beside_a_remainder(claimed, case.found, carried, remainder.against)
         best, claimed = told_apart(best, claimed, carried)
-    believed = [c for c in claimed if c.probability >= 0.5]  # the rest is listed, not modeled
-    judgment = judge(case, best, believed or claimed, noise)
+    believed = [c for c in claimed if c.probability >= 0.5] or claimed  # the rest is listed, not modeled
+    varying = unsteady(case, believed, noise)
+    if remainder is not None:  # what changes its size bends after what nobody explains
+        believed = [c for c in believed if c.cause not in varying]
+    judgment = judge(case, best, believed, noise)
     joint = join(ranking, faults.found, shares, carried)
-    varying = unsteady(case, judgment.kept, noise)
     verdict = _verdict(judgment, varying, remainder is not None, joint)
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
     possible = members(case, ranking, claimed, judgment, carried)
