@@ -193,8 +193,9 @@ def generate(
         Distances up to this meet `max_error` [m].
     prefer : {"size", "speed"}
         What to save.
-    form : {"polynomial", "interpolated_table", "segments", "square", "full_table", "additive"}, optional
-        The only form to try; default: the cheapest of all.
+    form : str, optional
+        The only form to try, ``"polynomial"``, ``"interpolated_table"``, ``"segments"``, ``"square"``,
+        ``"factored"``, ``"full_table"`` or ``"additive"``; default: the cheapest of all.
     accept : iterable of str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float

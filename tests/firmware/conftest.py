@@ -33,6 +33,12 @@ CASES: dict[str, tuple[Model, dict[str, Any]]] = {
     "falling_table": (Model("320-0.5*T"), {"form": "interpolated_table"}),
     "avr_polynomial": (Model("cramer"), {"target": "avr", "max_error": 0.1e-3}),
     "avr_table": (Model("cramer", DELAY_AND_ZERO), {"target": "avr", "form": "interpolated_table"}),
+    "avr_factored": (
+        Model("cramer"),
+        {"target": "avr", "form": "factored", "temperature": (0.0625, -5.0, 30.0)},
+    ),
+    "avr_factored_and_bent": (Model("cramer"), {"target": "avr", "form": "factored", "max_error": 0.1e-3}),
+    "factored": (Model("ideal_gas", DELAY_AND_ZERO), {"form": "factored", "target": "cortex-m3"}),
     "square": (Model("cramer"), {"form": "square", "max_error": 0.2e-3}),
     "avr_segments": (
         Model("cramer"),

@@ -4,6 +4,7 @@
 //! new file and one line in [`FORMS`].
 
 mod additive;
+mod factored;
 mod full_table;
 mod interpolated_table;
 mod polynomial;
@@ -80,6 +81,7 @@ pub const FORMS: &[(&str, Propose)] = &[
     (interpolated_table::NAME, interpolated_table::propose),
     (segments::NAME, segments::propose),
     (square::NAME, square::propose),
+    (factored::NAME, factored::propose),
     (additive::NAME, additive::propose),
     (full_table::NAME, full_table::propose),
 ];

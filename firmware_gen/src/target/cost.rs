@@ -36,6 +36,51 @@ pub(super) fn word(_program: &Program, node: &Node) -> Cost {
     }
 }
 
+/// Any core: wide factors cost more where words are narrow, and nothing is gained by them where they are not.
+pub(super) fn portable(program: &Program, node: &Node) -> Cost {
+    let cost = word(program, node);
+    let wide = match node.operation {
+        Operation::Multiply(a, b) => [a, b].iter().any(|value| {
+            !narrow(program, *value) && constant(program, *value).is_none_or(|c| c > 255)
+        }),
+        _ => false,
+    };
+    Cost {
+        size: cost.size * if wide { 4 } else { 1 },
+        time: cost.time * if wide { 4 } else { 1 },
+    }
+}
+
+/// A 32-bit RISC-V: constants beyond 12 bits take two instructions.
+pub(super) fn riscv(program: &Program, node: &Node) -> Cost {
+    match node.operation {
+        Operation::Constant(constant) => {
+            let (size, time) = match constant.unsigned_abs() {
+                0..32 => (0, 0),
+                32..2048 => (4, 1),
+                2048..131_072 => (6, 2),
+                _ => (8, 2),
+            };
+            Cost { size, time }
+        }
+        // Of a small constant, gcc makes shifts and sums.
+        Operation::Multiply(a, b) if node.computed.bits() <= 32 => {
+            let small = [a, b]
+                .iter()
+                .any(|value| constant(program, *value).is_some_and(|c| c.abs() < 2048));
+            let (size, time) = if small { (8, 4) } else { (4, 1) };
+            Cost { size, time }
+        }
+        _ => word(program, node),
+    }
+}
+
+/// Whether a value is a natural number of 16 bits.
+fn narrow(program: &Program, value: Value) -> bool {
+    let range = program.node(value).range;
+    range.minimum >= 0 && range.maximum < 1 << 16
+}
+
 /// An 8-bit AVR with a multiplier: shifts go bit by bit, whole bytes are moved.
 pub(super) fn avr(program: &Program, node: &Node) -> Cost {
     let bytes = u64::from(node.computed.bits() / 8);
@@ -45,7 +90,8 @@ pub(super) fn avr(program: &Program, node: &Node) -> Cost {
         Operation::Add(..) | Operation::Subtract(..) => (2 * bytes, bytes),
         Operation::Multiply(a, b) => match (doublings(program, a, b), bytes) {
             (Some(count), _) => (2 * held * u64::from(count), held * u64::from(count)),
-            (None, 1 | 2) => (8, 6),
+            (None, 1) => (4, 4),
+            (None, 2) => (12, 10),
             (None, 4) => product(program, a, b),
             (None, _) => (90, 500),
         },
@@ -65,10 +111,7 @@ pub(super) fn avr(program: &Program, node: &Node) -> Cost {
 
 /// Products of 32 bits on an AVR: of two 16-bit numbers, or of wider ones.
 fn product(program: &Program, a: Value, b: Value) -> (u64, u64) {
-    let narrow = |value: Value| {
-        let range = program.node(value).range;
-        range.minimum >= 0 && range.maximum < 1 << 16
-    };
+    let narrow = |value| narrow(program, value);
     let signed = |value: Value| {
         let range = program.node(value).range;
         range.minimum >= -(1 << 15) && range.maximum < 1 << 15

@@ -83,6 +83,7 @@ const fn core(name: &'static str) -> Target {
 pub const TARGETS: &[Target] = &[
     Target {
         least_bits: 16,
+        cost: cost::portable,
         ..core("c99")
     },
     Target {
@@ -94,7 +95,10 @@ pub const TARGETS: &[Target] = &[
     },
     core("cortex-m0"),
     core("cortex-m3"),
-    core("rv32"),
+    Target {
+        cost: cost::riscv,
+        ..core("rv32")
+    },
 ];
 
 impl Target {

@@ -1,0 +1,261 @@
+//! A product of two straight lines in the temperature code: a parabola with one product or one shift fewer than
+//! Horner's rule.
+//!
+//! With `u` counted from the coldest code, `speed = base + ((x * y) >> shift)`, `x = steep * u` and
+//! `y = far - flat * u`. The curvature `steep * flat` is a whole number, and a coarse one where `shift` is 16; the high
+//! byte of `x`, which costs nothing to get, makes it finer: `y = far - flat * u + lean * (x >> 8)`.
+
+use super::tail::plus;
+use super::{Fit, Form, center, warmth};
+use crate::ir::{Builder, Value};
+use crate::minimax::{Points, minimax};
+
+/// Name of the form.
+pub(super) const NAME: &str = "factored";
+
+/// Points of a minimax fit.
+const POINTS: usize = 128;
+/// How far from the ideal the last constant is looked for.
+const REACH: i64 = 4;
+/// Largest factor of the second line where the first is to fit 16 bits.
+const FLATTEST: i64 = 4;
+/// Bits of the wider products.
+const PRODUCT_BITS: f64 = 31.9;
+/// Binary places of `flat * u` at most, where no byte is to be met.
+const MOST_PLACES: i32 = 24;
+
+/// `base + sign * ((steep * u * (far - bent * (flat * u - lean * (steep * u >> 8)))) >> shift)`.
+#[derive(Clone, Debug)]
+struct Factored {
+    base: i64,
+    far: i64,
+    steep: i64,
+    flat: i64,
+    lean: i64,
+    /// Whether the second line falls.
+    falls: bool,
+    /// Whether the speed factor grows with the temperature.
+    grows: bool,
+    shift: u32,
+    floor: f64,
+}
+
+/// What is left of a fit on few points: codes, targets and weights.
+struct Sample {
+    codes: Vec<f64>,
+    target: Vec<f64>,
+    weight: Vec<f64>,
+}
+
+impl Sample {
+    fn of(fit: &Fit<'_>) -> Self {
+        let last = fit.target.len() - 1;
+        let count = POINTS.min(last + 1);
+        let picked: Vec<usize> = (0..count).map(|k| k * last / (count - 1)).collect();
+        let take = |values: &[f64]| picked.iter().map(|index| values[*index]).collect();
+        Self {
+            codes: picked.iter().map(|index| *index as f64).collect(),
+            target: take(&fit.target),
+            weight: take(&fit.weight),
+        }
+    }
+
+    /// Coefficients of the best polynomial beside `settled`, and the error that it leaves \[um\].
+    fn solve(&self, settled: impl Fn(f64) -> f64, degree: usize) -> (Vec<f64>, f64) {
+        let rest = |(code, target): (&f64, &f64)| target - settled(*code);
+        let y: Vec<f64> = self.codes.iter().zip(&self.target).map(rest).collect();
+        let points = Points {
+            x: &self.codes,
+            y: &y,
+            weight: &self.weight,
+        };
+        minimax(points, degree)
+    }
+}
+
+pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
+    if fit.target.len() < 4 {
+        return Vec::new();
+    }
+    let sample = Sample::of(fit);
+    let (ideal, _) = sample.solve(|_| 0.0, 2);
+    let last = (fit.target.len() - 1) as f64;
+    let (slope, bend) = (ideal[1], ideal[2]);
+    let end = bend.mul_add(last, slope);
+    if slope == 0.0 || slope * end <= 0.0 {
+        return Vec::new(); // the second line would change its sign
+    }
+    let (grows, falls) = (slope > 0.0, slope * bend < 0.0);
+    let blank = |steep, flat, lean, shift| Factored {
+        base: 0,
+        far: 0,
+        steep,
+        flat,
+        lean,
+        falls,
+        grows,
+        shift,
+        floor: 0.0,
+    };
+    let formats: Vec<Factored> = if fit.core.least_bits < 32 {
+        byte_formats(bend.abs() * 65_536.0, last, falls)
+            .into_iter()
+            .map(|(steep, flat, lean)| blank(steep, flat, lean, 16))
+            .collect()
+    } else {
+        let largest = slope.abs().max(end.abs()) * last;
+        let shift = (PRODUCT_BITS - largest.log2()).floor() as i32;
+        let shift = shift.clamp(0, MOST_PLACES) as u32;
+        let flat = (bend.abs() * f64::from(shift).exp2()).round() as i64;
+        vec![blank(1, flat, 0, shift)]
+    };
+    let useful = formats
+        .into_iter()
+        .filter(|form| form.steep * form.flat > 0);
+    useful
+        .filter_map(|form| Some(Box::new(form.fitted(fit, &sample)?) as _))
+        .collect()
+}
+
+/// Whole numbers `(steep, flat, lean)` whose curvature is next to `wanted`, and whose first line fits 16 bits.
+fn byte_formats(wanted: f64, last: f64, falls: bool) -> Vec<(i64, i64, i64)> {
+    let sign = if falls { 1.0 } else { -1.0 };
+    let most = (65_535.0 / last).floor() as i64;
+    let mut found = Vec::new();
+    let leans: [i64; 3] = [0, 1, -1];
+    let shapes = leans
+        .into_iter()
+        .flat_map(|lean| (1..=FLATTEST).map(move |flat| (flat, lean)));
+    for (flat, lean) in shapes.chain([(1, 2)]) {
+        let curvature = |steep: &i64| {
+            let steep = *steep as f64;
+            steep * (flat as f64 - sign * lean as f64 * steep / 256.0)
+        };
+        let off = |steep: &i64| (curvature(steep) - wanted).abs();
+        let best = (1..=most).min_by(|a, b| off(a).total_cmp(&off(b)));
+        // Twice the high byte must still be a byte.
+        let fits = |steep: &i64| lean.abs() < 2 || *steep as f64 * last < 32_768.0;
+        found.extend(best.filter(fits).map(|steep| (steep, flat, lean)));
+    }
+    found
+}
+
+impl Factored {
+    /// The second line without `far`, falling or rising.
+    fn flat(&self, u: i64) -> i64 {
+        let sign = if self.falls { -1 } else { 1 };
+        sign * self.flat * u + self.lean * ((self.steep * u) >> 8)
+    }
+
+    /// What stands on top of `base` at the code `u`.
+    fn part(&self, u: i64) -> i64 {
+        let part = (self.steep * u * (self.far + self.flat(u))) >> self.shift;
+        if self.grows { part } else { -part }
+    }
+
+    /// The high byte of the first line, once or twice.
+    fn leaning(&self, builder: &mut Builder<'_>, steep: Value) -> Value {
+        let high = builder.shift_right(steep, 8);
+        let high = builder.name(high, "lean", "bends the other line more finely");
+        if self.lean.abs() < 2 {
+            return high;
+        }
+        let twice = builder.add(high, high);
+        builder.name(twice, "lean_twice", "twice that")
+    }
+
+    /// The slope and the base that leave the least error, not rounded jointly yet; `None` if the lines leave their domain.
+    fn fitted(mut self, fit: &Fit<'_>, sample: &Sample) -> Option<Self> {
+        let unit = f64::from(self.shift).exp2();
+        let sign = if self.grows { 1.0 } else { -1.0 };
+        let bend = |u: f64| sign * self.steep as f64 * u * self.flat(u as i64) as f64 / unit;
+        let (line, floor) = sample.solve(bend, 1);
+        self.far = (sign * line[1] * unit / self.steep as f64).round() as i64;
+        self.base = line[0].round() as i64;
+        // The steps of the high byte are no straight line; they are no error that another rounding would not have.
+        self.floor = if self.lean == 0 { floor } else { 0.0 };
+        let last = fit.target.len() as i64 - 1;
+        let natural = |u: i64| self.far + self.flat(u) >= 0;
+        (natural(0) && natural(last)).then_some(self)
+    }
+}
+
+impl Form for Factored {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn describe(&self) -> String {
+        "product of two straight lines in the temperature code".into()
+    }
+
+    fn parameters(&self) -> serde_json::Value {
+        serde_json::json!({
+            "base": self.base, "far": self.far, "steep": self.steep, "flat": self.flat, "lean": self.lean,
+            "falls": self.falls, "grows": self.grows, "shift": self.shift,
+        })
+    }
+
+    fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    fn build(&self, builder: &mut Builder<'_>) -> Value {
+        let u = warmth(builder);
+        let steep = times(builder, u, self.steep);
+        let steep = builder.name(steep, "steep", "one straight line");
+        let flat = times(builder, u, self.flat);
+        let far = builder.constant(self.far);
+        let mut line = if self.falls {
+            builder.subtract(far, flat)
+        } else {
+            builder.add(flat, far)
+        };
+        if self.lean != 0 {
+            let lean = self.leaning(builder, steep);
+            line = if self.lean > 0 {
+                builder.add(line, lean)
+            } else {
+                builder.subtract(line, lean)
+            };
+        }
+        let line = builder.name(line, "line", "the other straight line");
+        let product = builder.multiply(steep, line);
+        let part = builder.shift_right(product, self.shift);
+        if self.grows {
+            return plus(builder, part, self.base);
+        }
+        let base = builder.constant(self.base);
+        builder.subtract(base, part)
+    }
+
+    fn refine(&mut self, fit: &Fit<'_>) {
+        let codes = 0..fit.target.len() as i64;
+        let ideal = self.far;
+        let mut best = (f64::INFINITY, self.base, self.far);
+        for far in ideal - REACH..=ideal + REACH {
+            self.far = far;
+            let parts: Vec<i64> = codes.clone().map(|u| self.part(u)).collect();
+            let settled: Vec<f64> = parts.iter().map(|part| *part as f64).collect();
+            let base = center(fit, &settled);
+            let given: Vec<i64> = parts.iter().map(|part| part + base).collect();
+            let error = fit.error(&given);
+            if error < best.0 {
+                best = (error, base, far);
+            }
+        }
+        (self.base, self.far) = (best.1, best.2);
+    }
+
+    fn duplicate(&self) -> Box<dyn Form> {
+        Box::new(self.clone())
+    }
+}
+
+fn times(builder: &mut Builder<'_>, value: Value, factor: i64) -> Value {
+    if factor == 1 {
+        return value;
+    }
+    let factor = builder.constant(factor);
+    builder.multiply(value, factor)
+}
