@@ -26,8 +26,9 @@ DS18B20 = (0.0625, -20.0, 60.0)
 REACH = 4.0  # m
 ECHOES = np.arange(0, 28_001, 500)  # us
 OURS = [  # core, target, what is saved, options, bound [m]
+    ("avr", "avr", "size", "-Os", 0.105e-3),
     ("avr", "avr", "size", "-Os", 0.1e-3),
-    ("avr", "avr", "size", "-O2", 0.1e-3),
+    ("avr", "avr", "size", "-Os", 0.06e-3),
     ("avr", "avr", "speed", "-Os", 0.5e-3),
     ("avr", "c99", "size", "-Os", 0.1e-3),
     ("cortex-m0", "cortex-m0", "size", "-Os", 0.1e-3),
@@ -102,7 +103,12 @@ def ours(core: str, target: str, prefer: str, options: str, bound: float, humid:
     found = silicon.measure(made, core, options)
     assert found is not None, silicon.missing(core)
     proven = {"proven_m": made.report["error_proven_m"], "form": made.report["form"]["description"]}
-    return {"label": f"`{target}`, {prefer}, {options}", **proven, **asdict(found), **errors(made, humid)}
+    return {
+        "label": f"`{target}`, {prefer}, {options}, {bound * 1e3:g} mm",
+        **proven,
+        **asdict(found),
+        **errors(made, humid),
+    }
 
 
 def measure() -> dict[str, Any]:

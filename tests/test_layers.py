@@ -20,7 +20,7 @@ LAYERS = (
     {"sweep", "calibrate"},
     {"diagnose", "silicon"},
     {"plots", "report", "verify", "firmware", "batch", "correct"},
-    {"study"},
+    {"study", "explore"},
     {"cli"},
 )
 FLOOR = {room: floor for floor, rooms in enumerate(LAYERS) for room in rooms}

@@ -16,7 +16,7 @@ pub enum Error {
     #[error("{0}")]
     Model(String),
     /// An effect needs an input that the device lacks.
-    #[error("{0}; give the device that input, or accept it with --accept {effect}", effect = .0.effect.unwrap_or("law"))]
+    #[error("{0}; {way_out}", way_out = .0.way_out())]
     Refused(Box<Omission>),
     /// No form meets the bound; what the best one reaches is inside.
     #[error("{0}")]

@@ -1,5 +1,6 @@
 """Fixed-point C from a calibrated model, proven over every input."""
 
+import itertools
 import json
 import os
 import shlex
@@ -126,6 +127,16 @@ class Firmware:
             raise UsageError(message) from None
         flat = [np.ascontiguousarray(code).reshape(-1) for code in codes]
         return self._twin.evaluate(flat).reshape(codes[0].shape)
+
+    def ranked_by(self) -> tuple[int, int]:
+        """Return bytes and cycles as the search's cost model has them; no measurement, never in a report.
+
+        Returns
+        -------
+        tuple of int
+            Bytes, cycles or instructions.
+        """
+        return self._twin.ranked_by()
 
     def save(self, directory: str | os.PathLike[str]) -> list[Path]:
         """Write the files into a directory, which is made if absent.
@@ -271,8 +282,10 @@ def generate(
         raise UsageError(message)
     wish["command"] = _command(wish, model_name, assume or {}) + (" --measure" if measure else "")
     core = _core.design_firmware(model._core, wish, progress)
-    for end in (codes.low, codes.high):  # every limit is monotone in the temperature
-        outside = describe(model.law, [end, *air[1:4], 0.0], f"outside at {end:g} degC in the assumed air")
+    damps = (air[1],) if damp is None else (damp.low, damp.high)
+    for end, wet in itertools.product((codes.low, codes.high), dict.fromkeys(damps)):  # limits are monotone
+        where = "in the assumed air" if damp is None else f"and relative humidity {wet:g}"
+        outside = describe(model.law, [end, wet, *air[2:4], 0.0], f"outside at {end:g} degC {where}")
         if outside:
             warnings.warn(outside, DomainWarning, stacklevel=2)
     made = _firmware(core, [])

@@ -40,6 +40,19 @@ pub struct Omission {
     pub left: f64,
 }
 
+impl Omission {
+    /// What the user can do about a refusal; where no input would help, none is asked for.
+    #[must_use]
+    pub fn way_out(&self) -> String {
+        let accept = format!("accept it with --accept {}", self.effect.unwrap_or("law"));
+        if self.quantity.is_some() {
+            format!("give the device that input, or {accept}")
+        } else {
+            format!("leave it out of the model, or {accept}")
+        }
+    }
+}
+
 impl fmt::Display for Omission {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let left = self.left * 1e3;

@@ -19,6 +19,7 @@ from rich.progress import (
 from rich.table import Table
 
 from echocal import silicon
+from echocal.cli import _explore
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
@@ -50,12 +51,16 @@ def command(
     max_table_bytes: Annotated[int, option("Largest tables allowed, together.")] = 1024,
     package: Annotated[str, option("c, arduino, platformio, esphome or micropython.")] = "c",
     measure: Annotated[bool, option("Compile, run in a simulator, state the costs.", "--measure")] = False,
+    explore: Annotated[bool, option("List what nothing beats, instead of one.", "--explore")] = False,
     threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
     json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
     quiet: Annotated[bool, option("Print nothing but errors.", "--quiet", "-q")] = False,
 ) -> None:
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
+    if explore and (form or measure or package != "c"):
+        message = "--explore tries every form and packs none: leave out --form, --measure and --package"
+        raise UsageError(message)
     low, high = _range("--temperature-range", temperature_range, "-20:60")
     damp = None
     if humidity_lsb is not None:
@@ -72,27 +77,43 @@ def command(
     with warnings.catch_warnings(record=True) as warned, bar as progress:
         warnings.simplefilter("always", DomainWarning)
         task = progress.add_task("designing", total=None)
-        made = generate(
-            Model.load(model),
-            target,
-            temperature=TemperatureCodes(temperature_lsb, low, high, temperature_zero),
-            humidity=damp,
-            echo=echo_max_us,
-            max_error=max_error_mm * 1e-3,
-            max_distance=max_distance_m,
-            prefer=prefer,
-            form=form,
-            accept=accept or (),
-            assume=dict(_assignment(text) for text in assume or ()),
-            max_table_bytes=max_table_bytes,
-            package=package,
-            measure=measure,
-            n_threads=threads,
-            progress=lambda form, checked, total: progress.update(
-                task, description=f"proving: {form}", completed=checked, total=total
-            ),
-            model_name=model.name,
-        )
+        codes = {
+            "temperature": TemperatureCodes(temperature_lsb, low, high, temperature_zero),
+            "humidity": damp,
+        }
+        request: dict[str, Any] = {
+            **codes,
+            "echo": echo_max_us,
+            "max_error": max_error_mm * 1e-3,
+            "max_distance": max_distance_m,
+            "accept": accept or (),
+            "assume": dict(_assignment(text) for text in assume or ()),
+            "max_table_bytes": max_table_bytes,
+            "n_threads": threads,
+            "model_name": model.name,
+        }
+
+        def tell(what: str, done: int, total: int) -> None:
+            progress.update(task, description=what, completed=done, total=total)
+
+        if explore:
+            text, table = _explore.run(Model.load(model), target, out, tell, **request)
+        else:
+            made = generate(
+                Model.load(model),
+                target,
+                prefer=prefer,
+                form=form,
+                package=package,
+                measure=measure,
+                progress=lambda form, checked, total: tell(f"proving: {form}", checked, total),
+                **request,
+            )
+    if explore:
+        if json is not None:
+            sys.stdout.write(text) if json == "-" else _write(Path(json), text)
+        _explore.show(console, table, out)
+        return
     notes = [str(warning.message) for warning in warned]
     absent = {core: silicon.missing(core) for core in silicon.cores_of(target)} if measure else {}
     notes += [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]

@@ -32,6 +32,13 @@ impl CoreFirmware {
             .map_err(|error| to_python(&error))
     }
 
+    /// What the search ranked this design by: bytes and cycles of a cost model, never of a measurement.
+    fn ranked_by(&self) -> PyResult<(u64, u64)> {
+        let target = Target::parse(&self.provenance.target).map_err(|error| to_python(&error))?;
+        let cost = target.cost(&self.design.program);
+        Ok((cost.size, cost.time))
+    }
+
     /// Outputs \[um\] of the twin for columns of codes of equal length, the echo time first.
     fn evaluate<'py>(
         &self,

@@ -7,6 +7,9 @@ use crate::scalar::Scalar;
 /// See [`TransducerSpacing::FACTS`].
 pub struct TransducerSpacing;
 
+/// A spacing's square that no distance shows \[m^2\].
+const SMALLEST: f64 = 1e-36;
+
 impl Effect for TransducerSpacing {
     const FACTS: Facts = Facts {
         id: "transducer_spacing",
@@ -32,7 +35,9 @@ impl Effect for TransducerSpacing {
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
         let path = chain.path;
-        let side = path.mul_add(path, S::constant(0.25) * parameters[0]).sqrt();
+        // without a spacing, the root at distance 0 would have no derivative for a search to follow
+        let square = S::constant(0.25).mul_add(parameters[0], S::constant(SMALLEST));
+        let side = path.mul_add(path, square).sqrt();
         // for a path behind the sensor, which only a search passes through, on along a rising line
         chain.path = path + (side - path.abs());
     }
@@ -40,8 +45,8 @@ impl Effect for TransducerSpacing {
 
 #[cfg(test)]
 mod tests {
-    use crate::Conditions;
     use crate::effects::testing::error;
+    use crate::{Conditions, Law, Model};
 
     fn millimeters(distance: f64) -> f64 {
         let square = &[("square", 0.026 * 0.026)];
@@ -52,6 +57,14 @@ mod tests {
     fn as_printed_at_a_tenth_of_a_meter_and_at_one() {
         assert!((millimeters(0.1) - 0.8).abs() <= 0.05);
         assert!((millimeters(1.0) - 0.08).abs() <= 0.005);
+    }
+
+    #[test]
+    fn without_a_spacing_echo_time_zero_is_distance_zero() {
+        let model = Model::new(Law::parse("cramer").unwrap())
+            .with("transducer_spacing", &[("square", 0.0)])
+            .unwrap();
+        assert!(model.distance(0.0, &Conditions::at(20.0)).abs() < 1e-15);
     }
 
     #[test]

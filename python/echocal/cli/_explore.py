@@ -1,0 +1,60 @@
+"""``echocal firmware --explore``: the choices between flash, time and error, as table, JSON and picture."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from echocal.errors import UsageError
+from echocal.explore import Choice, Progress, explore
+from echocal.model import Model
+
+SCHEMA = "echocal.firmware_choices/1"
+
+
+def run(model: Model, target: str, out: Path, progress: Progress, **request: Any) -> tuple[str, Table]:
+    """Explore, write ``choices.json`` and ``choices.png``, and return the JSON and the table."""
+    choices = explore(model, target, progress=progress, **request)
+    rows = [choice.to_dict() for choice in choices]
+    text = json.dumps({"schema": SCHEMA, "target": target, "choices": rows}, indent=2) + "\n"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        (out / "choices.json").write_text(text, encoding="utf-8")
+        _draw(rows, out / "choices.png")
+    except OSError as error:
+        message = f"cannot write to {out}: {error.strerror}"
+        raise UsageError(message) from None
+    return text, _table(choices)
+
+
+def _draw(rows: list[dict[str, Any]], path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from echocal.plots.choices import plot_choices
+
+    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+    plot_choices(rows, figure.add_subplot())
+    figure.savefig(path, dpi=150)
+
+
+def _table(choices: list[Choice]) -> Table:
+    cores = sorted({choice.core for choice in choices if choice.core})
+    unit = "cycles" if cores == ["avr"] else "instructions"
+    source = f"measured on {', '.join(cores)}" if cores else "by the cost model: not measured"
+    table = Table(title=f"nothing else is better in all of flash, time and error ({source})")
+    for name in ("flash [B]", unit, "error [mm]"):
+        table.add_column(name, justify="right")
+    table.add_column("form")
+    for choice in choices:
+        note = "" if choice.core or not cores else " (cost model)"
+        figures = (f"{choice.flash}", f"{choice.steps}", f"{choice.error * 1e3:.4f}")
+        table.add_row(*figures, choice.form + note)
+    return table
+
+
+def show(console: Console, table: Table, out: Path) -> None:
+    """Print the table and where the files are."""
+    console.print(table)
+    console.print(f"written [cyan]{out / 'choices.json'}[/], [cyan]{out / 'choices.png'}[/]")

@@ -1,0 +1,162 @@
+"""Every choice worth having between flash, time and error: proven functions, none beaten in all three."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from echocal import silicon
+from echocal.errors import BoundError, EchocalError, UsageError
+from echocal.firmware import Firmware, generate
+from echocal.model import Model
+
+__all__ = ["Choice", "explore"]
+
+FORMS = ("polynomial", "square", "factored", "interpolated_table", "segments", "full_table")
+TWO_INPUTS = ("additive",)
+TIGHTER = 0.6  # of the error proven: what is asked for next
+TIGHTEST = 1e-6  # m; the output counts micrometers
+
+Progress = Callable[[str, int, int], object]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One proven function and what it costs.
+
+    Attributes
+    ----------
+    made : Firmware
+        The function.
+    error : float
+        Largest error, proven [m].
+    flash : int
+        Bytes, with what the function takes from the compiler's library.
+    steps : int
+        Most cycles (AVR) or instructions of a call.
+    figures : {"measured", "cost model"}
+        Where `flash` and `steps` come from.
+    core : str or None
+        The core they were measured on.
+    """
+
+    made: Firmware
+    error: float
+    flash: int
+    steps: int
+    figures: str
+    core: str | None
+
+    @property
+    def form(self) -> str:
+        """What the function is, in words."""
+        return str(self.made.report["form"]["description"])
+
+    def beats(self, other: "Choice") -> bool:
+        """Whether this one is no worse in anything and better in something."""
+        mine = (self.flash, self.steps, self.error)
+        theirs = (other.flash, other.steps, other.error)
+        return mine != theirs and all(a <= b for a, b in zip(mine, theirs, strict=True))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what a program reads: figures, their origin, and the command that makes the files."""
+        return {
+            "form": self.form,
+            "error_proven_m": self.error,
+            "flash_bytes": self.flash,
+            "steps": self.steps,
+            "figures": self.figures,
+            "core": self.core,
+            "command": self.made.report["provenance"]["command"],
+        }
+
+
+def explore(
+    model: Model,
+    target: str = "avr",
+    *,
+    max_error: float = 2e-3,
+    core: str | None = None,
+    progress: Progress | None = None,
+    **request: Any,
+) -> list[Choice]:
+    """Design with every form at ever tighter bounds, and keep what nothing else beats.
+
+    Flash and time are measured with compiler and simulator where these are installed, else they are
+    figures of the search's cost model and say so.
+
+    Parameters
+    ----------
+    model : Model
+        The model to follow.
+    target : str
+        What the C is for, as for `echocal.firmware.generate`.
+    max_error : float
+        The loosest bound of interest [m].
+    core : str, optional
+        Core to measure on, a name in `echocal.silicon.CORES`; default: the target's own, ``"cortex-m0"``
+        for ``"c99"``.
+    progress : callable, optional
+        Called with what is being tried, the searches done and the searches in all.
+    **request
+        Further arguments of `echocal.firmware.generate`, the codes above all.
+
+    Returns
+    -------
+    list of Choice
+        The least flash first.
+
+    Raises
+    ------
+    BoundError
+        If no form meets `max_error`.
+    UsageError
+        If an effect needs an input that the device lacks, or the codes make no sense.
+
+    Examples
+    --------
+    >>> from echocal import Model
+    >>> from echocal.explore import explore
+    >>> choices = explore(Model("cramer"), "cortex-m0", temperature=(1.0, 0.0, 40.0), echo=5000)
+    >>> any(a.beats(b) for a in choices for b in choices)
+    False
+    """
+    generate(model, target, max_error=max_error, **request)  # what cannot be had at all is said here
+    forms = TWO_INPUTS if request.get("humidity") is not None else FORMS
+    searches = [(form, prefer) for form in forms for prefer in ("size", "speed")]
+    found: dict[str, Firmware] = {}
+    for done, (form, prefer) in enumerate(searches):
+        if progress is not None:
+            progress(f"{form}, {prefer}", done, len(searches))
+        for made in _tightening(model, target, max_error, {**request, "form": form, "prefer": prefer}):
+            found.setdefault(made.files["echocal_correction.c"], made)
+    where = core or (target if target in silicon.CORES else "cortex-m0")
+    choices: list[Choice] = []
+    for done, made in enumerate(found.values()):
+        if progress is not None:
+            progress("measuring", done, len(found))
+        choices.append(_costed(made, where))
+    kept = [one for one in choices if not any(other.beats(one) for other in choices)]
+    return sorted(kept, key=lambda choice: (choice.flash, choice.steps, choice.error))
+
+
+def _tightening(model: Model, target: str, bound: float, request: dict[str, Any]) -> Iterator[Firmware]:
+    """Yield designs for ever tighter bounds, until there is none."""
+    while bound >= TIGHTEST:
+        try:
+            made = generate(model, target, max_error=bound, **request)
+        except (BoundError, UsageError):  # this form cannot; the request itself was tried before
+            return
+        yield made
+        bound = TIGHTER * float(made.report["error_proven_m"])
+
+
+def _costed(made: Firmware, core: str) -> Choice:
+    error = float(made.report["error_proven_m"])
+    try:
+        found = silicon.measure(made, core)
+    except EchocalError:  # a function that this simulator cannot time
+        found = None
+    if found is None:
+        flash, steps = made.ranked_by()
+        return Choice(made, error, flash, steps, "cost model", None)
+    return Choice(made, error, found.flash_bytes, found.steps, "measured", core)
