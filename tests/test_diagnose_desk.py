@@ -68,3 +68,8 @@ def test_what_helps_rows_never_fitted_is_in_the_model(diagnosis: echocal.Diagnos
     assert gain is not None
     assert gain.interval_95[0] > 3e-3
     assert gain.rms_after_m < 0.5 * gain.rms_before_m
+
+
+def test_the_offset_and_the_scale_have_one_size_all_through(diagnosis: echocal.Diagnosis) -> None:
+    assert not found(diagnosis, "zero_error").doubt
+    assert not found(diagnosis, "clock_error").doubt

@@ -46,6 +46,8 @@ def _cause(cause: Cause) -> list[str]:
         f"{find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
     ]
+    if cause.doubt:
+        lines.append(f"  But {cause.doubt}: it is not named.")
     if cause.indistinguishable_from:
         lines.append(f"  These data cannot tell it from {', '.join(cause.indistinguishable_from)}.")
     return lines

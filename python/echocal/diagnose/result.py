@@ -64,6 +64,8 @@ class Cause:
     in_model : bool
         Whether the extended model has it. Where the verdict is ``ambiguous``, the most probable
         causes stand in the model and those that might be at work instead of them do not.
+    doubt : str
+        Why the cause is not named for all its probability; empty where nothing speaks against it.
     """
 
     id: str
@@ -73,6 +75,7 @@ class Cause:
     indistinguishable_from: tuple[str, ...]
     because: str
     in_model: bool = True
+    doubt: str = ""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from scipy.stats import chi2
 
 from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim
-from echocal.diagnose.evidence import Hypothesis, Stack, weigh
+from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.sentences import parameter_text
 from echocal.registry import find_effect
@@ -15,13 +15,15 @@ from echocal.registry import find_effect
 __all__ = ["unsteady"]
 
 _CHANCE = 1e-4  # that parts of a table with one size differ as much
+_FEWEST = 2  # rows
 
 
 def unsteady(case: Case, claims: Sequence[Claim], noise: Noise) -> dict[str, str]:
     """Find claims whose size, fitted to each part of the table alone, is not one size.
 
     A cause of the mean has one size: what grows in one week and shrinks in another is not it,
-    however well it fits on the whole.
+    however well it fits on the whole. Each part sizes all claims together, for alone one would
+    take up what the others do there.
 
     Returns
     -------
@@ -29,8 +31,9 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise) -> dict[str, str
         Id, and the sizes found in a sentence.
     """
     said = {}
+    parts = _fits(case, claims, noise)
     for claim in claims:
-        sizes = _sizes(case, claim, noise)
+        sizes = _sizes(claim, parts)
         if len(sizes) < 2:
             continue
         value, error = np.array(sizes).T
@@ -49,20 +52,28 @@ def _parts(claim: Claim, sizes: Sequence[tuple[float, float]]) -> str:
     return f"{name} is {', '.join(parts)}"
 
 
-def _sizes(case: Case, claim: Claim, noise: Noise) -> list[tuple[float, float]]:
-    """Size of one claim in each block alone, where that block can show it."""
-    variant = claim.variant
-    if len(variant.free) != 1 or variant.offset is not None:
-        return []
+def _fits(case: Case, claims: Sequence[Claim], noise: Noise) -> list[Weighed]:
+    """All claims, fitted to each block alone."""
+    together = Hypothesis(tuple(claim.variant for claim in claims), 1.0)
     blocks = np.arange(len(case.sums.rows))
-    sizes = []
+    fits = []
     for block in blocks[case.folds.fit]:
         use = blocks == block
-        if case.sums.degrees(use) < 2:
-            continue
-        stack = Stack.of([case.sums.whiten(noise, use)], case.sums.degrees(use))
-        weighed = weigh(Hypothesis((variant,), 1.0), stack)
-        error = float(np.sqrt(weighed.covariance[0, 0]))
+        if case.sums.degrees(use) >= _FEWEST:
+            stack = Stack.of([case.sums.whiten(noise, use)], case.sums.degrees(use))
+            fits.append(weigh(together, stack, one_width=True))
+    return fits
+
+
+def _sizes(claim: Claim, fits: Sequence[Weighed]) -> list[tuple[float, float]]:
+    """Size of one claim beside the others in each block that can show it."""
+    if len(claim.variant.free) != 1 or claim.variant.offset is not None:
+        return []
+    sizes = []
+    for weighed in fits:
+        variants = weighed.hypothesis.variants
+        place = sum(len(v.free) for v in variants[: variants.index(claim.variant)])
+        error = float(np.sqrt(weighed.covariance[place, place]))
         if error < 1.0:  # of a prior standard deviation: the block has something to say
-            sizes.append((float(weighed.mean[0]), error))
+            sizes.append((float(weighed.mean[place]), error))
     return sizes

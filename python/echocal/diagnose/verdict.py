@@ -70,7 +70,11 @@ def conclude(
     possible = members(case, ranking, claimed, judgment, carried)
     return Diagnosis(
         verdict=verdict,
-        causes=tuple(_cause(case, claim, judgment) for claim in (*judgment.kept, *others)) + joint.causes,
+        causes=(
+            *(_cause(case, claim, judgment, varying.get(claim.cause, "")) for claim in judgment.kept),
+            *(_cause(case, claim, judgment) for claim in others),
+            *joint.causes,
+        ),
         posterior=tuple(joint.sets.items()),
         credible_set=_credible(joint),
         unexplained=None if remainder is None else with_its_shape(case, remainder, judgment.model, noise),
@@ -151,7 +155,7 @@ def _credible(joint: Joint) -> tuple[tuple[str, ...], ...]:
     return tuple(chosen)
 
 
-def _cause(case: Case, claim: Claim, judgment: Judgment) -> Cause:
+def _cause(case: Case, claim: Claim, judgment: Judgment, doubt: str = "") -> Cause:
     in_model = claim in judgment.kept
     value = judgment.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
     named = claim.deviation[: len(claim.variant.scales)]
@@ -162,7 +166,7 @@ def _cause(case: Case, claim: Claim, judgment: Judgment) -> Cause:
         if p.name in value
     )
     text = because(case, claim, judgment)
-    return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model)
+    return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt)
 
 
 def _outside(case: Case, total: int, judgment: Judgment) -> list[str]:

@@ -81,6 +81,8 @@ def _cause(cause: Cause) -> RenderableType:
         Text(f"  {find_cause(cause.id).sentence}"),
         Text(f"  check: {cause.because}", style="italic"),
     ]
+    if cause.doubt:
+        lines.append(Text(f"  not named: {cause.doubt}", style="yellow"))
     if cause.indistinguishable_from:
         lines.append(
             Text(f"  cannot be told from: {', '.join(cause.indistinguishable_from)}", style="yellow")

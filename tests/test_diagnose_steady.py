@@ -1,0 +1,39 @@
+"""A cause has one size all through a table, or it is not named."""
+
+import numpy as np
+import pandas as pd
+
+import echocal
+
+
+def table(scale: np.ndarray, offset: float) -> pd.DataFrame:
+    """Stands from near to far, each at every temperature; readings with a scale and an offset."""
+    random = np.random.default_rng()
+    distance = np.repeat(np.linspace(0.2, 3.0, len(scale)), 40)
+    temperature = np.tile(np.linspace(5.0, 35.0, 40), len(scale))
+    reading = distance * (1.0 + np.repeat(scale, 40)) + offset + random.normal(0.0, 1e-3, len(distance))
+    return pd.DataFrame({"reading_m": reading, "distance_m": distance, "temperature_C": temperature})
+
+
+def sizes(diagnosis: echocal.Diagnosis) -> list[str]:
+    return [note for note in diagnosis.notes if "no one size" in note]
+
+
+def test_an_offset_beside_a_scale_has_one_size() -> None:
+    # near stands and far ones, each alone, would give an offset of its own: what the scale adds there
+    diagnosis = echocal.diagnose(table(np.full(20, -8e-3), -6e-3))
+    assert not sizes(diagnosis)
+    assert diagnosis.verdict == "named"
+
+
+def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named() -> None:
+    random = np.random.default_rng()
+    temperature, gain = random.uniform(0.0, 40.0, 600), np.repeat([0.10, 0.03], 300)
+    recorded, true = 331.4 + 0.6 * temperature, 331.4 + 0.6 * temperature * (1 + gain)
+    reading = 2.0 * recorded / true + random.normal(0.0, 1e-3, 600)
+    diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, reference_distance=2.0)
+    (cause,) = [c for c in diagnosis.causes if c.kind == "effect"]
+    assert {cause.id, *cause.indistinguishable_from} >= {"speed_slope", "temperature_gain"}
+    assert cause.doubt in sizes(diagnosis)
+    assert diagnosis.verdict != "named"
+    assert f"But {cause.doubt}" in diagnosis.explain()
