@@ -252,7 +252,7 @@ def _places(
     first, last = _reach(column, parameter) if along == "distance" else (-np.inf, np.inf)
 
     def explained(tried: Sequence[float]) -> dict[float, float]:
-        values = dict(zip(tried, np.quantile(column, tried).tolist(), strict=True))
+        values = dict(zip(tried, _quantiles(column, tried), strict=True))
         shown = {q: value for q, value in values.items() if first <= value <= last}
         places = [{**neutral, **at, parameter.name: value} for value in shown.values()]
         return dict(zip(shown, scene.explained(effect, places), strict=True)) if shown else {}
@@ -268,9 +268,17 @@ def _places(
     places = sorted(scores)
     middles = np.array([0.0, *(np.diff(places) / 2 + places[:-1]), 1.0])
     values: dict[float, float] = {}
-    for value, share in zip(np.quantile(column, places).tolist(), np.diff(middles).tolist(), strict=True):
+    for value, share in zip(_quantiles(column, places), np.diff(middles).tolist(), strict=True):
         values[value] = values.get(value, 0.0) + share
     return list(values.items())
+
+
+def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
+    """Quantiles of a sorted column, between neighbors where none of its rows is at the place."""
+    at = np.asarray(parts) * (len(ascending) - 1)
+    before = np.floor(at).astype(np.int64)
+    low, high = ascending[before], ascending[np.minimum(before + 1, len(ascending) - 1)]
+    return [float(value) for value in low + (high - low) * (at - before)]
 
 
 def _reach(distances: Column, parameter: Parameter) -> tuple[float, float]:

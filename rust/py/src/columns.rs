@@ -1,7 +1,9 @@
 //! Columns of candidate causes, over arrays.
 
 use echocal_core::batch::available_threads;
-use echocal_core::evidence::{Columns, Layout, Level, Numbers, Products, Recipe, Sums, gram};
+use echocal_core::evidence::{
+    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Sums, gram,
+};
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
 use numpy::prelude::*;
@@ -186,7 +188,9 @@ impl CoreColumns {
         };
         let threads = available_threads();
         let products = self.using(py, |columns| {
-            Products::gather(columns, &layout, &memories, threads)
+            let distinct = Distinct::of(columns);
+            let sums = Products::gather(&distinct.among(columns), &layout, &memories, threads);
+            sums.iter().map(|sums| distinct.spread(sums)).collect()
         })?;
         let sums = Sums {
             products,

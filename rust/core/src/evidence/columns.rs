@@ -28,7 +28,7 @@ impl Numbers<'_> {
 }
 
 /// What a column is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Recipe {
     /// Derivative of the base's reading to the distance.
     Slope,
@@ -54,7 +54,7 @@ pub enum Recipe {
 }
 
 /// Distance at which an effect is looked at.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Level {
     /// That of the base: the effect does nothing where it is looked at.
     OfBase,

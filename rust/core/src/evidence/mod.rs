@@ -5,6 +5,7 @@
 
 mod cholesky;
 mod columns;
+mod distinct;
 mod gram;
 mod hypothesis;
 mod normal;
@@ -18,6 +19,7 @@ mod weigh;
 mod whiten;
 
 pub use columns::{Columns, Level, Numbers, Recipe};
+pub use distinct::Distinct;
 pub use hypothesis::Variant;
 pub use posterior::{Outcome, Prior, posterior, weigh};
 pub use products::{Layout, Products};

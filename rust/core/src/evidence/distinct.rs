@@ -1,0 +1,133 @@
+//! Columns that are multiples of others: one is made for all.
+
+use super::columns::{Columns, Recipe};
+use super::products::Products;
+
+/// Recipes of which none is a multiple of another, and which each column is a multiple of.
+#[derive(Clone, Debug, Default)]
+pub struct Distinct {
+    /// What is made.
+    pub recipes: Vec<Recipe>,
+    /// Position among these and factor, of each column.
+    pub of: Vec<(usize, f64)>,
+    taken: Vec<Vec<f64>>,
+}
+
+impl Distinct {
+    /// Tangents that differ in scale alone, as those of a prior's bulk and tail, are multiples.
+    #[must_use]
+    pub fn of(columns: &Columns<'_>) -> Self {
+        let mut found = Self::default();
+        for (k, recipe) in columns.recipes.iter().enumerate() {
+            let same = |made: &Recipe| multiple(recipe, made);
+            let known = found.recipes.iter().enumerate();
+            let known = known.filter_map(|(at, made)| Some((at, same(made)?)));
+            let place = known.last().unwrap_or_else(|| {
+                found.recipes.push(recipe.clone());
+                found.taken.extend(columns.taken.get(k).cloned());
+                (found.recipes.len() - 1, 1.0)
+            });
+            found.of.push(place);
+        }
+        found
+    }
+
+    /// The table with the distinct columns alone.
+    #[must_use]
+    pub fn among<'a>(&'a self, columns: &Columns<'a>) -> Columns<'a> {
+        Columns {
+            recipes: &self.recipes,
+            stored: columns.stored.clone(),
+            groups: columns.groups.clone(),
+            taken: self.taken.clone(),
+            ..*columns
+        }
+    }
+
+    /// The sums of all columns from those of the distinct ones.
+    #[must_use]
+    pub fn spread(&self, sums: &Products) -> Products {
+        let width = self.recipes.len();
+        let line = |values: &[f64], factor: f64, into: &mut Vec<f64>| {
+            into.extend(self.of.iter().map(|&(at, own)| factor * own * values[at]));
+        };
+        let all = |values: &Vec<f64>| {
+            let blocks = values.len() / (width * width).max(1);
+            let mut found = Vec::with_capacity(blocks * self.of.len() * self.of.len());
+            for block in values.chunks_exact((width * width).max(1)) {
+                for &(at, factor) in &self.of {
+                    line(&block[at * width..(at + 1) * width], factor, &mut found);
+                }
+            }
+            found
+        };
+        let own = self.of.first().map_or(1.0, |&(_, factor)| factor);
+        let cells = |values: &Vec<f64>| {
+            let mut found = Vec::new();
+            for cell in values.chunks_exact(width.max(1)) {
+                line(cell, own, &mut found);
+            }
+            found
+        };
+        Products {
+            blocks: sums.blocks.each_ref().map(all),
+            cells: sums.cells.each_ref().map(cells),
+        }
+    }
+}
+
+/// How many times one column another is, where the recipes tell.
+fn multiple(recipe: &Recipe, made: &Recipe) -> Option<f64> {
+    let (Recipe::Tangent(term, level, at, scale), Recipe::Tangent(other, beside, place, unit)) =
+        (recipe, made)
+    else {
+        return None;
+    };
+    let same = at == place && term == other && level == beside && *unit != 0.0;
+    same.then(|| scale / unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evidence::columns::Level;
+    use crate::model::Term;
+
+    fn tangent(id: &str, scale: f64) -> Option<Recipe> {
+        let term = Term::new(id, &[]).ok()?;
+        Some(Recipe::Tangent(term, Level::OfBase, 0, scale))
+    }
+
+    #[test]
+    fn a_tail_is_a_multiple_of_its_bulk() {
+        let (Some(bulk), Some(tail), Some(other)) = (
+            tangent("zero_error", 0.5),
+            tangent("zero_error", 4.0),
+            tangent("fixed_delay", 0.5),
+        ) else {
+            unreachable!("both are in the catalogue")
+        };
+        assert_eq!(multiple(&tail, &bulk), Some(8.0));
+        assert_eq!(multiple(&tail, &other), None);
+        assert_eq!(multiple(&Recipe::Slope, &Recipe::Slope), None);
+    }
+
+    #[test]
+    fn sums_are_multiples_too() {
+        let found = Distinct {
+            recipes: vec![Recipe::Slope, Recipe::Stored(0)],
+            of: vec![(0, 1.0), (1, 1.0), (1, 4.0)],
+            taken: Vec::new(),
+        };
+        let sums = Products {
+            blocks: [(); 4].map(|()| vec![1.0, 2.0, 2.0, 5.0]),
+            cells: [(); 4].map(|()| vec![1.0, 2.0, 3.0, 6.0]),
+        };
+        let spread = found.spread(&sums);
+        assert_eq!(
+            spread.blocks[1],
+            [1.0, 2.0, 8.0, 2.0, 5.0, 20.0, 8.0, 20.0, 80.0]
+        );
+        assert_eq!(spread.cells[3], [1.0, 2.0, 8.0, 3.0, 6.0, 24.0]);
+    }
+}
