@@ -7,11 +7,11 @@ consequence. So the part of the prior where a cause stays below the noise, besid
 of its set, counts as its absence.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.evidence import Weighed
@@ -76,6 +76,7 @@ def hidden(weighed: Weighed) -> dict[str, float]:
             information = 1 / variance[first:last].min() - 1 / (_WIDTHS**2).mean()
             signal = float(np.sqrt(max(information, 0.0)))  # of one prior standard deviation
             reach = _VISIBLE / np.maximum(signal * _WIDTHS, 1e-12)
-            parts[variant.cause] = float((2 * ndtr(reach) - 1).mean())
+            inside = [math.erf(limit / math.sqrt(2)) for limit in reach.tolist()]
+            parts[variant.cause] = sum(inside) / len(inside)
         first = last
     return parts

@@ -82,15 +82,17 @@ def _whole(recorded: Column) -> float:
 
 def _single(recorded: Column, known: Mask) -> Mask:
     """Rows that stand out from their neighbors, and do not once converted."""
-    import pandas as pd  # takes long to import
-
+    rows = np.zeros(len(recorded), dtype=bool)
     at = np.flatnonzero(known)
     values = recorded[at]
+    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= _ODD:
+        return rows  # no row can be that far from its neighbors
+    import pandas as pd  # takes long to import
+
     around = pd.Series(values).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=3).median().to_numpy()
     scatter = 1.4826 * float(np.median(np.abs(values - around)))
     limit = max(_ODD, 8 * scatter)
     off, off_converted = np.abs(values - around), np.abs(celsius(values) - around)
-    rows = np.zeros(len(recorded), dtype=bool)
     rows[at] = (off > limit) & (off_converted < np.minimum(0.5 * off, max(4.0, 5 * scatter)))
     return rows
 

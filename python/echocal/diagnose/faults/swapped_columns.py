@@ -75,33 +75,52 @@ def _seam(warm: Column, percent: Column) -> tuple[int, float]:
     rough = np.log(steps[0] + floor[0]) - np.log(steps[1] + floor[1])
     change = np.abs(np.cumsum(rough - rough.mean()))
     jump = steps.sum(axis=0)
-    rows = {int(np.argmax(change)) + 1, *(1 + np.argsort(-jump)[:_CANDIDATES]).tolist()}
+    rows = {int(np.argmax(change)) + 1, *(1 + _largest(jump)).tolist()}
     inside = [row for row in rows if _LEAST < row < len(warm) - 2]
-    scored = [(_evidence(warm, percent, row), row) for row in inside]
+    until = np.cumsum(steps, axis=1)
+    scored = [(_evidence(warm, percent, steps, until, row), row) for row in inside]
     best, row = max(scored, default=(0.0, 0))
     return row, best - float(np.log(len(warm)))
 
 
-def _evidence(warm: Column, percent: Column, row: int) -> float:
+def _largest(jump: Column) -> NDArray[np.int64]:
+    """Positions of the largest jumps."""
+    count = min(_CANDIDATES, len(jump))
+    return np.argpartition(-jump, count - 1)[:count]
+
+
+def _evidence(warm: Column, percent: Column, steps: Column, until: Column, row: int) -> float:
     """Log likelihood ratio of the rows from `row` on: exchanged against as they stand.
 
     Steps from row to row are Laplace distributed, with the scales of the rows before; the levels
-    across the seam must fit too.
+    across the seam must fit too. `steps` are those of both columns, and `until` their running sums.
     """
-    steps = np.abs(np.stack([np.diff(warm), np.diff(percent)]))
-    scale = np.median(steps[:, : row - 1], axis=1) / np.log(2) + 0.05  # of a Laplace distribution
     sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
     ends = np.array([[np.median(column[side]) for side in sides] for column in (warm, percent)])
-    wide = 3 * scale + 2.0
-    straight = np.abs(ends[:, 1] - ends[:, 0]) / wide
-    crossed = np.abs(ends[::-1, 1] - ends[:, 0]) / wide
+    straight, crossed = np.abs(ends[:, 1] - ends[:, 0]), np.abs(ends[::-1, 1] - ends[:, 0])
+    most = 2 * until[:, row - 2] / (row - 1)  # no median is larger than twice the mean
+    if (crossed / _wide(most)).max() > _FITS:
+        return -np.inf
+    median = np.median(steps[:, : row - 1], axis=1)
+    straight, crossed = straight / _wide(median), crossed / _wide(median)
     if crossed.max() > _FITS:
         return -np.inf
+    scale = _scale(median)
     after = steps[:, row:]
     stays, changes = (float(np.minimum(after / s[:, None], _WILD).sum()) for s in (scale, scale[::-1]))
     part = min(1.0, 60.0 / max(after.shape[1], 1))  # neighbors are no independent witnesses
     levels = float(np.minimum(straight, 12.0).sum() - np.minimum(crossed, 12.0).sum())
     return float(part * (stays - changes) + levels)
+
+
+def _scale(median: Column) -> Column:
+    """Scale of a Laplace distribution of steps."""
+    return np.asarray(median / np.log(2) + 0.05)
+
+
+def _wide(median: Column) -> Column:
+    """How far levels may differ across a seam, for its evidence to be one."""
+    return 3 * _scale(median) + 2.0
 
 
 def _drier(warm: Column, percent: Column, rows: Mask) -> bool:

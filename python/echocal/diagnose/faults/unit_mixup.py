@@ -28,6 +28,7 @@ _UNITS = {
     1 / 0.3048: "m where feet are meant",
 }
 
+_LEAST = min(abs(float(np.log(factor))) for factor in _UNITS)
 _FEWEST = 3  # rows of one factor: one or two are typing errors
 _MOST = 0.45  # part of the rows; of more, nobody knows which unit is the right one
 _WILD = 0.15  # of the log ratio, beyond which a row is wild
@@ -82,11 +83,14 @@ def _some(view: View) -> Iterator[Finding]:
     wild = judged & (np.abs(log_ratio) > _WILD)
     if wild.sum() > _MOST * judged.sum():
         return
+    far = np.flatnonzero(judged & (np.abs(log_ratio) > _LEAST - width))
     for factor, story in _UNITS.items():
-        near = judged & (np.abs(log_ratio - np.log(factor)) < width)
-        count = int(near.sum())
+        rows = far[np.abs(log_ratio[far] - np.log(factor)) < width[far]]
+        count = len(rows)
         if count < max(_FEWEST, _SHARED * wild.sum()):
             continue
+        near = np.zeros(len(judged), dtype=bool)
+        near[rows] = True
         # rivals are wild rows, which lie anywhere
         evidence = float(np.log(_RANGE / (2 * width[near])).sum() - np.log(len(_UNITS)) - count)
         because = (

@@ -29,13 +29,13 @@ def far(view: View) -> Mask:
 
 def chance_far(view: View) -> float:
     """Rows that heavy-tailed noise alone would put that far: Student's t of 3 degrees, whole table."""
-    from scipy.stats import t as student  # takes long to import
+    from scipy.special import stdtr  # takes long to import
 
     with np.errstate(invalid="ignore"):
         limit = np.maximum(_FAR * view.scatter, _FAR_PART * np.abs(view.expected))[view.good]
     part = len(limit) / max(len(limit[::97]), 1)
     scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
-    return float(2 * part * student.sf(limit[::97] / scale, 3).sum()) + 1e-3
+    return float(2 * part * stdtr(3, -limit[::97] / scale).sum()) + 1e-3
 
 
 def repeats(values: Column) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import accumulate
 from typing import Protocol
 
 import numpy as np
@@ -199,15 +200,18 @@ def _stretches(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _innovation(left: NDArray[np.float64], groups: NDArray[np.int64], noise: Noise) -> NDArray[np.float64]:
     """Take out what the guards know: the stands' own errors and the memory of the row before."""
-    from scipy.signal import lfilter  # takes long to import
-
     if noise.stand_ratio > 0.0:
         count = np.bincount(groups)
         shrunken = np.bincount(groups, left) * noise.stand_ratio / (1 + noise.stand_ratio * count)
         left = left - shrunken[groups]
     if noise.rho == noise.memory == 0.0:
         return left
-    return np.asarray(lfilter([1.0, -noise.rho], [1.0, -noise.memory], left))
+    steps = left.copy()
+    steps[1:] -= noise.rho * left[:-1]
+    if noise.memory == 0.0:
+        return steps
+    remembered = accumulate(steps.tolist(), lambda before, step: step + noise.memory * before)
+    return np.fromiter(remembered, dtype=np.float64, count=len(steps))
 
 
 def _doubt(shares: NoiseShares, case: Case, carried: Stack) -> None:

@@ -21,8 +21,8 @@ impl Distinct {
         for (k, recipe) in columns.recipes.iter().enumerate() {
             let same = |made: &Recipe| multiple(recipe, made);
             let known = found.recipes.iter().enumerate();
-            let known = known.filter_map(|(at, made)| Some((at, same(made)?)));
-            let place = known.last().unwrap_or_else(|| {
+            let mut known = known.filter_map(|(at, made)| Some((at, same(made)?)));
+            let place = known.next_back().unwrap_or_else(|| {
                 found.recipes.push(recipe.clone());
                 found.taken.extend(columns.taken.get(k).cloned());
                 (found.recipes.len() - 1, 1.0)
