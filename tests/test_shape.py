@@ -43,6 +43,13 @@ def test_the_shape_is_what_is_left_within_its_band(diagnosis: echocal.Diagnosis)
     assert f"{1e3 * found.rms_m:.1f} mm" in found.description
 
 
+def test_the_mean_of_a_shape_is_the_shapes_and_no_cause_is_named_for_it(
+    diagnosis: echocal.Diagnosis,
+) -> None:
+    assert diagnosis.verdict == "unknown"
+    assert not [cause for cause in diagnosis.causes if cause.probability >= 0.9]
+
+
 def test_a_model_with_the_shape_corrects_better(diagnosis: echocal.Diagnosis, table: pd.DataFrame) -> None:
     def rms(model: echocal.Model) -> float:
         corrected = model.correct(
@@ -111,8 +118,8 @@ def test_a_column_that_is_not_given_is_asked_for() -> None:
 
 
 def test_where_nothing_is_left_there_is_no_shape() -> None:
-    random = np.random.default_rng()
-    reading = 1.0 + random.normal(0, 1e-3, 100)
-    table = {"reading_m": reading, "temperature_C": random.uniform(0, 40, 100), "distance_m": np.ones(100)}
+    reading = 1.0 + 1e-3 * np.sin(np.arange(100.0) ** 2)
+    warmth = 20.0 + 20.0 * np.sin(2.4 * np.arange(100.0))
+    table = {"reading_m": reading, "temperature_C": warmth, "distance_m": np.ones(100)}
     with pytest.raises(UsageError, match="no shape to add"):
         _ = echocal.diagnose(table).model_with_shape

@@ -74,7 +74,7 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds
     effect_candidates(found, scene)
-    shape_candidates(found, table.against())
+    shape_candidates(found, table.against(), known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, table.starts, folds.blocks, table.groups, flat_level=groups is not None)
     _drop_infinite(found, sums)

@@ -24,6 +24,9 @@ __all__ = [
     "effects_of",
     "free_size",
     "rank",
+    "resized",
+    "sizes",
+    "without",
 ]
 
 _NEARLY = 1 / 3  # of the highest probability: below the odds that anybody would act on
@@ -149,6 +152,23 @@ def claims(ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry) 
         probability = ranking.of([variant.cause, *rivals])
         made.append(Claim(variant, mean, deviation, tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
+
+
+def sizes(weighed: Weighed) -> dict[str, tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]]:
+    """Coefficients of each cause of a hypothesis, and their standard deviations."""
+    found, first = {}, 0
+    deviation = np.sqrt(np.diag(weighed.covariance))
+    for variant in weighed.hypothesis.variants:
+        last = first + len(variant.free)
+        found[variant.cause] = (weighed.mean[first:last], deviation[first:last])
+        first = last
+    return found
+
+
+def resized(made: Sequence[Claim], weighed: Weighed) -> list[Claim]:
+    """Give claims the sizes that their causes have in another hypothesis."""
+    own = sizes(weighed)
+    return [replace(claim, mean=own[claim.cause][0], deviation=own[claim.cause][1]) for claim in made]
 
 
 def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack, against: str) -> list[Claim]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from echocal.diagnose.candidates import UNKNOWN, Variant
 from echocal.diagnose.case import Case
-from echocal.diagnose.claims import Claim, without
+from echocal.diagnose.claims import Claim, resized, sizes, without
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import errors
@@ -77,17 +77,11 @@ def told_apart(best: Weighed, claimed: Sequence[Claim], stack: Stack) -> tuple[W
     if bare.causes == best.hypothesis.causes or not claimed:
         return best, list(claimed)
     weighed = weigh(bare, stack)
-    deviation = np.sqrt(np.diag(weighed.covariance))
-    own, first = {}, 0
-    for variant in bare.variants:
-        last = first + len(variant.free)
-        own[variant.cause] = (weighed.mean[first:last], deviation[first:last])
-        first = last
+    own = sizes(weighed)
     blurred = any((c.deviation > _BLURRED * own[c.cause][1]).any() for c in claimed)
     if not blurred:
         return best, list(claimed)
-    sized = [replace(c, mean=own[c.cause][0], deviation=own[c.cause][1]) for c in claimed]
-    return weighed, sized
+    return weighed, resized(claimed, weighed)
 
 
 def _quantity(name: str) -> str:

@@ -62,8 +62,11 @@ def column_of(name: str, against: Mapping[str, Column]) -> Column:
     return against["time"] % _DAY / 3600.0 if name == HOUR else against[name]
 
 
-def shape_candidates(found: Candidates, against: Mapping[str, Column]) -> None:
+def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_distance: bool) -> None:
     """Add a smooth shape against each column that could show one.
+
+    Where the distance is known, a shape has a mean, too: nobody who does not know what it is could
+    know that its mean is nought, and beside a shape without one an offset would be named for it.
 
     Parameters
     ----------
@@ -72,17 +75,23 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column]) -> None:
     against : mapping of str to ndarray, shape (n,)
         Columns by the name that a person knows them by. ``"time"`` in seconds also gives the
         hour of the day, where it spans more than two days.
+    known_distance : bool
+        Of every row; an unknown level has the mean already.
     """
+    means: list[int] = []
+    if known_distance:
+        means.append(found.columns.store(np.full(len(next(iter(against.values()))), _SIZE)))
     for name, column in against.items():
         if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
             basis = Basis.of(name, column)
             shapes = found.columns.legendre(column, basis.low, basis.high, _SCALES)
             for degree in _DEGREES:
-                _add(found, name, shapes[:degree])
+                _add(found, name, [*(means if name != "distance" else ()), *shapes[:degree]])
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
         hour = column_of(HOUR, against)
-        _add(found, HOUR, [found.columns.store(wave) for wave in Basis.of(HOUR, hour).at(hour)])
+        waves = Basis.of(HOUR, hour).at(hour)
+        _add(found, HOUR, [*means, *(found.columns.store(wave) for wave in waves)])
 
 
 def _add(found: Candidates, name: str, shapes: Sequence[int]) -> None:

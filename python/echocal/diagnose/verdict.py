@@ -2,7 +2,7 @@
 
 import time
 import warnings
-from collections.abc import Container
+from collections.abc import Container, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,10 @@ from echocal.diagnose.claims import (
     claims,
     parameters,
     rank,
+    resized,
+    without,
 )
-from echocal.diagnose.evidence import Stack, Weighed
+from echocal.diagnose.evidence import Stack, Weighed, weigh
 from echocal.diagnose.faults import Faults
 from echocal.diagnose.gain import errors
 from echocal.diagnose.hypotheses import posterior
@@ -62,7 +64,7 @@ def conclude(
     believed = [c for c in claimed if c.probability >= 0.5] or claimed  # the rest is listed, not modeled
     varying = unsteady(case, believed, noise)
     if remainder is not None:  # what changes its size bends after what nobody explains
-        believed = [c for c in believed if c.cause not in varying]
+        best, believed = _spared(best, believed, varying, carried)
     judgment = judge(case, best, believed, noise)
     joint = join(ranking, faults.found, shares, carried)
     verdict = _verdict(judgment, varying, remainder is not None, joint)
@@ -122,6 +124,20 @@ def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, lis
     if max(claim.probability for claim in instead) > ranking.nothing:
         return rival, instead
     return best, claimed
+
+
+def _spared(
+    best: Weighed, believed: Sequence[Claim], left_out: Container[str], carried: Stack
+) -> tuple[Weighed, list[Claim]]:
+    """Leave out some claims and size the rest anew: what no model has must take nothing from them."""
+    hypothesis = best.hypothesis
+    for claim in believed:
+        if claim.cause in left_out:
+            hypothesis = without(hypothesis, claim.cause)
+    if hypothesis is best.hypothesis:
+        return best, list(believed)
+    best = weigh(hypothesis, carried)
+    return best, resized([claim for claim in believed if claim.cause not in left_out], best)
 
 
 def _of(weighed: Weighed, case: Case, ranking: Ranking, carried: Stack) -> list[Claim]:
