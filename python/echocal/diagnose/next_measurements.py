@@ -1,6 +1,6 @@
 """What to measure next: where causes that these data cannot separate would differ."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +23,17 @@ _WORKSHOP = {"distance": (0.3, 3.0), "temperature": (5.0, 35.0)}
 _ROWS = 10  # rows proposed
 _WORTH = 0.05  # probability that rows must add to be worth the work
 _SURE = 0.999
+_LIKELY = 0.05  # probability from which on a cause is worth a side measurement where nothing is found
 _MOST = 6  # side measurements, of the most probable rivals
 
 
 def propose(
-    case: Case, members: Sequence[Member], noise: Noise, variance: float, can_vary: Ranges | None
+    case: Case,
+    members: Sequence[Member],
+    claimed: Collection[str],
+    noise: Noise,
+    variance: float,
+    can_vary: Ranges | None,
 ) -> tuple[NextMeasurement, ...]:
     """Propose the rows that best separate what is possible, and side measurements for the rest."""
     if len(members) < 2 or members[0].probability >= _SURE:
@@ -39,11 +45,11 @@ def propose(
     known = case.table.reference is not None or "distance" in ranges
     prospect = Prospect.of(members, conditions, noise, variance, known, stands)
     if not np.isfinite(prospect.mean).all() or not np.isfinite(prospect.spread).all():
-        return _sides(members, (tuple(range(len(members))),))
+        return _sides(members, (tuple(range(len(members))),), claimed)
     probability = np.array([member.probability for member in members])
     plan = best_plan(prospect, probability, _ROWS, case.seed)
     rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
-    return (*rows, *_sides(members, plan.classes))
+    return (*rows, *_sides(members, plan.classes, claimed))
 
 
 def _stands(case: Case) -> Column:
@@ -73,10 +79,14 @@ def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
 
 
 def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -> NextMeasurement:
-    where = {name: [float(f"{column[p]:.3g}") for p in plan.places] for name, column in varied.items()}
+    merged: dict[tuple[float, ...], int] = {}
+    for place, rows in zip(plan.places, plan.rows, strict=True):  # places that a person cannot tell apart
+        at = tuple(float(f"{column[place]:.3g}") for column in varied.values())
+        merged[at] = merged.get(at, 0) + int(rows)
+    where = {name: [at[i] for at in merged] for i, name in enumerate(varied)}
     firsts = [members[group[0]].ids for group in plan.classes]
     separates = _differing(firsts)
-    return NextMeasurement({**where, "rows": list(plan.rows)}, separates, plan.expected, plan.now)
+    return NextMeasurement({**where, "rows": list(merged.values())}, separates, plan.expected, plan.now)
 
 
 def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
@@ -86,14 +96,20 @@ def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _sides(members: Sequence[Member], classes: Sequence[tuple[int, ...]]) -> tuple[NextMeasurement, ...]:
-    """A check of each cause that no row in reach tells from the first of its class."""
+def _sides(
+    members: Sequence[Member], classes: Sequence[tuple[int, ...]], claimed: Collection[str]
+) -> tuple[NextMeasurement, ...]:
+    """A check of each cause that no row in reach tells from the claimed, or the first, of its class."""
     sides: dict[tuple[str, ...], NextMeasurement] = {}
-    for first, *others in classes:
-        for other in others:
-            pair = _differing([members[first].ids, members[other].ids])
+    for group in classes:
+        pivot = next((m for m in group if set(members[m].ids) == set(claimed)), group[0])
+        for other in group:
+            pair = _differing([members[pivot].ids, members[other].ids])
             rival = next((id_ for id_ in reversed(pair) if id_ != "nothing"), None)
-            if rival is not None and pair not in sides:
+            idle = not members[pivot].ids and members[other].probability < _LIKELY
+            if rival is not None and pair not in sides and not idle:
                 check = {"side_measurement": find_cause(rival).check}
                 sides[pair] = NextMeasurement(check, pair, None)
-    return tuple(sides.values())[:_MOST]
+    simple = {id_ for pair in sides if len(pair) <= 2 for id_ in pair}
+    wanted = [side for pair, side in sides.items() if len(pair) <= 2 or not simple.issuperset(pair)]
+    return tuple(wanted)[:_MOST]  # sets that differ in two ways are settled by one way after the other

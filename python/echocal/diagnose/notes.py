@@ -121,7 +121,7 @@ def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
             "recorded values are not those of the sound path"
         )
     return (
-        f"{cause} is not claimed. {found}: something of the opposite sign may hide it, or the recorded "
+        f"{cause} is not claimed; {found}: something of the opposite sign may hide it, or the recorded "
         "values are not those of the sound path"
     )
 

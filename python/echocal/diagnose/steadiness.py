@@ -40,7 +40,8 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise) -> dict[str, str
         mean = (value / error**2).sum() / (1 / error**2).sum()
         if (((value - mean) / error) ** 2).sum() > chi2.isf(_CHANCE, len(value) - 1):
             said[claim.cause] = (
-                f"{claim.cause} has no one size: {_parts(claim, sizes)} in {len(sizes)} parts of the table"
+                f"{claim.cause} has no one size, so it is not named: {_parts(claim, sizes)} in "
+                f"{len(sizes)} parts of the table"
             )
     return said
 

@@ -82,7 +82,9 @@ def conclude(
         unexplained=None if remainder is None else with_its_shape(case, remainder, judgment.model, noise),
         refuted=judgment.refuted,
         gain=judgment.gain,
-        next_measurements=propose(case, possible, noise, best.variance, can_vary),
+        next_measurements=propose(
+            case, possible, [c.cause for c in judgment.kept], noise, best.variance, can_vary
+        ),
         rows={
             "total": len(observations),
             "used": len(case.table),

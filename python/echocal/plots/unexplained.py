@@ -43,7 +43,7 @@ def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set(xlabel=label, ylabel="residual [mm]")
     ax.set_title(
         f"not explained: {1e3 * found.rms_m:.1f} mm (rms) against {label.partition(' [')[0]}; "
-        "no cause of the catalog accounts for it",
+        "no cause of the catalogue accounts for it",
         fontsize=8,
         loc="left",
     )

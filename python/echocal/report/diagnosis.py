@@ -9,7 +9,7 @@ from rich.text import Text
 
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.explain import parameter_text, proposal_text
+from echocal.diagnose.explain import further_notes, lead, parameter_text, proposal_text
 
 __all__ = ["print_diagnosis"]
 
@@ -18,12 +18,6 @@ _STYLE = {
     "ambiguous": "bold yellow",
     "unknown": "bold magenta",
     "nothing": "bold cyan",
-}
-_LEAD = {
-    "named": "the data name {causes}",
-    "ambiguous": "several causes fit, and these data cannot choose",
-    "unknown": "something is there that no cause of the catalogue explains",
-    "nothing": "nothing is found beyond noise",
 }
 _WIDTH = 28  # characters of the longest bar
 
@@ -47,7 +41,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     if len(diagnosis.posterior) > 1:
         console.print(_posterior(diagnosis))
     for label, lines in (
-        ("note", diagnosis.notes),
+        ("note", further_notes(diagnosis)),
         ("next", [proposal_text(proposal) for proposal in diagnosis.next_measurements]),
     ):
         for line in lines:
@@ -55,9 +49,8 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
 
 
 def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
-    names = " and ".join(cause.id for cause in diagnosis.causes if cause.in_model or cause.kind != "effect")
-    lead = _LEAD[diagnosis.verdict].format(causes=names)
-    yield Text.assemble((diagnosis.verdict, _STYLE[diagnosis.verdict]), f": {lead}")
+    said = lead(diagnosis)
+    yield Text.assemble((diagnosis.verdict, _STYLE[diagnosis.verdict]), f": {said[0].lower()}{said[1:]}")
     rows = diagnosis.rows
     yield Text(
         f"{rows['used']} of {rows['total']} rows used; base {diagnosis.base['law']}; "

@@ -30,7 +30,7 @@ impl Effect for ZeroError {
             ..ParameterFacts::USUAL
         }],
         domain: "any distance and air",
-        check: "measure a second distance, and the zero again with a caliper",
+        check: "measure the zero again with a caliper; if there is one distance only, measure a second",
         firmware: Firmware::Folded,
         ..Facts::USUAL
     };

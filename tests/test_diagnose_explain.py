@@ -1,0 +1,78 @@
+"""What the sentences say, and what they do not say twice."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import echocal
+from echocal.diagnose import Cause, NextMeasurement
+from echocal.diagnose.explain import explain, lead, proposal_text
+
+EFFECT = Cause("clock_error", "effect", 0.97, (), ("oblique_target",), "far rows read more")
+SLIP = Cause("cycle_slip", "noise", 1.0, (), (), "some rows jump", in_model=False)
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> echocal.Diagnosis:
+    reading = 1.0 + 1e-3 * np.sin(np.arange(60.0) ** 2)
+    table = {"reading_m": reading, "temperature_C": 20.0 + 15.0 * np.sin(2.4 * np.arange(60.0))}
+    return echocal.diagnose(table, reference_distance=1.0)
+
+
+@pytest.mark.parametrize(
+    ("causes", "said"),
+    [
+        ((EFFECT,), "The data name clock_error (or oblique_target)"),
+        ((replace(EFFECT, indistinguishable_from=("a", "b")),), "(or one of 2 that look the same)"),
+        ((EFFECT, SLIP), "and in single rows or in the scatter cycle_slip"),
+        ((SLIP,), "in single rows or in the scatter, cycle_slip; no cause of a shift"),
+        ((replace(EFFECT, doubt="it has no one size"), SLIP), "in single rows or in the scatter, cycle_slip"),
+        ((replace(EFFECT, probability=0.6), SLIP), "in single rows or in the scatter, cycle_slip"),
+    ],
+)
+def test_the_first_sentence_names_what_is_named_and_no_more(
+    diagnosis: echocal.Diagnosis, causes: tuple[Cause, ...], said: str
+) -> None:
+    assert said in lead(replace(diagnosis, verdict="named", causes=causes))
+
+
+def test_nothing_is_said_to_be_gained_where_nothing_extends_the_base(diagnosis: echocal.Diagnosis) -> None:
+    assert diagnosis.verdict == "nothing"
+    text = explain(diagnosis)
+    assert text.startswith("Nothing is found beyond noise.\n60 of 60 rows are used.\n")
+    assert "extended model" not in text
+    assert "no effect extends it" in text
+
+
+def test_a_doubt_and_a_fault_are_told_once(diagnosis: echocal.Diagnosis) -> None:
+    doubted = replace(EFFECT, doubt="clock_error has no one size")
+    notes = ("clock_error has no one size", "cycle_slip: some rows jump", "3 of 60 rows cannot be used: 3")
+    text = explain(replace(diagnosis, verdict="unknown", causes=(doubted, SLIP), notes=notes))
+    assert text.count("no one size") == 1
+    assert text.count("some rows jump") == 1
+    assert "cannot be used" not in text
+
+
+def test_a_proposal_reads_as_a_person_would_say_it() -> None:
+    at = {"distance": [3.0], "temperature": [35.0], "rows": [10]}
+    one = proposal_text(NextMeasurement(at, ("nothing", "speed_slope"), 0.9, 0.6))
+    assert one.startswith("to tell whether speed_slope is at work: measure 10 rows at 3 m, 35 degC (")
+    at = {"distance": [0.3, 3.0], "rows": [4, 6]}
+    two = proposal_text(NextMeasurement(at, ("clock_error", "zero_error", "nothing"), 0.9, 0.6))
+    assert (
+        "to tell clock_error from zero_error, and from nothing: measure 10 rows, 4 at 0.3 m; 6 at 3 m" in two
+    )
+
+
+def test_places_that_read_the_same_are_one_place() -> None:
+    reading = 1.008 + 1e-3 * np.sin(np.arange(60.0) ** 2)
+    table = {"reading_m": reading, "temperature_C": np.full(60, 20.0)}
+    diagnosis = echocal.diagnose(table, reference_distance=1.0)
+    plans = [p.conditions for p in diagnosis.next_measurements if "rows" in p.conditions]
+    assert plans
+    for plan in plans:
+        names = [name for name in plan if name != "rows"]
+        places = list(zip(*(plan[name] for name in names), strict=True))
+        assert len(set(places)) == len(places)
+        assert sum(plan["rows"]) == 10
