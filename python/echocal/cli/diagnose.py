@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from echocal.cli._tables import (
     Columns,
@@ -76,7 +77,9 @@ def command(
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-    with warnings.catch_warnings(action="ignore", category=DataWarning):  # they are among the notes
+    # what warnings would say is among the notes
+    with warnings.catch_warnings(action="ignore", category=DataWarning), _bar(quiet) as bar:
+        task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
             base=Model.load(base) if base.endswith(".json") else base,
@@ -87,12 +90,22 @@ def command(
             hold_out_after=_time(hold_out_after),
             can_vary=_ranges(can_vary, ranges),
             seed=seed,
+            progress=lambda what, done, total: bar.update(
+                task, description=what, completed=done, total=total
+            ),
             **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
         )
     _write(diagnosis, model, plots, with_shape=with_shape)
     write_json(diagnosis.to_dict(), json)
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
+
+
+def _bar(quiet: bool) -> Progress:
+    """A bar for whoever watches; none in a log or a pipe."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, console=console, transient=True, disable=quiet or not console.is_terminal)
 
 
 def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, *, with_shape: bool) -> None:

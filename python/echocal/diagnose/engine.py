@@ -15,6 +15,7 @@ from echocal.diagnose.case import examine
 from echocal.diagnose.faults import find_faults
 from echocal.diagnose.gain import Folds
 from echocal.diagnose.level_steps import further_step
+from echocal.diagnose.progress import Progress, Steps
 from echocal.diagnose.ranges import checked_ranges
 from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.scene import prepare
@@ -44,6 +45,7 @@ def diagnose(
     hold_out_after: str | float | None = None,
     can_vary: Mapping[str, Sequence[float]] | None = None,
     seed: int = 0,
+    progress: Progress | None = None,
     **table: Any,
 ) -> Diagnosis:
     """Name what a base simulation gets wrong about a table of echoes.
@@ -79,6 +81,8 @@ def diagnose(
         "temperature": (5.0, 40.0)}`` in m and degC; names are those of recorded conditions.
     seed : int
         Seed of the resampling behind the interval of the gain, not negative.
+    progress : callable, optional
+        Called as each stage begins, with what it does, the number of stages done and their number.
     **table
         Further arguments of `echocal.read_observations`: ``trust``, ``time_zone``, ...
 
@@ -113,6 +117,8 @@ def diagnose(
         message = f"seed is {seed!r}; give an integer of 0 or more"
         raise UsageError(message)
     strange: DataError | None = None
+    work = Steps(progress)
+    work.begin("reading")
     if isinstance(observations, Observations):
         _refuse_late({"columns": columns, "reading_speed": reading_speed, "missing": missing, **table})
     else:
@@ -123,6 +129,7 @@ def diagnose(
         observations, strange = _read(observations, table)
     observations = between(observations, since, until)
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
+        work.begin("looking for faults")
         faults = find_faults(observations, simulated, reference_distance, constant_distance)
         if strange is not None and not any(f.facts.kind == "gross" for f in faults.accepted):
             raise strange
@@ -130,14 +137,17 @@ def diagnose(
         ranges = None if can_vary is None else checked_ranges(can_vary, list(observations.conditions))
         steps: list[int] = []
         while True:
+            work.begin("building columns")
             ready = prepare(observations, simulated, reference_distance, constant_distance, steps)
             folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
             case = examine(ready, simulated, folds, int(seed))
-            diagnosis = conclude(case, observations, faults, ranges, start)
+            diagnosis = conclude(case, observations, faults, ranges, start, work)
             row = further_step(ready, diagnosis)
             if row is None or len(steps) == _MOST_STEPS:
+                work.end()
                 return diagnosis
             steps.append(row)
+            work.level_steps = len(steps)
 
 
 def _read(source: Any, table: Mapping[str, Any]) -> tuple[Observations, DataError | None]:

@@ -33,6 +33,7 @@ from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.parsimony import Ids
+from echocal.diagnose.progress import Steps
 from echocal.diagnose.ranges import Ranges
 from echocal.diagnose.remainder import told_apart, with_its_shape
 from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
@@ -47,12 +48,19 @@ _CREDIBLE = 0.95
 
 
 def conclude(
-    case: Case, observations: Observations, faults: Faults, can_vary: Ranges | None, start: float
+    case: Case,
+    observations: Observations,
+    faults: Faults,
+    can_vary: Ranges | None,
+    start: float,
+    work: Steps,
 ) -> Diagnosis:
     """Weigh, claim, judge, and say it."""
+    work.begin("weighing causes")
     stack = case.stack(case.folds.fit)
     weighed, carried = posterior(case.found, stack)
     steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]
+    work.begin("weighing noises")
     shares = weigh_noises(case, weighed, carried, steps)
     ranking = rank(shares.weighed, case.found.competing)
     best, claimed = _claimed(case, ranking, carried)
@@ -65,10 +73,12 @@ def conclude(
     varying = unsteady(case, believed, noise)
     if remainder is not None:  # what changes its size bends after what nobody explains
         best, believed = _spared(best, believed, varying, carried)
+    work.begin("judging on rows never fitted")
     judgment = judge(case, best, believed, noise)
     joint = join(ranking, faults.found, shares, carried)
     verdict = _verdict(judgment, varying, remainder is not None, joint)
     others = alternatives(ranking, claimed) if verdict == "ambiguous" else []
+    work.begin("planning measurements")
     possible = members(case, ranking, claimed, judgment, carried)
     return Diagnosis(
         verdict=verdict,
