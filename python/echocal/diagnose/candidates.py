@@ -75,6 +75,7 @@ class Candidates:
     variants: list[Variant] = field(default_factory=list)
     size_tangents: dict[str, tuple[int, float]] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
+    line: Variant | None = None
 
     @property
     def competing(self) -> int:

@@ -171,15 +171,21 @@ def resized(made: Sequence[Claim], weighed: Weighed) -> list[Claim]:
     return [replace(claim, mean=own[claim.cause][0], deviation=own[claim.cause][1]) for claim in made]
 
 
-def beside_a_remainder(made: Sequence[Claim], found: Candidates, stack: Stack, against: str) -> list[Claim]:
+def beside_a_remainder(
+    made: Sequence[Claim], found: Candidates, stack: Stack, against: str, rms: float
+) -> list[Claim]:
     """Doubt the causes claimed beside a shape that no cause explains.
 
     A cause may fill in where a smooth shape against one column falls short of what is there. So it
     keeps its probability only as far as it does better than a second shape, against any other
-    column, would do in its place; what is then hardly possible is no claim.
+    column, or an offset and a scale as large as the shape would do in its place; what is then hardly
+    possible is no claim.
     """
     first = (found.shapes[against],)
     seconds = [shape for name, shape in found.shapes.items() if name != against]
+    if found.line is not None:
+        most = [rms / scale for scale in found.line.scales]
+        seconds.append(replace(found.line, bounds=tuple((-size, size) for size in most)))
     whole = Hypothesis((*(claim.variant for claim in made), *first), 1.0)
     with_it = weigh(whole, stack, one_width=True).log_evidence
     doubted = []

@@ -90,9 +90,21 @@ class Columns:
         """
         return self._core.tangent(id_, list(at.items()), at_work, levels, name, scale)
 
-    def legendre(self, column: Column, low: float, high: float, scales: Sequence[float]) -> list[int]:
-        """Legendre polynomials of degree 1, 2, ... of a column scaled to -1..1 between two values."""
-        return self._core.legendre(np.ascontiguousarray(column), low, high, list(scales))
+    def legendre(
+        self, column: Column, low: float, high: float, scales: Sequence[float], *, first: int = 1
+    ) -> list[int]:
+        """Legendre polynomials of a column scaled to -1..1 between two values, without their means.
+
+        Parameters
+        ----------
+        column : ndarray, shape (n,)
+        low, high : float
+        scales : sequence of float
+            What they are multiplied with, one for each degree.
+        first : int, default: 1
+            Lowest degree; if 2, all are without the straight line that is nearest to them.
+        """
+        return self._core.legendre(np.ascontiguousarray(column), low, high, first, list(scales))
 
     def settle(self) -> None:
         """Find what unknown levels take up of each column, once all are there."""

@@ -1,10 +1,13 @@
 """Whether the size of a cause is one and the same all through a table."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
@@ -15,35 +18,57 @@ from echocal.registry import find_effect
 __all__ = ["unsteady"]
 
 _CHANCE = 1e-4  # that parts of a table with one size differ as much
+_BESIDE_A_REMAINDER = 1e-2  # where something is at work already that may well be taken for the cause
 _FEWEST = 2  # rows
 
 
-def unsteady(case: Case, claims: Sequence[Claim], noise: Noise) -> dict[str, str]:
+def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -> dict[str, str]:
     """Find claims whose size, fitted to each part of the table alone, is not one size.
 
     A cause of the mean has one size: what grows in one week and shrinks in another is not it,
     however well it fits on the whole. Each part sizes all claims together, for alone one would
     take up what the others do there.
 
+    Parameters
+    ----------
+    case : Case
+    claims : sequence of Claim
+    noise : Noise
+    best : Weighed
+        The best hypothesis. The shape in it that no cause explains is taken off beforehand; where
+        there is one, less makes a claim doubtful.
+
     Returns
     -------
     dict of str to str
         Id, and the sizes found in a sentence.
     """
-    said = {}
-    parts = _fits(case, claims, noise)
-    for claim in claims:
-        sizes = _sizes(claim, parts)
-        if len(sizes) < 2:
-            continue
-        value, error = np.array(sizes).T
-        mean = (value / error**2).sum() / (1 / error**2).sum()
-        if (((value - mean) / error) ** 2).sum() > chi2.isf(_CHANCE, len(value) - 1):
-            said[claim.cause] = (
-                f"{claim.cause} has no one size, so it is not named: {_parts(claim, sizes)} in "
-                f"{len(sizes)} parts of the table"
-            )
+    shape = _shape(best)
+    chance = _BESIDE_A_REMAINDER if shape else _CHANCE
+    said: dict[str, str] = {}
+    left = list(claims)
+    while left:  # the least steady first: beside it the others are not what they are without
+        parts = _fits(case, left, noise, shape)
+        sizes = [_sizes(claim, parts) for claim in left]
+        chances = [_chance(of_one) for of_one in sizes]
+        worst = int(np.argmin(chances))
+        if chances[worst] >= chance:
+            break
+        claim = left.pop(worst)
+        said[claim.cause] = (
+            f"{claim.cause} has no one size, so it is not named: {_parts(claim, sizes[worst])} in "
+            f"{len(sizes[worst])} parts of the table"
+        )
     return said
+
+
+def _chance(sizes: Sequence[tuple[float, float]]) -> float:
+    """Probability that sizes of one cause differ as much."""
+    if len(sizes) < 2:
+        return 1.0
+    value, error = np.array(sizes).T
+    mean = (value / error**2).sum() / (1 / error**2).sum()
+    return float(chi2.sf((((value - mean) / error) ** 2).sum(), len(value) - 1))
 
 
 def _parts(claim: Claim, sizes: Sequence[tuple[float, float]]) -> str:
@@ -53,17 +78,32 @@ def _parts(claim: Claim, sizes: Sequence[tuple[float, float]]) -> str:
     return f"{name} is {', '.join(parts)}"
 
 
-def _fits(case: Case, claims: Sequence[Claim], noise: Noise) -> list[Weighed]:
-    """All claims, fitted to each block alone."""
+def _shape(best: Weighed) -> dict[int, float]:
+    """Columns of the shape without a cause, and their coefficients."""
+    columns = [column for variant in best.hypothesis.variants for column in variant.free]
+    unknown = [v.cause == UNKNOWN for v in best.hypothesis.variants for _ in v.free]
+    return {c: float(m) for c, m, is_shape in zip(columns, best.mean, unknown, strict=True) if is_shape}
+
+
+def _fits(case: Case, claims: Sequence[Claim], noise: Noise, shape: Mapping[int, float]) -> list[Weighed]:
+    """All claims, fitted to each block alone, beside the shape as it is on the whole."""
     together = Hypothesis(tuple(claim.variant for claim in claims), 1.0)
     blocks = np.arange(len(case.sums.rows))
     fits = []
     for block in blocks[case.folds.fit]:
         use = blocks == block
         if case.sums.degrees(use) >= _FEWEST:
-            stack = Stack.of([case.sums.whiten(noise, use)], case.sums.degrees(use))
-            fits.append(weigh(together, stack, one_width=True))
+            whitened = case.sums.whiten(noise, use)
+            whitened = replace(whitened, products=_less(whitened.products, shape))
+            fits.append(weigh(together, Stack.of([whitened], case.sums.degrees(use)), one_width=True))
     return fits
+
+
+def _less(products: NDArray[np.float64], shape: Mapping[int, float]) -> NDArray[np.float64]:
+    """Products with a combination of columns taken off the last one."""
+    taking = np.eye(len(products))
+    taking[-1, list(shape)] -= list(shape.values())
+    return np.asarray(taking @ products @ taking.T)
 
 
 def _sizes(claim: Claim, fits: Sequence[Weighed]) -> list[tuple[float, float]]:

@@ -1,7 +1,7 @@
 """Smooth shapes without a cause: what competes when no effect of the catalogue fits."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +65,9 @@ def column_of(name: str, against: Mapping[str, Column]) -> Column:
 def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_distance: bool) -> None:
     """Add a smooth shape against each column that could show one.
 
-    Where the distance is known, a shape has a mean, too: nobody who does not know what it is could
-    know that its mean is nought, and beside a shape without one an offset would be named for it.
+    Shapes have no mean of their own, and against the distance no straight line: an offset and a
+    scale are causes of the catalog. Whether these are more than what such a shape would have of its
+    own is asked later, of the candidates' `line`.
 
     Parameters
     ----------
@@ -78,23 +79,27 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
     known_distance : bool
         Of every row; an unknown level has the mean already.
     """
-    means: list[int] = []
+    line: list[int] = []
     if known_distance:
-        means.append(found.columns.store(np.full(len(next(iter(against.values()))), _SIZE)))
+        line.append(found.columns.store(np.full(len(next(iter(against.values()))), _SIZE)))
     for name, column in against.items():
         if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
             basis = Basis.of(name, column)
-            shapes = found.columns.legendre(column, basis.low, basis.high, _SCALES)
+            first = 1
+            if name == "distance":
+                line += found.columns.legendre(column, basis.low, basis.high, [_SIZE])
+                first = 2
+            shapes = found.columns.legendre(column, basis.low, basis.high, _SCALES[first - 1 :], first=first)
             for degree in _DEGREES:
-                _add(found, name, [*(means if name != "distance" else ()), *shapes[:degree]])
+                found.variants.append(_shape(shapes[: degree + 1 - first], name))
+    if line:
+        found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
         hour = column_of(HOUR, against)
-        waves = Basis.of(HOUR, hour).at(hour)
-        _add(found, HOUR, [*means, *(found.columns.store(wave) for wave in waves)])
+        waves = [found.columns.store(wave - wave.mean()) for wave in Basis.of(HOUR, hour).at(hour)]
+        found.variants.append(_shape(waves, HOUR))
 
 
-def _add(found: Candidates, name: str, shapes: Sequence[int]) -> None:
-    free = tuple(shapes)
-    unbounded = ((-np.inf, np.inf),) * len(free)
-    found.variants.append(Variant(UNKNOWN, free=free, bounds=unbounded, against=name))
+def _shape(columns: Sequence[int], name: str) -> Variant:
+    return Variant(UNKNOWN, free=tuple(columns), bounds=((-np.inf, np.inf),) * len(columns), against=name)

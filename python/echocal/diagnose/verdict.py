@@ -64,13 +64,14 @@ def conclude(
     shares = weigh_noises(case, weighed, carried, steps)
     ranking = rank(shares.weighed, case.found.competing)
     best, claimed = _claimed(case, ranking, carried)
+    whole = best
     noise, _ = carried.likeliest(best)
     remainder = unexplained(case, ranking)
     if remainder is not None:
-        claimed = beside_a_remainder(claimed, case.found, carried, remainder.against)
+        claimed = beside_a_remainder(claimed, case.found, carried, remainder.against, remainder.rms_m)
         best, claimed = told_apart(best, claimed, carried)
     believed = [c for c in claimed if c.probability >= 0.5] or claimed  # the rest is listed, not modeled
-    varying = unsteady(case, believed, noise)
+    varying = unsteady(case, believed, noise, whole)
     if remainder is not None:  # what changes its size bends after what nobody explains
         best, believed = _spared(best, believed, varying, carried)
     work.begin("judging on rows never fitted")

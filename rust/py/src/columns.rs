@@ -2,7 +2,7 @@
 
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{
-    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Sums, gram,
+    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Sums, gram, legendre_line,
 };
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
@@ -114,22 +114,35 @@ impl CoreColumns {
         Ok(self.keep(Recipe::Tangent(term, level, position, scale)))
     }
 
-    /// Legendre polynomials of degrees 1, 2, ... of a column between two values, one per scale.
-    fn legendre(&mut self, column: Array, low: f64, high: f64, scales: Vec<f64>) -> Vec<usize> {
+    /// Legendre polynomials of a column between two values, one per scale from the first degree on;
+    /// less their means and, from the second degree on, less the straight line.
+    fn legendre(
+        &mut self,
+        py: Python<'_>,
+        column: Array,
+        low: f64,
+        high: f64,
+        first: usize,
+        scales: Vec<f64>,
+    ) -> PyResult<Vec<usize>> {
+        let between = (low, high);
         let of = self.hold(column);
-        let made = scales
-            .into_iter()
-            .enumerate()
-            .map(|(i, scale)| Recipe::Legendre {
+        let recipes: Vec<Recipe> = self.using(py, |columns| {
+            let values = columns.stored[of];
+            let each = scales.into_iter().zip(first..);
+            each.map(|(scale, degree)| Recipe::Legendre {
                 of,
-                degree: i + 1,
-                between: (low, high),
+                degree,
+                between,
+                line: legendre_line(degree, values, between, first > 1),
                 scale,
-            });
-        made.collect::<Vec<_>>()
+            })
+            .collect()
+        })?;
+        Ok(recipes
             .into_iter()
             .map(|recipe| self.keep(recipe))
-            .collect()
+            .collect())
     }
 
     /// Finds what unknown levels take up of the columns: to be done before these are used.

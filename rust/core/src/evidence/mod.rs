@@ -18,7 +18,7 @@ mod threaded;
 mod weigh;
 mod whiten;
 
-pub use columns::{Columns, Level, Numbers, Recipe};
+pub use columns::{Columns, Level, Numbers, Recipe, legendre_line};
 pub use distinct::Distinct;
 pub use hypothesis::Variant;
 pub use posterior::{Outcome, Prior, posterior, weigh};
