@@ -65,9 +65,10 @@ def column_of(name: str, against: Mapping[str, Column]) -> Column:
 def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_distance: bool) -> None:
     """Add a smooth shape against each column that could show one.
 
-    Shapes have no mean of their own, and against the distance no straight line: an offset and a
-    scale are causes of the catalog. Whether these are more than what such a shape would have of its
-    own is asked later, of the candidates' `line`.
+    A shape has a mean: who does not know what it is cannot know that its mean is nought, and an
+    offset would be named for it. Against the distance it has neither mean nor straight line, for
+    there an offset and a scale are causes of the catalog. Whether they are more than what such a
+    shape would have of its own is asked later, of the candidates' `line`.
 
     Parameters
     ----------
@@ -79,26 +80,26 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
     known_distance : bool
         Of every row; an unknown level has the mean already.
     """
-    line: list[int] = []
-    if known_distance:
-        line.append(found.columns.store(np.full(len(next(iter(against.values()))), _SIZE)))
+    constant = np.full(len(next(iter(against.values()))), _SIZE)
+    mean = [found.columns.store(constant)] if known_distance else []
+    line = list(mean)
     for name, column in against.items():
         if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
             basis = Basis.of(name, column)
-            first = 1
+            own, first = mean, 1
             if name == "distance":
                 line += found.columns.legendre(column, basis.low, basis.high, [_SIZE])
-                first = 2
+                own, first = [], 2
             shapes = found.columns.legendre(column, basis.low, basis.high, _SCALES[first - 1 :], first=first)
             for degree in _DEGREES:
-                found.variants.append(_shape(shapes[: degree + 1 - first], name))
+                found.variants.append(_shape([*own, *shapes[: degree + 1 - first]], name))
     if line:
         found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
         hour = column_of(HOUR, against)
         waves = [found.columns.store(wave - wave.mean()) for wave in Basis.of(HOUR, hour).at(hour)]
-        found.variants.append(_shape(waves, HOUR))
+        found.variants.append(_shape([*mean, *waves], HOUR))
 
 
 def _shape(columns: Sequence[int], name: str) -> Variant:
