@@ -39,12 +39,12 @@ type Result<'py> = (
     f64,
 );
 
-fn stack(
-    products: &PyReadonlyArray3<'_, f64>,
-    log_weight: &PyReadonlyArray1<'_, f64>,
+fn stack<'a>(
+    products: &'a PyReadonlyArray3<'_, f64>,
+    log_weight: &'a PyReadonlyArray1<'_, f64>,
     degrees: f64,
     finest: f64,
-) -> PyResult<Stack> {
+) -> PyResult<Stack<'a>> {
     let &[noises, width, other] = products.shape() else {
         unreachable!("a three-dimensional array has three lengths")
     };
@@ -54,8 +54,8 @@ fn stack(
         ));
     }
     Ok(Stack {
-        products: products.as_slice()?.to_vec(),
-        log_weight: log_weight.as_slice()?.to_vec(),
+        products: products.as_slice()?,
+        log_weight: log_weight.as_slice()?,
         width,
         degrees,
         finest,
@@ -63,19 +63,8 @@ fn stack(
 }
 
 /// The columns that some forms use, and the last one, alone.
-fn narrow(
-    products: &PyReadonlyArray3<'_, f64>,
-    log_weight: &PyReadonlyArray1<'_, f64>,
-    (degrees, finest): (f64, f64),
-    mut forms: Vec<Form>,
-) -> PyResult<(Stack, Vec<Form>)> {
-    let products = products.as_array();
-    let (noises, width, other) = products.dim();
-    if width != other || noises != log_weight.len() || noises == 0 || width == 0 {
-        return Err(PyValueError::new_err(
-            "products and weights differ in shape",
-        ));
-    }
+fn narrow(stack: &Stack<'_>, mut forms: Vec<Form>) -> PyResult<(Vec<f64>, usize, Vec<Form>)> {
+    let width = stack.width;
     let each = forms
         .iter()
         .flat_map(|(_, offsets, free, ..)| offsets.iter().chain(free));
@@ -92,20 +81,14 @@ fn narrow(
             *column = used.partition_point(|&other| other < *column);
         }
     }
-    let mut chosen = Vec::with_capacity(noises * used.len() * used.len());
-    for noise in products.outer_iter() {
+    let mut chosen = Vec::with_capacity(stack.log_weight.len() * used.len() * used.len());
+    for noise in stack.products.chunks_exact(width * width) {
         for &i in &used {
-            chosen.extend(used.iter().map(|&j| noise[[i, j]]));
+            let line = &noise[i * width..(i + 1) * width];
+            chosen.extend(used.iter().map(|&j| line[j]));
         }
     }
-    let stack = Stack {
-        products: chosen,
-        log_weight: log_weight.as_slice()?.to_vec(),
-        width: used.len(),
-        degrees,
-        finest,
-    };
-    Ok((stack, forms))
+    Ok((chosen, used.len(), forms))
 }
 
 fn variants(forms: Vec<Form>, width: usize) -> PyResult<Vec<Variant>> {
@@ -170,7 +153,13 @@ pub fn weigh<'py>(
     forms: Vec<Form>,
     one_width: bool,
 ) -> PyResult<Result<'py>> {
-    let (stack, forms) = narrow(&products, &log_weight, (degrees, finest), forms)?;
+    let whole = stack(&products, &log_weight, degrees, finest)?;
+    let (products, width, forms) = narrow(&whole, forms)?;
+    let stack = Stack {
+        products: &products,
+        width,
+        ..whole
+    };
     let variants = variants(forms, stack.width)?;
     let weighed = py.detach(|| evidence::weigh(&stack, &variants, one_width));
     result(py, weighed)

@@ -7,10 +7,19 @@ pub(super) fn between(low: f64, high: f64) -> f64 {
     if low > 0.0 {
         return between(-high, -low); // both tails are small numbers there: nothing cancels
     }
+    if low < -ALL && high > -0.5 {
+        return below(high); // what is lost is less than rounding
+    }
     below(high) - below(low)
 }
 
+/// Standard deviations beyond which the tail is lost beside one.
+const ALL: f64 = 8.5;
+
 fn below(x: f64) -> f64 {
+    if x > ALL {
+        return 1.0;
+    }
     0.5 * libm::erfc(-x * FRAC_1_SQRT_2)
 }
 

@@ -1,8 +1,9 @@
 //! No cause, each cause, each pair, larger sets greedily, and the best of all beside a shape.
 
 use super::hypothesis::{Layout, Variant};
+use super::stack::{Stack, Table};
 use super::threaded::each_of;
-use super::weigh::{Scales, Stack, Weighed, log_sum};
+use super::weigh::{Scales, Weighed, log_sum};
 use std::collections::HashMap;
 
 /// Probabilities before the data.
@@ -56,8 +57,6 @@ const UNDECIDED: f64 = 1.5;
 const HOPELESS: f64 = 25.0;
 /// Log odds beyond which a hypothesis is not reported: a probability below one in a million.
 const NEGLIGIBLE: f64 = 14.0;
-/// Hypotheses below which a thread costs more than it saves.
-const PER_THREAD: usize = 16;
 
 struct Candidate {
     variants: Vec<usize>,
@@ -71,7 +70,7 @@ struct Candidate {
 /// carried along.
 #[must_use]
 pub fn posterior(
-    stack: &Stack,
+    stack: &Stack<'_>,
     variants: &[Variant],
     prior: &Prior,
     threads: usize,
@@ -87,9 +86,13 @@ pub fn posterior(
         });
         causes[at].push(v);
     }
-    let noises = plausible(stack, variants, &causes, &shapes, threads);
+    let mut table = Table::of(stack, &vec![true; stack.log_weight.len()]);
+    let noises = plausible(&table, variants, &causes, &shapes, threads);
+    if noises.contains(&false) {
+        table = Table::of(stack, &noises);
+    }
     let mut search = Search {
-        stack: &stack.only(&noises),
+        table: &table,
         variants,
         causes: &causes,
         share: if shapes.is_empty() {
@@ -129,7 +132,7 @@ fn top(found: &[Candidate]) -> f64 {
 /// The free ones have every cause at once, beside one shape: what they leave is noise if anything
 /// is.
 fn plausible(
-    stack: &Stack,
+    table: &Table,
     variants: &[Variant],
     causes: &[Vec<usize>],
     shapes: &[usize],
@@ -156,12 +159,14 @@ fn plausible(
         .chain(simple)
         .chain(beside);
     let tried: Vec<Vec<usize>> = tried.collect();
-    let shares = each_of(&tried, threads, |hypothesis| {
-        let mut layout = Layout::default();
-        layout.fill(hypothesis.iter().map(|&v| &variants[v]));
-        Scales::default().noise(stack, &layout)
+    let shares = each_of(&tried, threads, || {
+        let (mut scales, mut layout) = (Scales::default(), Layout::default());
+        move |hypothesis: &Vec<usize>| {
+            layout.fill(hypothesis.iter().map(|&v| &variants[v]));
+            scales.noise(table, &layout)
+        }
     });
-    let mut most = vec![0.0_f64; stack.log_weight.len()];
+    let mut most = vec![0.0_f64; table.noises()];
     for shares in shares {
         for (most, share) in most.iter_mut().zip(shares) {
             *most = most.max(share);
@@ -171,7 +176,7 @@ fn plausible(
 }
 
 struct Search<'a> {
-    stack: &'a Stack,
+    table: &'a Table,
     variants: &'a [Variant],
     causes: &'a [Vec<usize>],
     /// Probability that no shape is there.
@@ -329,7 +334,7 @@ impl Search<'_> {
             .sum()
     }
 
-    /// Scores the candidates, on several threads, and keeps those that are not hopeless.
+    /// Scores the candidates and keeps those that are not hopeless.
     fn weigh(&self, candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
         let mut candidates = self.scored(candidates, Some(best));
         let best = best.max(top(&candidates));
@@ -339,53 +344,48 @@ impl Search<'_> {
 
     /// Scores, minus infinity where one is hopeless beside the best so far; without one, all of them.
     fn scored(&self, mut candidates: Vec<Candidate>, best: Option<f64>) -> Vec<Candidate> {
-        let threads = self.threads.min(candidates.len() / PER_THREAD).max(1);
-        let share = candidates.len().div_ceil(threads).max(1);
-        std::thread::scope(|scope| {
-            for part in candidates.chunks_mut(share) {
-                if threads == 1 {
-                    self.score(part, best);
-                } else {
-                    scope.spawn(move || self.score(part, best));
-                }
+        let scores = each_of(&candidates, self.threads, || {
+            let (mut scales, mut layout) = (Scales::default(), Layout::default());
+            let mut best = best;
+            move |candidate: &Candidate| {
+                layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
+                let prior = candidate.prior.ln();
+                let prune = best.filter(|_| !candidate.variants.is_empty());
+                let least = prune.map_or(f64::NEG_INFINITY, |best| best - HOPELESS - prior);
+                let score = scales.log_evidence(self.table, &layout, least) + prior;
+                best = best.map(|best| best.max(score));
+                score
             }
         });
+        for (candidate, score) in candidates.iter_mut().zip(scores) {
+            candidate.score = score;
+        }
         candidates
     }
 
-    fn score(&self, candidates: &mut [Candidate], mut best: Option<f64>) {
-        let (mut scales, mut layout) = (Scales::default(), Layout::default());
-        for candidate in candidates {
-            layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
-            let prior = candidate.prior.ln();
-            let prune = best.filter(|_| !candidate.variants.is_empty());
-            let least = prune.map_or(f64::NEG_INFINITY, |best| best - HOPELESS - prior);
-            candidate.score = scales.log_evidence(self.stack, &layout, least) + prior;
-            best = best.map(|best| best.max(candidate.score));
-        }
-    }
-
     fn outcomes(&self, mut found: Vec<Candidate>) -> Vec<Outcome> {
-        let (mut scales, mut layout) = (Scales::default(), Layout::default());
         found.sort_by(|a, b| b.score.total_cmp(&a.score));
         let total = log_sum(found.iter().map(|c| c.score));
         found.retain(|c| c.score > total - NEGLIGIBLE || c.variants.is_empty());
-        let outcome = |candidate: Candidate| {
-            layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
-            Outcome {
-                weighed: scales.weigh(self.stack, &layout),
-                variants: candidate.variants,
-                prior: candidate.prior,
+        each_of(&found, self.threads, || {
+            let (mut scales, mut layout) = (Scales::default(), Layout::default());
+            move |candidate: &Candidate| {
+                layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
+                Outcome {
+                    weighed: scales.weigh(self.table, &layout),
+                    variants: candidate.variants.clone(),
+                    prior: candidate.prior,
+                }
             }
-        };
-        found.into_iter().map(outcome).collect()
+        })
     }
 }
 
 /// Weighs one hypothesis by itself; with `one_width` with the widest prior alone.
 #[must_use]
-pub fn weigh(stack: &Stack, variants: &[Variant], one_width: bool) -> Weighed {
+pub fn weigh(stack: &Stack<'_>, variants: &[Variant], one_width: bool) -> Weighed {
     let mut layout = Layout::default();
     layout.fill(variants);
-    Scales::new(one_width).weigh(stack, &layout)
+    let table = Table::of(stack, &vec![true; stack.log_weight.len()]);
+    Scales::new(one_width).weigh(&table, &layout)
 }

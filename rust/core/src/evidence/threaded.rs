@@ -18,21 +18,33 @@ pub(super) fn in_spans<T: Send, W: FnMut(usize, usize) -> T>(
 ) -> Vec<T> {
     let spans = (rows / WORTH).clamp(1, SPANS);
     let bound = |span: usize| rows * span / spans;
+    each_part(spans, threads, || {
+        let mut run = worker();
+        move |span| run(bound(span), bound(span + 1))
+    })
+}
+
+/// What each part of some work gives, in order; threads take the next part when they are done.
+fn each_part<T: Send, W: FnMut(usize) -> T>(
+    parts: usize,
+    threads: usize,
+    worker: impl Fn() -> W + Sync,
+) -> Vec<T> {
     let next = AtomicUsize::new(0);
-    let done: Vec<Mutex<Option<T>>> = (0..spans).map(|_| Mutex::new(None)).collect();
+    let done: Vec<Mutex<Option<T>>> = (0..parts).map(|_| Mutex::new(None)).collect();
     let work = || {
         let mut run = worker();
         loop {
-            let span = next.fetch_add(1, Ordering::Relaxed);
-            let Some(place) = done.get(span) else { break };
-            let found = run(bound(span), bound(span + 1));
+            let part = next.fetch_add(1, Ordering::Relaxed);
+            let Some(place) = done.get(part) else { break };
+            let found = run(part);
             *place
                 .lock()
                 .unwrap_or_else(std::sync::PoisonError::into_inner) = Some(found);
         }
     };
     std::thread::scope(|scope| {
-        for _ in 1..threads.min(spans) {
+        for _ in 1..threads.min(parts) {
             scope.spawn(work);
         }
         work();
@@ -43,30 +55,21 @@ pub(super) fn in_spans<T: Send, W: FnMut(usize, usize) -> T>(
 }
 
 /// What each item gives, in order, on several threads where there are many.
-pub(super) fn each_of<I: Sync, T: Send>(
+///
+/// `worker` makes what one thread works with.
+pub(super) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
     items: &[I],
     threads: usize,
-    work: impl Fn(&I) -> T + Sync,
+    worker: impl Fn() -> W + Sync,
 ) -> Vec<T> {
-    let share = items.len().div_ceil(threads.max(1)).max(MANY);
-    std::thread::scope(|scope| {
-        let mut parts = items.chunks(share);
-        let own = parts.next().unwrap_or(&[]);
-        let work = &work;
-        let others: Vec<_> = parts
-            .map(|part| scope.spawn(move || part.iter().map(work).collect::<Vec<_>>()))
-            .collect();
-        let mut all: Vec<T> = own.iter().map(work).collect();
-        for other in others {
-            all.extend(
-                other
-                    .join()
-                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-            );
-        }
-        all
-    })
+    let chunks: Vec<&[I]> = items.chunks(MANY).collect();
+    let done = each_part(chunks.len(), threads, || {
+        let mut run = worker();
+        let chunks = &chunks;
+        move |chunk: usize| chunks[chunk].iter().map(&mut run).collect::<Vec<_>>()
+    });
+    done.into_iter().flatten().collect()
 }
 
-/// Items that are worth a thread.
+/// Items that are worth a change of hands.
 const MANY: usize = 8;

@@ -6,56 +6,19 @@
 //! doi:10.1162/neco.1992.4.3.415.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-use super::cholesky::{backward, factor, forward, invert};
 use super::hypothesis::Layout;
-use super::normal::between;
+use super::lanes::{LANES, Lane};
+use super::stack::{Noises, Table};
+use super::system::{Bounds, System};
 
 /// Mixture of prior widths: nobody knows a magnitude well.
 const WIDTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
-/// Part of a sum of squares that arithmetic leaves behind.
-const ROUNDING: f64 = 1e-12;
-/// Part of a column's square that whitening may leave in doubt: slow noise takes most of it away.
-const WHITENED: f64 = 1e-9;
-/// Prior standard deviations; bounds beyond are as good as none.
-const FAR: f64 = 15.0;
 /// What a narrower prior and a bound may add to the log evidence, a coefficient: `ln 9 + ln 2`.
 const NARROWER: f64 = 2.9;
 /// Log odds against the best noise of a hypothesis beyond which a noise does not matter to it.
 const OUT_OF_THE_RACE: f64 = 12.0;
 /// The same while searching, where a hundredth of a unit of log evidence decides nothing.
 const BEHIND: f64 = 8.0;
-
-/// Whitened products of the columns under each noise; the last column is what the base simulation
-/// leaves unexplained.
-#[derive(Clone, Debug)]
-pub struct Stack {
-    /// Noise by noise, each `width * width`, symmetric.
-    pub products: Vec<f64>,
-    /// What each noise adds to the log evidence of every hypothesis.
-    pub log_weight: Vec<f64>,
-    /// Number of columns.
-    pub width: usize,
-    /// Rows less unknown levels.
-    pub degrees: f64,
-    /// Variance below which no noise is believed.
-    pub finest: f64,
-}
-
-impl Stack {
-    /// The noises in `kept` alone.
-    pub(super) fn only(&self, kept: &[bool]) -> Self {
-        let area = self.width * self.width;
-        let chosen = || (0..kept.len()).filter(|&noise| kept[noise]);
-        Self {
-            products: chosen()
-                .flat_map(|noise| self.products[noise * area..(noise + 1) * area].iter())
-                .copied()
-                .collect(),
-            log_weight: chosen().map(|noise| self.log_weight[noise]).collect(),
-            ..*self
-        }
-    }
-}
 
 /// A hypothesis after the data.
 #[derive(Clone, Debug, Default)]
@@ -72,30 +35,24 @@ pub struct Weighed {
     pub variance: f64,
 }
 
-/// One combination of a noise and widths of the priors.
-struct Part {
-    noise: usize,
-    score: f64,
-    variance: f64,
-    /// In `Scales`' stores.
-    first: usize,
-}
-
 /// Weighs hypotheses one after the other, with the memory of the last.
 #[derive(Default)]
 pub(super) struct Scales {
     /// Take the widest prior alone.
     one_width: bool,
-    among: Vec<f64>,
-    lower: Vec<f64>,
-    along: Vec<f64>,
-    solved: Vec<f64>,
-    inverse: Vec<f64>,
-    precision: Vec<f64>,
-    widths: Vec<f64>,
-    parts: Vec<Part>,
-    means: Vec<f64>,
-    covariances: Vec<f64>,
+    system: System,
+    /// Of every noise: evidence at a quick look, and the variance that the best coefficients leave.
+    scores: Vec<f64>,
+    least: Vec<f64>,
+    /// Noises in the race.
+    race: Vec<usize>,
+    /// Of each combination of widths, the width of each coefficient, by position.
+    combinations: Vec<usize>,
+    /// Evidence and variance by noises in the race, several at a time, and combination.
+    refined: Vec<(Lane, Lane)>,
+    variances: Vec<Lane>,
+    precisions: Vec<Lane>,
+    inverse: Vec<Lane>,
 }
 
 impl Scales {
@@ -107,263 +64,250 @@ impl Scales {
     }
 
     /// Log evidence alone; minus infinity where it cannot reach `least`.
-    pub(super) fn log_evidence(&mut self, stack: &Stack, layout: &Layout, least: f64) -> f64 {
-        self.look(stack, layout);
-        let best = self
-            .parts
-            .iter()
-            .map(|part| part.score)
-            .fold(f64::NEG_INFINITY, f64::max);
-        let noises = (stack.log_weight.len() as f64).ln();
-        if best + NARROWER * layout.free.len() as f64 + noises < least {
+    pub(super) fn log_evidence(&mut self, table: &Table, layout: &Layout, least: f64) -> f64 {
+        self.look(table, layout);
+        let most = NARROWER * layout.free.len() as f64;
+        let noises = (table.noises() as f64).ln();
+        if self.best_look() + most + noises < least {
             return f64::NEG_INFINITY;
         }
-        self.refine(stack, layout, false);
-        log_sum(self.parts.iter().map(|part| part.score))
+        self.race(BEHIND);
+        if layout.free.is_empty() {
+            return log_sum(self.race.iter().map(|&noise| self.scores[noise]));
+        }
+        self.refine(table, layout);
+        log_sum(self.parts().map(|(_, _, score)| score))
     }
 
     /// Probability of each noise under the hypothesis, with the widest priors.
-    pub(super) fn noise(&mut self, stack: &Stack, layout: &Layout) -> Vec<f64> {
-        self.look(stack, layout);
-        let total = log_sum(self.parts.iter().map(|part| part.score));
-        let mut noise = vec![0.0; stack.log_weight.len()];
-        for part in &self.parts {
-            noise[part.noise] += (part.score - total).exp();
-        }
-        noise
+    pub(super) fn noise(&mut self, table: &Table, layout: &Layout) -> Vec<f64> {
+        self.look(table, layout);
+        let total = log_sum(self.scores.iter().copied());
+        self.scores.iter().map(|s| (s - total).exp()).collect()
     }
 
     /// Everything that is to be known about a hypothesis.
-    pub(super) fn weigh(&mut self, stack: &Stack, layout: &Layout) -> Weighed {
-        self.look(stack, layout);
-        self.refine(stack, layout, true);
-        let order = layout.free.len();
-        let total = log_sum(self.parts.iter().map(|part| part.score));
+    pub(super) fn weigh(&mut self, table: &Table, layout: &Layout) -> Weighed {
+        self.look(table, layout);
+        self.race(OUT_OF_THE_RACE);
+        self.refine(table, layout);
+        let total = log_sum(self.parts().map(|(_, _, score)| score));
         let mut result = Weighed {
             log_evidence: total,
-            mean: vec![0.0; order],
-            covariance: vec![0.0; order * order],
-            noise: vec![0.0; stack.log_weight.len()],
-            variance: 0.0,
+            noise: vec![0.0; table.noises()],
+            ..Weighed::default()
         };
-        for part in &self.parts {
-            let share = (part.score - total).exp();
-            result.noise[part.noise] += share;
-            result.variance += share * part.variance;
-            for (sum, mean) in result
-                .mean
-                .iter_mut()
-                .zip(&self.means[part.first * order..])
-            {
-                *sum += share * mean;
-            }
+        for (noise, _, score) in self.parts() {
+            result.noise[noise] += (score - total).exp();
         }
-        for part in &self.parts {
-            let share = (part.score - total).exp();
-            let mean = &self.means[part.first * order..(part.first + 1) * order];
-            let inverse = &self.covariances[part.first * order * order..];
-            for i in 0..order {
-                for j in 0..order {
-                    let spread = (mean[i] - result.mean[i]) * (mean[j] - result.mean[j]);
-                    let within = part.variance * inverse[i * order + j];
-                    result.covariance[i * order + j] += share * (within + spread);
-                }
-            }
-        }
+        self.average(table, layout, &mut result);
         result
     }
 
     /// A quick look: every noise, with the widest prior alone and no bounds.
-    fn look(&mut self, stack: &Stack, layout: &Layout) {
-        self.parts.clear();
-        self.widths.clear();
-        self.widths.resize(layout.free.len(), WIDTHS[2]);
-        for noise in 0..stack.log_weight.len() {
-            let (square, least) = self.take(stack, layout, noise);
-            let part = self.part(stack, noise, square, least, 0);
-            self.parts.push(part);
+    fn look(&mut self, table: &Table, layout: &Layout) {
+        self.scores.clear();
+        self.least.clear();
+        let widest = Lane::all(WIDTHS[2] * WIDTHS[2]);
+        for first in (0..table.noises()).step_by(LANES) {
+            self.system
+                .take(table, layout, &Noises::Group(first / LANES));
+            let least = self.system.least_squares();
+            self.precisions.clear();
+            self.precisions.resize(layout.free.len(), least / widest);
+            let part = self.system.part(&self.precisions);
+            let count = LANES.min(table.noises() - first);
+            let weights = &table.log_weight[first..first + count];
+            let scores = weights.iter().zip(part.score.0);
+            self.scores
+                .extend(scores.map(|(weight, score)| weight + score));
+            self.least.extend(&least.0[..count]);
         }
     }
 
-    /// Every width and the bounds, for the noises that the quick look left in the race.
-    fn refine(&mut self, stack: &Stack, layout: &Layout, whole: bool) {
-        let order = layout.free.len();
-        let best = self
-            .parts
+    fn best_look(&self) -> f64 {
+        self.scores
             .iter()
-            .map(|part| part.score)
-            .fold(f64::NEG_INFINITY, f64::max);
-        let mut looked = core::mem::take(&mut self.parts);
-        let far = if whole { OUT_OF_THE_RACE } else { BEHIND };
-        looked.retain(|part| part.score > best - far);
-        self.means.clear();
-        self.covariances.clear();
-        if order == 0 {
-            self.parts = looked;
-            return;
-        }
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The noises that the quick look leaves in the race.
+    fn race(&mut self, far: f64) {
+        let best = self.best_look();
+        self.race.clear();
+        let near = (0..self.scores.len()).filter(|&noise| self.scores[noise] > best - far);
+        self.race.extend(near);
+    }
+
+    /// Every width and the bounds, for the noises in the race.
+    fn refine(&mut self, table: &Table, layout: &Layout) {
+        let order = layout.free.len();
         self.combine_widths(layout);
-        let combinations = self.widths.len() / order;
-        let even = (combinations as f64).ln();
-        let bounded = layout.bounds.iter().any(is_near);
-        let mut best = f64::NEG_INFINITY;
-        for Part { noise, .. } in looked {
-            let (square, least) = self.take(stack, layout, noise);
-            for first in 0..combinations {
-                let mut part = self.part(stack, noise, square, least, first * order);
-                part.score -= even;
-                if bounded {
-                    backward(&self.lower, order, &mut self.solved);
-                    part.score += self.within_bounds(layout, part.variance, first * order);
+        let bounds = Bounds::of(layout, &WIDTHS);
+        let even = (self.count(order) as f64).ln();
+        self.refined.clear();
+        for first in (0..self.race.len()).step_by(LANES) {
+            let (noises, least) = self.start(table, layout, first);
+            for combination in 0..self.count(order) {
+                let mut part = self.part(&least, order, combination);
+                for (score, noise) in part.score.0.iter_mut().zip(noises) {
+                    *score += table.log_weight[noise] - even;
                 }
-                best = best.max(part.score);
-                if whole && part.score > best - OUT_OF_THE_RACE {
-                    if !bounded {
-                        backward(&self.lower, order, &mut self.solved);
-                    }
-                    invert(&self.lower, order, &mut self.inverse);
-                    part.first = self.means.len() / order;
-                    self.means.extend(&self.solved);
-                    self.covariances.extend(&self.inverse);
-                } else if whole {
+                if !bounds.near.is_empty() {
+                    self.system.coefficients(&bounds.near, &mut self.variances);
+                    let chosen = &self.combinations[combination * order..];
+                    let (system, variances) = (&self.system, &self.variances);
+                    part.score =
+                        part.score + bounds.within(system, variances, part.variance, chosen);
+                }
+                self.refined.push((part.score, part.variance));
+            }
+        }
+    }
+
+    /// Number of combinations of widths.
+    fn count(&self, order: usize) -> usize {
+        self.combinations.len().checked_div(order).unwrap_or(1)
+    }
+
+    /// Takes the products of noises in the race, from the `first` on; the last fills up.
+    fn start(
+        &mut self,
+        table: &Table,
+        layout: &Layout,
+        first: usize,
+    ) -> ([usize; LANES], [Lane; 3]) {
+        let last = self.race.len() - 1;
+        let noises = core::array::from_fn(|lane| self.race[(first + lane).min(last)]);
+        self.system.take(table, layout, &Noises::Some(noises));
+        let least = Lane(core::array::from_fn(|lane| self.least[noises[lane]]));
+        (noises, WIDTHS.map(|width| least / Lane::all(width * width)))
+    }
+
+    fn part(&mut self, least: &[Lane; 3], order: usize, combination: usize) -> super::system::Part {
+        let widths = &self.combinations[combination * order..(combination + 1) * order];
+        self.precisions.clear();
+        self.precisions
+            .extend(widths.iter().map(|&width| least[width]));
+        self.system.part(&self.precisions)
+    }
+
+    /// What was refined, part by part: noise, place and evidence.
+    fn parts(&self) -> impl Iterator<Item = (usize, usize, f64)> + Clone + '_ {
+        let each = self.refined.len() / self.race.len().div_ceil(LANES).max(1);
+        let lanes = self.race.iter().enumerate().flat_map(move |(at, &noise)| {
+            let first = at / LANES * each;
+            (first..first + each).map(move |place| (noise, place, at % LANES))
+        });
+        lanes.map(|(noise, place, lane)| (noise, place, self.refined[place].0.0[lane]))
+    }
+
+    /// Means and covariances of the parts that matter, by their shares.
+    fn average(&mut self, table: &Table, layout: &Layout, result: &mut Weighed) {
+        let order = layout.free.len();
+        let (each, mut sums) = (self.count(order), Moments::new(order));
+        let scores = self.parts().map(|(_, _, score)| score);
+        let least = scores.fold(f64::NEG_INFINITY, f64::max) - OUT_OF_THE_RACE;
+        for first in (0..self.race.len()).step_by(LANES) {
+            let count = LANES.min(self.race.len() - first);
+            let places = first / LANES * each..(first / LANES + 1) * each;
+            let mut started = None;
+            for (combination, place) in places.enumerate() {
+                let (score, variance) = self.refined[place];
+                if score.0[..count].iter().all(|&score| score <= least) {
                     continue;
                 }
-                self.parts.push(part);
+                let least_of = *started.get_or_insert_with(|| self.start(table, layout, first).1);
+                self.part(&least_of, order, combination);
+                self.system.coefficients(&[], &mut self.variances);
+                self.system.inverse(&mut self.inverse);
+                for lane in (0..count).filter(|&lane| score.0[lane] > least) {
+                    let share = (score.0[lane] - result.log_evidence).exp();
+                    sums.add(
+                        share,
+                        variance.0[lane],
+                        lane,
+                        &self.system.solved,
+                        &self.inverse,
+                    );
+                }
             }
         }
-    }
-
-    /// The products of one noise. Returns what the fixed columns leave of the square, and the
-    /// variance that the best coefficients leave.
-    fn take(&mut self, stack: &Stack, layout: &Layout, noise: usize) -> (f64, f64) {
-        let width = stack.width;
-        let products = &stack.products[noise * width * width..(noise + 1) * width * width];
-        let rest = |column: usize| {
-            let line = &products[column * width..(column + 1) * width];
-            let taken: f64 = layout.offsets.iter().map(|&offset| line[offset]).sum();
-            line[width - 1] - taken
-        };
-        self.along.clear();
-        self.along
-            .extend(layout.free.iter().map(|&column| rest(column)));
-        self.among.clear();
-        for &row in &layout.free {
-            let line = &products[row * width..(row + 1) * width];
-            self.among
-                .extend(layout.free.iter().map(|&column| line[column]));
-        }
-        let taken: f64 = layout.offsets.iter().map(|&offset| rest(offset)).sum();
-        let square = (rest(width - 1) - taken).max(stack.degrees * stack.finest);
-        (
-            square,
-            self.least_squares(square, layout.free.len()) / stack.degrees,
-        )
-    }
-
-    /// Sum of squares that the best coefficients leave, never less than rounding allows.
-    fn least_squares(&mut self, square: f64, order: usize) -> f64 {
-        let trace: f64 = (0..order).map(|i| self.among[i * order + i]).sum();
-        self.lower.clone_from(&self.among);
-        let ridge = WHITENED * trace + 1e-300;
-        self.precision.clear();
-        self.precision.resize(order, ridge);
-        for i in 0..order {
-            self.lower[i * order + i] += ridge;
-        }
-        factor(&mut self.lower, order, &self.precision);
-        self.solved.clone_from(&self.along);
-        forward(&self.lower, order, &mut self.solved);
-        let explained: f64 = self.solved.iter().map(|x| x * x).sum();
-        (square - explained).max(ROUNDING * square)
-    }
-
-    /// Factors the system of one noise and one combination of widths, from `widths[first]` on.
-    fn part(&mut self, stack: &Stack, noise: usize, square: f64, least: f64, first: usize) -> Part {
-        let order = self.along.len();
-        self.lower.clone_from(&self.among);
-        self.precision.clear();
-        for i in 0..order {
-            let width = self.widths[first + i];
-            // data without noise would make any prior too wide for the arithmetic
-            let precision = (least / (width * width)).max(WHITENED * self.among[i * order + i]);
-            self.lower[i * order + i] += precision;
-            self.precision.push(precision);
-        }
-        factor(&mut self.lower, order, &self.precision);
-        self.solved.clone_from(&self.along);
-        forward(&self.lower, order, &mut self.solved);
-        let explained: f64 = self.solved.iter().map(|x| x * x).sum();
-        let floor = (ROUNDING * square).max(stack.degrees * stack.finest);
-        let left = (square - explained).max(floor);
-        let log_det = self.log_determinant_ratio(order);
-        Part {
-            noise,
-            score: stack.log_weight[noise] - 0.5 * (stack.degrees * left.ln() + log_det),
-            variance: left / stack.degrees,
-            first: 0,
-        }
-    }
-
-    /// Log of posterior over prior mass within the bounds, coefficient by coefficient.
-    fn within_bounds(&mut self, layout: &Layout, variance: f64, first: usize) -> f64 {
-        let order = layout.free.len();
-        let mut sum = 0.0;
-        for (i, bounds) in layout
-            .bounds
-            .iter()
-            .enumerate()
-            .filter(|(_, bounds)| is_near(bounds))
-        {
-            self.inverse.clear();
-            self.inverse.resize(order, 0.0);
-            self.inverse[i] = 1.0;
-            forward(&self.lower, order, &mut self.inverse);
-            let diagonal: f64 = self.inverse.iter().map(|x| x * x).sum();
-            let deviation = (variance * diagonal).max(f64::MIN_POSITIVE).sqrt();
-            let (mean, width) = (self.solved[i], self.widths[first + i]);
-            let inside = between((bounds.0 - mean) / deviation, (bounds.1 - mean) / deviation);
-            let before = between(bounds.0 / width, bounds.1 / width);
-            sum += (inside.max(f64::MIN_POSITIVE) / before).ln();
-        }
-        sum
-    }
-
-    /// `ln(det(L L') / det(diagonal of precisions))`, with as few logarithms as fit.
-    fn log_determinant_ratio(&self, order: usize) -> f64 {
-        let (mut sum, mut product) = (0.0, 1.0);
-        for (i, precision) in self.precision.iter().enumerate() {
-            let pivot = self.lower[i * order + i];
-            product *= pivot * pivot / precision;
-            if !(1e-200..1e200).contains(&product) {
-                sum += product.ln();
-                product = 1.0;
-            }
-        }
-        sum + product.ln()
+        sums.into(result);
     }
 
     /// Every combination of widths, one width a cause, side by side.
     fn combine_widths(&mut self, layout: &Layout) {
         let choices = if self.one_width {
-            &WIDTHS[2..]
+            2..3
         } else {
-            &WIDTHS[..]
+            0..WIDTHS.len()
         };
-        self.widths.clear();
+        self.combinations.clear();
         let causes = u32::try_from(layout.counts.len()).unwrap_or(u32::MAX);
         for mut code in 0..choices.len().pow(causes) {
             for &count in &layout.counts {
-                let width = choices[code % choices.len()];
-                self.widths.extend(core::iter::repeat_n(width, count));
+                let width = choices.start + code % choices.len();
+                self.combinations.extend(core::iter::repeat_n(width, count));
                 code /= choices.len();
             }
         }
     }
 }
 
-/// Whether bounds cut off part of the prior.
-fn is_near(bounds: &(f64, f64)) -> bool {
-    bounds.0.abs().min(bounds.1.abs()) <= FAR
+/// Sums over parts, by their shares; coefficients count from those of the first part.
+struct Moments {
+    share: f64,
+    variance: f64,
+    origin: Vec<f64>,
+    mean: Vec<f64>,
+    square: Vec<f64>,
+}
+
+impl Moments {
+    fn new(order: usize) -> Self {
+        Self {
+            share: 0.0,
+            variance: 0.0,
+            origin: Vec::new(),
+            mean: vec![0.0; order],
+            square: vec![0.0; order * order],
+        }
+    }
+
+    fn add(&mut self, share: f64, variance: f64, lane: usize, solved: &[Lane], inverse: &[Lane]) {
+        let order = self.mean.len();
+        if self.origin.is_empty() {
+            self.origin.extend(solved.iter().map(|x| x.0[lane]));
+        }
+        self.share += share;
+        self.variance += share * variance;
+        for i in 0..order {
+            let off = solved[i].0[lane] - self.origin[i];
+            self.mean[i] += share * off;
+            for j in 0..order {
+                let spread = off * (solved[j].0[lane] - self.origin[j]);
+                self.square[i * order + j] +=
+                    share * (variance * inverse[i * order + j].0[lane] + spread);
+            }
+        }
+    }
+
+    fn into(self, result: &mut Weighed) {
+        let (order, share) = (self.mean.len(), self.share);
+        let off: Vec<f64> = self.mean.iter().map(|sum| sum / share).collect();
+        result.variance = self.variance / share;
+        result.mean = self
+            .origin
+            .iter()
+            .zip(&off)
+            .map(|(origin, off)| origin + off)
+            .collect();
+        result.covariance = (0..order * order)
+            .map(|at| self.square[at] / share - off[at / order] * off[at % order])
+            .collect();
+    }
 }
 
 /// `ln(sum(exp(x)))`.

@@ -56,10 +56,11 @@ impl Sums {
                 wanted.then(|| self.merged(memory, used, &lines))
             })
             .collect();
-        let whitened = each_of(noises, threads, |noise| {
-            merged[noise.memory]
-                .as_ref()
-                .map(|sums| self.whitened(noise, sums, series))
+        let whitened = each_of(noises, threads, || {
+            |noise: &Noise| {
+                let sums = merged[noise.memory].as_ref();
+                sums.map(|sums| self.whitened(noise, sums, series))
+            }
         });
         let mut products = Vec::with_capacity(noises.len() * self.width * self.width);
         let mut weights = Vec::with_capacity(noises.len());

@@ -1,0 +1,268 @@
+//! The linear system of one hypothesis, under several noises at once.
+#![allow(unsafe_code)]
+
+use super::hypothesis::Layout;
+use super::lanes::{LANES, Lane, backward, factor, forward};
+use super::normal::between;
+use super::stack::{Noises, Table};
+use crate::simd::{InstructionSet, active};
+
+/// Part of a sum of squares that arithmetic leaves behind.
+const ROUNDING: f64 = 1e-12;
+/// Part of a column's square that whitening may leave in doubt: slow noise takes most of it away.
+const WHITENED: f64 = 1e-9;
+/// Prior standard deviations; bounds beyond are as good as none.
+const FAR: f64 = 15.0;
+
+/// Evidence for one combination of widths, up to what all have in common, and the variance.
+pub(super) struct Part {
+    pub score: Lane,
+    pub variance: Lane,
+}
+
+/// The system of one hypothesis for some noises, and the memory for solving it.
+#[derive(Default)]
+pub(super) struct System {
+    order: usize,
+    degrees: f64,
+    finest: f64,
+    square: Option<Lane>,
+    among: Vec<Lane>,
+    along: Vec<Lane>,
+    lower: Vec<Lane>,
+    precision: Vec<Lane>,
+    pub solved: Vec<Lane>,
+    unit: Vec<Lane>,
+}
+
+/// Makes a method run with the widest registers that this machine has.
+macro_rules! on_widest {
+    ($(#[$doc:meta])* $name:ident $wide:ident $wider:ident $inner:ident ($($given:ident: $type:ty),*) -> $made:ty) => {
+        $(#[$doc])*
+        pub fn $name(&mut self, $($given: $type),*) -> $made {
+            match active() {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: the instruction set is available.
+                InstructionSet::Avx512 => unsafe { self.$wider($($given),*) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: as above.
+                InstructionSet::Avx2 => unsafe { self.$wide($($given),*) },
+                _ => self.$inner($($given),*),
+            }
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2")]
+        unsafe fn $wide(&mut self, $($given: $type),*) -> $made {
+            self.$inner($($given),*)
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+        unsafe fn $wider(&mut self, $($given: $type),*) -> $made {
+            self.$inner($($given),*)
+        }
+    };
+}
+
+impl System {
+    on_widest! {
+        /// Variance that the best coefficients leave, never less than rounding allows.
+        least_squares least_avx2 least_avx512 least () -> Lane
+    }
+    on_widest! {
+        /// Factors the system for one combination of widths, given as the variance that the best
+        /// coefficients leave over the square of each width.
+        part part_avx2 part_avx512 weighed (precisions: &[Lane]) -> Part
+    }
+    on_widest! {
+        /// Coefficients, in place of the half-way solution that `part` leaves; and the variance of
+        /// each in `bounded`, over that of the noise.
+        coefficients coefficients_avx2 coefficients_avx512 solve (bounded: &[usize], variances: &mut Vec<Lane>) -> ()
+    }
+    on_widest! {
+        /// Covariance of two coefficients after the data, over the variance of the noise, for every pair.
+        inverse inverse_avx2 inverse_avx512 inverted (into: &mut Vec<Lane>) -> ()
+    }
+
+    /// Takes the products of some noises.
+    pub fn take(&mut self, table: &Table, layout: &Layout, noises: &Noises) {
+        let last = table.width - 1;
+        let rest = |column: usize| {
+            let taken = layout.offsets.iter().fold(Lane::all(0.0), |sum, &offset| {
+                sum + table.some(column, offset, noises)
+            });
+            table.some(column, last, noises) - taken
+        };
+        self.order = layout.free.len();
+        (self.degrees, self.finest) = (table.degrees, table.finest);
+        self.along.clear();
+        self.along
+            .extend(layout.free.iter().map(|&column| rest(column)));
+        self.among.clear();
+        for (i, &row) in layout.free.iter().enumerate() {
+            // only the lower triangle is read
+            let line = layout.free[..=i].iter();
+            self.among
+                .extend(line.map(|&column| table.some(row, column, noises)));
+            self.among.resize((i + 1) * self.order, Lane::all(0.0));
+        }
+        let offsets = layout.offsets.iter();
+        let taken = offsets.fold(Lane::all(0.0), |sum, &offset| sum + rest(offset));
+        let least = Lane::all(table.degrees * table.finest);
+        self.square = Some((rest(last) - taken).max(least));
+    }
+
+    /// What the fixed columns leave of the square.
+    #[inline(always)]
+    fn square(&self) -> Lane {
+        self.square.unwrap_or(Lane::all(0.0))
+    }
+
+    #[inline(always)]
+    fn least(&mut self) -> Lane {
+        let (order, square) = (self.order, self.square());
+        let diagonal = (0..order).map(|i| self.among[i * order + i]);
+        let trace = diagonal.fold(Lane::all(0.0), |sum, x| sum + x);
+        let ridge = Lane::all(WHITENED) * trace + Lane::all(1e-300);
+        self.precision.clear();
+        self.precision.resize(order, ridge);
+        self.halfway();
+        let left = (square - self.explained()).max(Lane::all(ROUNDING) * square);
+        left / Lane::all(self.degrees)
+    }
+
+    #[inline(always)]
+    fn weighed(&mut self, precisions: &[Lane]) -> Part {
+        let (order, square) = (self.order, self.square());
+        self.precision.clear();
+        for (i, &precision) in precisions.iter().enumerate() {
+            // data without noise would make any prior too wide for the arithmetic
+            let least = Lane::all(WHITENED) * self.among[i * order + i];
+            self.precision.push(precision.max(least));
+        }
+        self.halfway();
+        let degrees = Lane::all(self.degrees);
+        let floor = (Lane::all(ROUNDING) * square).max(degrees * Lane::all(self.finest));
+        let left = (square - self.explained()).max(floor);
+        Part {
+            score: Lane::all(-0.5) * (degrees * left.map(f64::ln) + self.log_determinant_ratio()),
+            variance: left / degrees,
+        }
+    }
+
+    /// Factors the system with the precisions added, and solves half of it.
+    #[inline(always)]
+    fn halfway(&mut self) {
+        let order = self.order;
+        self.lower.clone_from(&self.among);
+        for i in 0..order {
+            self.lower[i * order + i] = self.lower[i * order + i] + self.precision[i];
+        }
+        factor(&mut self.lower, order, &self.precision);
+        self.solved.clone_from(&self.along);
+        forward(&self.lower, order, &mut self.solved, 0);
+    }
+
+    #[inline(always)]
+    fn explained(&self) -> Lane {
+        self.solved
+            .iter()
+            .fold(Lane::all(0.0), |sum, &x| sum + x * x)
+    }
+
+    /// `ln(det(L L') / det(diagonal of precisions))`, with as few logarithms as fit.
+    #[inline(always)]
+    fn log_determinant_ratio(&self) -> Lane {
+        let (mut sum, mut product) = (Lane::all(0.0), Lane::all(1.0));
+        for (i, &precision) in self.precision.iter().enumerate() {
+            let pivot = self.lower[i * self.order + i];
+            product = product * (pivot * pivot / precision);
+            if product.0.iter().any(|x| !(1e-200..1e200).contains(x)) {
+                sum = sum + product.map(f64::ln);
+                product = Lane::all(1.0);
+            }
+        }
+        sum + product.map(f64::ln)
+    }
+
+    #[inline(always)]
+    fn solve(&mut self, bounded: &[usize], variances: &mut Vec<Lane>) {
+        let order = self.order;
+        backward(&self.lower, order, &mut self.solved);
+        variances.clear();
+        for &i in bounded {
+            self.unit.clear();
+            self.unit.resize(order, Lane::all(0.0));
+            self.unit[i] = Lane::all(1.0);
+            forward(&self.lower, order, &mut self.unit, i);
+            let squares = self.unit[i..].iter();
+            variances.push(squares.fold(Lane::all(0.0), |sum, &x| sum + x * x));
+        }
+    }
+
+    #[inline(always)]
+    fn inverted(&mut self, into: &mut Vec<Lane>) {
+        let order = self.order;
+        into.clear();
+        into.resize(order * order, Lane::all(0.0));
+        for column in 0..order {
+            let line = &mut into[column * order..(column + 1) * order];
+            line[column] = Lane::all(1.0);
+            forward(&self.lower, order, line, column);
+            backward(&self.lower, order, line);
+        }
+    }
+}
+
+/// Bounds of coefficients that cut off part of a prior.
+#[derive(Default)]
+pub(super) struct Bounds {
+    /// Coefficients that have such bounds.
+    pub near: Vec<usize>,
+    /// Bounds of each, and the log of the prior mass between them for each width.
+    limits: Vec<((f64, f64), Vec<f64>)>,
+}
+
+impl Bounds {
+    pub fn of(layout: &Layout, widths: &[f64]) -> Self {
+        let is_near = |bounds: &(f64, f64)| bounds.0.abs().min(bounds.1.abs()) <= FAR;
+        let near = layout.bounds.iter().enumerate().filter(|(_, b)| is_near(b));
+        let mut found = Self::default();
+        for (i, &bounds) in near {
+            let before = |width: &f64| between(bounds.0 / width, bounds.1 / width).ln();
+            found.near.push(i);
+            found
+                .limits
+                .push((bounds, widths.iter().map(before).collect()));
+        }
+        found
+    }
+
+    /// Log of posterior over prior mass within the bounds, coefficient by coefficient, each with
+    /// one of the widths.
+    pub fn within(
+        &self,
+        system: &System,
+        variances: &[Lane],
+        variance: Lane,
+        chosen: &[usize],
+    ) -> Lane {
+        let mut sum = Lane::all(0.0);
+        for ((&i, (bounds, before)), &own) in self.near.iter().zip(&self.limits).zip(variances) {
+            let mean = system.solved[i];
+            for lane in 0..LANES {
+                let deviation = (variance.0[lane] * own.0[lane])
+                    .max(f64::MIN_POSITIVE)
+                    .sqrt();
+                let limit = |bound: f64| (bound - mean.0[lane]) / deviation;
+                let inside = between(limit(bounds.0), limit(bounds.1));
+                if inside < 1.0 {
+                    sum.0[lane] += inside.max(f64::MIN_POSITIVE).ln();
+                }
+                sum.0[lane] -= before[chosen[i]];
+            }
+        }
+        sum
+    }
+}
