@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,9 +11,12 @@ from typer.testing import CliRunner
 from echocal import UsageError
 from echocal.cli import app
 from echocal.study import run
+from echocal.study.diagnosed import ask
+from echocal.study.diagnosed import render as render_diagnosed
 from echocal.study.document import render
 from echocal.study.figures import FIGURES
 
+DIAGNOSED = Path(__file__).parents[1] / "docs" / "study-diagnosis.md"
 PAGE = Path(__file__).parents[1] / "docs" / "study.md"
 
 
@@ -26,6 +30,20 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 def test_page_is_fresh() -> None:
     assert PAGE.read_text(encoding="utf-8") == render(run()), "run: echocal study --out docs --quiet"
+
+
+def test_page_of_the_diagnosis_is_fresh_and_its_sentences_stand() -> None:
+    answers = ask()
+    assert [answer.question.title for answer in answers if not answer.stands] == []
+    fresh = render_diagnosed(answers)
+    assert DIAGNOSED.read_text(encoding="utf-8") == fresh, "run: echocal study --out docs --quiet"
+
+
+def test_a_sentence_that_no_longer_stands_is_taken_back() -> None:
+    (answer, *_) = ask()
+    stale = replace(answer, question=replace(answer.question, finds=("drift",)))
+    assert answer.question.means in render_diagnosed([answer])
+    assert answer.question.means not in render_diagnosed([stale])
 
 
 def test_terminal_report(written: tuple[Path, str]) -> None:

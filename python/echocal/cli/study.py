@@ -12,7 +12,7 @@ from echocal.errors import writing
 
 def command(
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write the figures (PNG) and the page study.md.")
+        Path | None, typer.Option(metavar="DIR", help="Write the figures (PNG) and the pages (Markdown).")
     ] = None,
     json: Json = None,
     quiet: Annotated[
@@ -21,7 +21,7 @@ def command(
 ) -> None:
     """Recompute every number of the study: reproduced, not reproduced or physically wrong."""
     from echocal import study
-    from echocal.study import document, figures, report
+    from echocal.study import diagnosed, document, figures, report
 
     found = study.run()
     write_json(found.to_dict(), json)
@@ -34,6 +34,12 @@ def command(
         return
     with writing(out):
         paths = figures.save(found, out)
-        (out / "study.md").write_text(document.render(found), encoding="utf-8")
+        pages = {
+            "study.md": document.render(found),
+            "study-diagnosis.md": diagnosed.render(diagnosed.ask(found.tables)),
+        }
+        for name, text in pages.items():
+            (out / name).write_text(text, encoding="utf-8")
+            paths.append(out / name)
     if not quiet:
-        console.print(f"wrote {', '.join(str(path) for path in [*paths, out / 'study.md'])}")
+        console.print(f"wrote {', '.join(str(path) for path in paths)}")
