@@ -22,6 +22,8 @@ UNKNOWN = "unknown"
 _TAIL = 0.1  # weight of a prior's tail beside its bulk
 _LAW = 300e-6 / 3**0.5
 """Relative standard uncertainty of a law: Cramer 1993 states limits of 300 ppm (GUM 4.3.7)."""
+_MIDDLE = 15.0
+"""Middle of the range of those limits, 0 to 30 degC: a law may be wrong by its level and by its tilt."""
 _CLOSEST = 0.5  # rows between two places at which an effect may begin
 _BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
 _FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
@@ -204,8 +206,11 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
         found.size_tangents[id_] = (column, size)
     variants.append(_freed(found, whole, shapes, at_work=True, levels=levels) if shapes else whole)
     if effect.extends and effect.calls:  # it stands in for the law: the law's own uncertainty comes in
-        law = found.columns.store(_LAW * scene.base.expected(scene.distance, scene.conditions))
-        variants = [replace(v, free=(*v.free, law), bounds=(*v.bounds, (-np.inf, np.inf))) for v in variants]
+        law = _LAW * scene.base.expected(scene.distance, scene.conditions)
+        celsius = np.asarray(scene.conditions.get("temperature", _MIDDLE))
+        own = [found.columns.store(column) for column in (law, law * (celsius - _MIDDLE) / _MIDDLE)]
+        unbounded = ((-np.inf, np.inf),) * len(own)
+        variants = [replace(v, free=(*v.free, *own), bounds=(*v.bounds, *unbounded)) for v in variants]
     return variants
 
 
