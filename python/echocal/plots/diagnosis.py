@@ -8,16 +8,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from echocal.diagnose import Cause, Diagnosis, Refuted
-from echocal.diagnose.sentences import shown
+from echocal.diagnose import Diagnosis
+from echocal.diagnose.sentences import shown, telling_column
 from echocal.errors import writing
-from echocal.plots.next_measurements import plot_next
+from echocal.plots.next_measurements import next_figure
+from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
 
-__all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
+__all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "telling"]
 
 _BEFORE, _AFTER, _FLOOR = "#b5530f", "#1f6f8b", "#8a8a8a"
 _BINS = 30
+_PANELS = 4
+_SAME = 1e-6  # m, far below what any sensor of this kind resolves
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
@@ -46,7 +49,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             "residuals": _residuals(diagnosis),
             "gain": _single(diagnosis, plot_gain, (6.0, 2.8)),
             "posterior": _single(diagnosis, plot_posterior, (8.0, 3.2)),
-            "next": _single(diagnosis, plot_next, (6.0, 3.8)),
+            "next": next_figure(diagnosis),
         }
         if diagnosis.unexplained is not None:
             figures["unexplained"] = _single(diagnosis, plot_unexplained, (6.5, 3.6))
@@ -65,16 +68,60 @@ def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Fi
 
 
 def _residuals(diagnosis: Diagnosis) -> Figure:
-    against = [name for name, column in diagnosis.traces.against.items() if _varies(column)]
+    against = telling(diagnosis)[:_PANELS]
     rows = max(1, -(-len(against) // 2))
-    figure = Figure(figsize=(10.0, 2.6 * rows), layout="constrained")
-    axes = figure.subplots(rows, 2, squeeze=False).ravel()
+    figure = Figure(figsize=(10.0, 0.4 + 2.7 * rows), layout="constrained")
+    axes = figure.subplots(rows, min(2, max(1, len(against))), squeeze=False).ravel()
     for ax, name in zip(axes, against, strict=False):
         plot_residuals(diagnosis, ax, name)
     for ax in axes[len(against) :]:
         ax.axis("off")
-    axes[0].legend(loc="best", frameon=False)
+    if against:
+        axes[0].legend(loc="best", frameon=False)
+    figure.suptitle(_summary(diagnosis), fontsize=10)
     return figure
+
+
+def _summary(diagnosis: Diagnosis) -> str:
+    gain = diagnosis.gain
+    if gain is None:
+        return "reading less reference, against the most telling columns"
+    text = f"RMS on rows never fitted: {1e3 * gain.rms_before_m:.2f} mm with the base"
+    if len(gain.ladder) > 1:
+        text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
+    return f"{text}; the most telling column first"
+
+
+def telling(diagnosis: Diagnosis) -> list[str]:
+    """Columns that vary, those first that what the model changes (or the residual) follows most.
+
+    The very first is the one that sentences about causes would name.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+
+    Returns
+    -------
+    list of str
+        Names in ``diagnosis.traces.against``.
+    """
+    traces = diagnosis.traces
+    changed = traces.before - traces.after
+    signal = changed if np.nanstd(changed) > _SAME else traces.before
+    known = np.isfinite(signal)
+    varied = {name: column[known] for name, column in traces.against.items() if _varies(column)}
+    first = telling_column(signal[known], varied)
+    return sorted(varied, key=lambda name: (name != first, -_followed(varied[name], signal[known])))
+
+
+def _followed(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    """Part of the variance that the means of the bins have."""
+    bins = _bins(x)
+    rows = np.bincount(bins)
+    filled = rows > 0
+    means = np.bincount(bins, weights=y)[filled] / rows[filled]
+    return float(rows[filled] @ (means - y.mean()) ** 2 / max(len(y) * y.var(), 1e-300))
 
 
 def _varies(column: NDArray[np.float64]) -> bool:
@@ -115,15 +162,20 @@ def _opacity(rows: int) -> float:
     return float(np.clip(200 / max(rows, 1), 0.12, 0.9))
 
 
-def _binned(
-    x: NDArray[np.float64], y: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Means of bins with about equally many rows, so that no line hangs on one row."""
+def _bins(x: NDArray[np.float64]) -> NDArray[np.int64]:
     count = min(_BINS, max(2, len(x) // 3))
     distinct, bins = np.unique(x, return_inverse=True)
     if len(distinct) > count:  # else each value is its own bin
         edges = np.unique(np.quantile(x, np.linspace(0, 1, count + 1)))
         bins = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
+    return np.asarray(bins, dtype=np.int64)
+
+
+def _binned(
+    x: NDArray[np.float64], y: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Means of bins with about equally many rows, so that no line hangs on one row."""
+    bins = _bins(x)
     rows = np.bincount(bins)
     filled = rows > 0
     means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]
@@ -142,7 +194,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     if gain is None:
         ax.text(0.5, 0.5, "no rows were held out", ha="center", transform=ax.transAxes)
         return
-    rungs = [(" + ".join(("base", *ids)), rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder]
+    rungs = [(f"+ {ids[-1]}" if ids else "base", rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
     names, values, colors = zip(*rungs, strict=True)
@@ -153,34 +205,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.invert_yaxis()
     ax.margins(x=0.18)
     ax.set_xlabel("RMS error on rows never fitted [mm]")
-    text = f"{gain.held_out_rows} rows, {gain.scheme}; dotted: what every recorded column could reach"
-    ax.set_title(text, fontsize=8, loc="right")
-
-
-def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Probability of the sets of causes; what cannot be told apart shares a color.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
-    """
-    entries = diagnosis.posterior[:8]
-    names = [" + ".join(ids) if ids else "nothing" for ids, _ in entries]
-    claimed: list[Cause | Refuted] = [*diagnosis.causes, *diagnosis.refuted]
-    classes = {id_: n for n, cause in enumerate(claimed) for id_ in (cause.id, *cause.indistinguishable_from)}
-    keys = [tuple(sorted({str(classes.get(id_, id_)) for id_ in ids})) for ids, _ in entries]
-    order = list(dict.fromkeys(keys))
-    palette = mpl.colormaps["tab10"]
-    bars = ax.barh(
-        range(len(names)),
-        [p for _, p in entries],
-        color=[palette(order.index(key) % 10) for key in keys],
-        height=0.6,
+    text = (
+        f"{gain.held_out_rows} rows, {gain.scheme}\ndotted: what every recorded column together could reach"
     )
-    ax.bar_label(bars, fmt="%.3f", padding=3)
-    ax.set_yticks(range(len(names)), names)
-    ax.invert_yaxis()
-    ax.set(xlim=(0, min(1.15, 1.3 * max(p for _, p in entries))), xlabel="probability")
-    if len(order) < len(entries):
-        ax.set_title("sets of one color cannot be told apart by these data", fontsize=8, loc="left")
+    ax.set_title(text, fontsize=8, loc="left")

@@ -1,15 +1,39 @@
 """What to measure next, as a picture."""
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from echocal.diagnose import Diagnosis, NextMeasurement
 from echocal.diagnose.explain import proposal_text
 from echocal.diagnose.sentences import shown
 
-__all__ = ["plot_next"]
+__all__ = ["next_figure", "plot_next"]
 
+_WIDTH = 100  # characters of a line of words
+_TICK = 0.02  # part of an axis
 _SEEN, _PROPOSED = "#b9c4ca", "#b5530f"
+
+
+def next_figure(diagnosis: Diagnosis) -> Figure:
+    """Rows proposed among the rows measured, and side measurements in words."""
+    sides = [p for p in diagnosis.next_measurements if p.expected_probability is None]
+    rows = len(sides) < len(diagnosis.next_measurements)
+    lines = [textwrap.fill(proposal_text(p), _WIDTH, subsequent_indent="   ") for p in sides]
+    if not rows and not sides:
+        lines = ["nothing is left to separate"]
+    text = "\n".join(lines)
+    heights = [3.8] * rows + [0.25 + 0.16 * (1 + text.count("\n"))] * bool(lines)
+    figure = Figure(figsize=(6.5, sum(heights)), layout="constrained")
+    axes = figure.subplots(len(heights), height_ratios=heights, squeeze=False).ravel()
+    if rows:
+        plot_next(diagnosis, axes[0])
+    if lines:
+        axes[-1].axis("off")
+        axes[-1].text(0.0, 1.0, text, va="top", fontsize=8, transform=axes[-1].transAxes)
+    return figure
 
 
 def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
@@ -23,21 +47,34 @@ def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
     plans = [p for p in diagnosis.next_measurements if p.expected_probability is not None]
     if not plans:
         ax.axis("off")
-        texts = [proposal_text(p) for p in diagnosis.next_measurements] or ["nothing is left to separate"]
-        ax.text(0.0, 1.0, "\n".join(texts), va="top", wrap=True, transform=ax.transAxes)
+        ax.text(0.0, 1.0, "no rows in reach would help", va="top", transform=ax.transAxes)
         return
     (plan, *_) = plans
     names = [name for name in plan.conditions if name != "rows"][:2]
     for name, axis in zip(names, ("x", "y"), strict=False):
         ax.set(**{f"{axis}label": shown(name, np.zeros(1))[1]})
-    measured = [diagnosis.traces.against.get(name) for name in names]
-    if len(names) == 2 and all(column is not None for column in measured):
-        seen = [shown(n, c)[0] for n, c in zip(names, measured, strict=True) if c is not None]
-        ax.plot(*seen, "o", color=_SEEN, mew=0, markersize=4, label="measured")
+    _measured(diagnosis, names, ax)
     _places(plan, names, ax)
-    ax.margins(0.15)
-    ax.legend(loc="best", frameon=False)
+    for side in (ax.xaxis, ax.yaxis):  # one place alone would stand in a range of nothing
+        low, high = side.get_data_interval()
+        room = max(0.15 * (high - low), 0.1 * abs(high))
+        side.set_view_interval(low - room, high + room, ignore=True)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
     ax.set_title(_title(plan), fontsize=8, loc="left")
+
+
+def _measured(diagnosis: Diagnosis, names: list[str], ax: Axes) -> None:
+    """Rows measured; where one of the two conditions is not known, ticks along the other's axis."""
+    columns = [diagnosis.traces.against.get(name) for name in names]
+    known = {name: shown(name, c)[0] for name, c in zip(names, columns, strict=True) if c is not None}
+    if len(known) == len(names) == 2:
+        ax.plot(*known.values(), "o", color=_SEEN, mew=0, markersize=4, label="measured")
+    elif names[0] in known:
+        across = ax.get_xaxis_transform()
+        ax.vlines(known[names[0]], 0.0, _TICK, _SEEN, transform=across, label="measured")
+    elif names[1:2] and names[1] in known:
+        along = ax.get_yaxis_transform()
+        ax.hlines(known[names[1]], 0.0, _TICK, _SEEN, transform=along, label="measured")
 
 
 def _places(plan: NextMeasurement, names: list[str], ax: Axes) -> None:

@@ -9,7 +9,7 @@ from echocal.diagnose.unexplained import column_of
 
 __all__ = ["plot_unexplained"]
 
-_LEFT, _SHAPE = "#b9c4ca", "#7a3b8f"
+_LEFT, _SHAPE = "#8fa0a8", "#7a3b8f"
 _MANY = 200  # rows from which on points are faint
 
 
@@ -29,7 +29,7 @@ def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
     column = column_of(found.against, diagnosis.traces.against)
     left = 1e3 * diagnosis.traces.after
     values, label = shown(found.against, column)
-    opacity = float(np.clip(_MANY / max(len(left), 1), 0.15, 0.9))
+    opacity = float(np.clip(_MANY / max(len(left), 1), 0.25, 0.9))
     ax.plot(values, left, "o", color=_LEFT, mew=0, markersize=3, alpha=opacity, label="left by the model")
     knots = np.array(found.shape.at)
     at, _ = shown(found.against, knots)

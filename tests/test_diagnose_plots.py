@@ -1,0 +1,74 @@
+"""What the plots show first, and what they show as one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import echocal
+from echocal.diagnose import Cause, NextMeasurement
+from echocal.plots.diagnosis import plot_gain, telling
+from echocal.plots.next_measurements import next_figure
+from echocal.plots.posterior import grouped, plot_posterior
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> echocal.Diagnosis:
+    temperature = 20.0 + 15.0 * np.sin(2.4 * np.arange(120.0))
+    distance = np.tile([0.4, 1.0, 1.9], 40)
+    reading = distance * 343.0 / (331.4 + 0.6 * temperature) + 1e-3 * np.sin(np.arange(120.0) ** 2)
+    table = {"reading_m": reading, "temperature_C": temperature, "distance_m": distance}
+    return echocal.diagnose(table)
+
+
+def test_the_telling_column_comes_first(diagnosis: echocal.Diagnosis) -> None:
+    assert diagnosis.verdict == "named"
+    assert telling(diagnosis)[0] == "temperature"
+    assert set(telling(diagnosis)) <= set(diagnosis.traces.against)
+
+
+def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> None:
+    scale = Cause("clock_error", "effect", 0.9, (), ("oblique_target", "reference_scale"), "far rows")
+    sets = (
+        (("clock_error", "cycle_slip"), 0.4),
+        (("cycle_slip", "oblique_target"), 0.3),
+        (("cycle_slip", "reference_scale"), 0.2),
+        (("cycle_slip",), 0.1),
+    )
+    joined = replace(diagnosis, causes=(scale,), refuted=(), posterior=sets)
+    first, second = grouped(joined)
+    assert first.classes == ("clock_error or 2 others", "cycle_slip")
+    assert first.shares == (0.4, 0.3, 0.2)
+    assert second.classes == ("cycle_slip",)
+    assert first.probability + second.probability == pytest.approx(1.0)
+    ax = Figure().add_subplot()
+    plot_posterior(joined, ax)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["clock_error or 2 others", "nothing else"]
+    assert "in every set: cycle_slip" in ax.get_title(loc="right")
+
+
+def test_the_gain_names_what_joins(diagnosis: echocal.Diagnosis) -> None:
+    ax = Figure().add_subplot()
+    plot_gain(diagnosis, ax)
+    labels = [label.get_text() for label in ax.get_yticklabels()]
+    assert labels[-1] == "+ fixed_speed"
+    assert "base" in labels
+
+
+def test_side_measurements_are_told_where_no_row_helps(diagnosis: echocal.Diagnosis) -> None:
+    (figure, nothing) = (
+        next_figure(replace(diagnosis, next_measurements=plans))
+        for plans in (
+            (_side("turn the target"), _side("count a second")),
+            (),
+        )
+    )
+    words = [text.get_text() for ax in figure.axes for text in ax.texts]
+    assert "turn the target" in words[0]
+    assert "count a second" in words[0]
+    assert [text.get_text() for ax in nothing.axes for text in ax.texts] == ["nothing is left to separate"]
+
+
+def _side(what: str) -> NextMeasurement:
+    return NextMeasurement({"side_measurement": what}, ("clock_error", "oblique_target"), None)
