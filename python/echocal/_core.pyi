@@ -129,8 +129,13 @@ class Columns:
 
 @final
 class Sums:
+    @property
+    def width(self) -> int: ...
     def whiten(
-        self, noises: list[tuple[int, float, float, float, float]], used: list[bool]
+        self,
+        noises: list[tuple[int, float, float, float, float]],
+        used: list[bool],
+        chosen: list[int] | None = None,
     ) -> tuple[NDArray[np.float64], _Column]: ...
     def clear_infinite(self) -> list[bool]: ...
     def steps(self) -> list[float]: ...

@@ -65,8 +65,12 @@ class Geometry:
         free = list(variant.free)
         if not free:
             return 0.5 * self.visibility(rest) ** 2, 1.0
-        among = self.products[np.ix_(free, free)]
-        size = np.linalg.lstsq(among, self.products[free] @ rest, rcond=1e-12)[0]
+        along = self.products[free] @ rest
+        if len(free) == 1:
+            square = self.products[free[0], free[0]]
+            size = along / square if square > 0 else np.zeros(1)
+        else:
+            size = np.linalg.lstsq(self.products[np.ix_(free, free)], along, rcond=1e-12)[0]
         rest = rest - self._place(free, size)
         return 0.5 * self.visibility(rest) ** 2, float(np.abs(size).max())
 

@@ -37,6 +37,11 @@ class Hypothesis:
         return tuple(variant.cause for variant in self.variants)
 
     @property
+    def columns(self) -> tuple[int, ...]:
+        """Every column that it uses."""
+        return tuple(column for variant in self.variants for column in variant.columns)
+
+    @property
     def shape(self) -> str:
         """Column that a shape without a cause is a function of; empty if it has none."""
         return next((v.against for v in self.variants if v.against), "")

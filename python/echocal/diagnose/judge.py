@@ -1,7 +1,7 @@
 """Claims before the rows that no fit saw."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,11 +49,12 @@ def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> 
     """
     hypothesis, kept, refuted = best.hypothesis, list(claimed), []
     before = measure(case.table, case.folds, lambda _: case.base.model())
-    after = _held_out(case, hypothesis, kept, noise)
+    trials = _Trials(case, noise)
+    after = trials.of(hypothesis, kept)
     for claim in sorted(claimed, key=lambda c: c.probability):
         fewer = [c for c in kept if c is not claim]
         lesser = without(hypothesis, claim.cause)
-        spared = _held_out(case, lesser, fewer, noise)
+        spared = trials.of(lesser, fewer)
         if worse(after, spared):
             refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
             hypothesis, kept, after = lesser, fewer, spared
@@ -61,7 +62,7 @@ def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> 
     fixed = any(c.cause == "fixed_speed" for c in kept) or case.base.device_speed is not None
     gain = summarize(
         None if fixed else fixed_speed_rms(case.table, case.folds, _speed(case)),
-        _ladder(case, hypothesis, kept, noise, before),
+        _ladder(trials, hypothesis, kept, before),
         before,
         after,
         floor(case.sums, case.folds.judged, weighed.variance),
@@ -84,13 +85,11 @@ def _extended(case: Case, weighed: Weighed, kept: Sequence[Claim], gain: Gain) -
     )
 
 
-def _ladder(
-    case: Case, hypothesis: Hypothesis, kept: Sequence[Claim], noise: Noise, before: HeldOut
-) -> Ladder:
+def _ladder(trials: "_Trials", hypothesis: Hypothesis, kept: Sequence[Claim], before: HeldOut) -> Ladder:
     """Error as the causes join, the largest first."""
 
     def size(claim: Claim) -> float:
-        return float(np.std(case.signal(claim.variant, claim.mean)))
+        return float(np.std(trials.case.signal(claim.variant, claim.mean)))
 
     joined = sorted(kept, key=size, reverse=True)
     steps: list[tuple[tuple[str, ...], float]] = [((), before.rms)]
@@ -99,26 +98,35 @@ def _ladder(
         part = hypothesis
         for claim in joined[count:]:
             part = without(part, claim.cause)
-        steps.append((tuple(c.cause for c in some), _held_out(case, part, some, noise).rms))
+        steps.append((tuple(c.cause for c in some), trials.of(part, some).rms))
     return tuple(steps)
 
 
-def _held_out(case: Case, hypothesis: Hypothesis, kept: Sequence[Claim], noise: Noise) -> HeldOut:
-    return measure(case.table, case.folds, _fitter(case, hypothesis, [c.cause for c in kept], noise))
+@dataclass
+class _Trials:
+    """Errors on held-out rows; what comes up again is not fitted again."""
 
+    case: Case
+    noise: Noise
+    known: dict[tuple[frozenset[str], frozenset[str]], HeldOut] = field(default_factory=dict)
 
-def _fitter(
-    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise
-) -> Callable[[Mask], Model]:
-    def fitted(blocks: Mask) -> Model:
-        return case.base.model(effects_of(_fit(case, hypothesis, blocks, noise), causes))
+    def of(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> HeldOut:
+        """Errors with the kept causes, fitted beside all of a hypothesis, part of the best one."""
+        causes = [claim.cause for claim in kept]
+        key = frozenset(hypothesis.causes), frozenset(causes)
+        if key not in self.known:
 
-    return fitted
+            def fitted(blocks: Mask) -> Model:
+                fit = _fit(self.case, hypothesis, blocks, self.noise)
+                return self.case.base.model(effects_of(fit, causes))
+
+            self.known[key] = measure(self.case.table, self.case.folds, fitted)
+        return self.known[key]
 
 
 def _fit(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> Weighed:
     """Fit under one noise: for a point estimate the others do not matter."""
-    whitened = case.sums.whiten(noise, blocks)
+    whitened = case.sums.whiten(noise, blocks, hypothesis.columns)
     return weigh(hypothesis, Stack.of([whitened], case.sums.degrees(blocks)))
 
 

@@ -1,6 +1,6 @@
 """Noise that the engine reckons with before it names anything: memory, and an error per stand."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,20 +131,33 @@ class Sums:
         )
 
     def whiten_all(
-        self, noises: Sequence[Noise], use: NDArray[np.bool_] | None = None
+        self,
+        noises: Sequence[Noise],
+        use: NDArray[np.bool_] | None = None,
+        columns: Collection[int] | None = None,
     ) -> tuple[Matrix, Matrix]:
-        """Products of the columns whitened for each noise, and what it adds to the log evidence."""
+        """Products of the columns whitened for each noise, and what it adds to the log evidence.
+
+        With `columns`, of these and of what is to be explained alone; others are zero.
+        """
         use = np.ones(len(self.rows), dtype=bool) if use is None else use
         memories = list(_RHO)
         given = [
             (memories.index(n.memory), n.rho, n.stand_ratio, n.first_weight, float(np.log(n.prior)))
             for n in noises
         ]
-        return self.products.whiten(given, use.tolist())
+        last = self.products.width - 1
+        chosen = None if columns is None else sorted({0, last, *columns})
+        return self.products.whiten(given, use.tolist(), chosen)
 
-    def whiten(self, noise: Noise, use: NDArray[np.bool_] | None = None) -> Whitened:
+    def whiten(
+        self,
+        noise: Noise,
+        use: NDArray[np.bool_] | None = None,
+        columns: Collection[int] | None = None,
+    ) -> Whitened:
         """Products of the whitened columns over the blocks in `use` (all by default)."""
-        products, log_weight = self.whiten_all([noise], use)
+        products, log_weight = self.whiten_all([noise], use, columns)
         return Whitened(products[0], float(log_weight[0]), noise)
 
     def clear_infinite(self) -> NDArray[np.bool_]:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import Case
@@ -66,9 +65,11 @@ def _chance(sizes: Sequence[tuple[float, float]]) -> float:
     """Probability that sizes of one cause differ as much."""
     if len(sizes) < 2:
         return 1.0
+    from scipy.special import chdtrc  # takes long to import
+
     value, error = np.array(sizes).T
     mean = (value / error**2).sum() / (1 / error**2).sum()
-    return float(chi2.sf((((value - mean) / error) ** 2).sum(), len(value) - 1))
+    return float(chdtrc(len(value) - 1, (((value - mean) / error) ** 2).sum()))
 
 
 def _parts(claim: Claim, sizes: Sequence[tuple[float, float]]) -> str:
@@ -93,7 +94,7 @@ def _fits(case: Case, claims: Sequence[Claim], noise: Noise, shape: Mapping[int,
     for block in blocks[case.folds.fit]:
         use = blocks == block
         if case.sums.degrees(use) >= _FEWEST:
-            whitened = case.sums.whiten(noise, use)
+            whitened = case.sums.whiten(noise, use, (*together.columns, *shape))
             whitened = replace(whitened, products=_less(whitened.products, shape))
             fits.append(weigh(together, Stack.of([whitened], case.sums.degrees(use)), one_width=True))
     return fits
@@ -101,9 +102,11 @@ def _fits(case: Case, claims: Sequence[Claim], noise: Noise, shape: Mapping[int,
 
 def _less(products: NDArray[np.float64], shape: Mapping[int, float]) -> NDArray[np.float64]:
     """Products with a combination of columns taken off the last one."""
-    taking = np.eye(len(products))
-    taking[-1, list(shape)] -= list(shape.values())
-    return np.asarray(taking @ products @ taking.T)
+    taken, sizes = list(shape), np.array(list(shape.values()))
+    less = products.copy()
+    less[-1] -= sizes @ less[taken]
+    less[:, -1] -= less[:, taken] @ sizes
+    return less
 
 
 def _sizes(claim: Claim, fits: Sequence[Weighed]) -> list[tuple[float, float]]:

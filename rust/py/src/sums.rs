@@ -16,15 +16,35 @@ pub struct CoreSums {
     pub(crate) sums: Sums,
 }
 
+/// Matrices of some columns as matrices of all, zero elsewhere.
+fn placed(some: &[f64], chosen: &[usize], width: usize) -> Vec<f64> {
+    let (own, area) = (chosen.len(), width * width);
+    let mut all = vec![0.0; some.len() / (own * own).max(1) * area];
+    for (from, to) in some
+        .chunks_exact((own * own).max(1))
+        .zip(all.chunks_exact_mut(area))
+    {
+        for (i, line) in chosen.iter().zip(from.chunks_exact(own)) {
+            for (j, value) in chosen.iter().zip(line) {
+                to[i * width + j] = *value;
+            }
+        }
+    }
+    all
+}
+
 #[pymethods]
 impl CoreSums {
-    /// Whitened products and log weight of each noise, over the blocks in use.
+    /// Whitened products and log weight of each noise, over the blocks in use; of some columns
+    /// alone, the first among them, the others are zero.
     #[allow(clippy::type_complexity)] // as Python sees it
+    #[pyo3(signature = (noises, used, chosen=None))]
     fn whiten<'py>(
         &self,
         py: Python<'py>,
         noises: Vec<Given>,
         used: Vec<bool>,
+        chosen: Option<Vec<usize>>,
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
         let memories = self.sums.products.len();
         if used.len() != self.sums.series.len() || noises.iter().any(|noise| noise.0 >= memories) {
@@ -38,11 +58,27 @@ impl CoreSums {
             log_prior,
         };
         let noises: Vec<Noise> = noises.into_iter().map(noise).collect();
-        let threads = available_threads();
-        let (products, weights) = py.detach(|| self.sums.whiten(&noises, &used, threads));
-        let shape = [noises.len(), self.sums.width, self.sums.width];
+        let (threads, width) = (available_threads(), self.sums.width);
+        if chosen.iter().flatten().any(|&column| column >= width) {
+            return Err(PyValueError::new_err("no such column"));
+        }
+        let (products, weights) = py.detach(|| match &chosen {
+            None => self.sums.whiten(&noises, &used, threads),
+            Some(chosen) => {
+                let narrow = self.sums.narrow(chosen);
+                let (some, weights) = narrow.whiten(&noises, &used, threads);
+                (placed(&some, chosen, width), weights)
+            }
+        });
+        let shape = [noises.len(), width, width];
         let products = PyArray1::from_vec(py, products).reshape(shape)?;
         Ok((products, PyArray1::from_vec(py, weights)))
+    }
+
+    /// Number of columns.
+    #[getter]
+    fn width(&self) -> usize {
+        self.sums.width
     }
 
     /// Makes columns zero that are not finite; tells which are.

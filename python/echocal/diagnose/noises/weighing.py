@@ -37,10 +37,19 @@ class Shape(Protocol):
         """Fit it to what a hypothesis leaves."""
 
 
+class Guard(Protocol):
+    """A module of a noise that the engine guards against."""
+
+    FACTS: CauseFacts
+
+    def of(self, noise: Noise, /) -> bool:
+        """Whether a noise of the guards is this cause."""
+
+
 SHAPES: tuple[Shape, ...] = (noise_growth, cycle_slip, polling_jitter)
 """Noises that exclude each other: each is a whole likelihood of what the causes leave."""
 
-GUARDS = (correlated_noise, reference_error)
+GUARDS: tuple[Guard, ...] = (correlated_noise, reference_error)
 """Noises that every hypothesis reckons with anyhow."""
 
 _SETS = 4  # most probable sets of causes that noises are tried beside
@@ -123,9 +132,10 @@ def weigh_noises(case: Case, weighed: list[Weighed], carried: Stack, steps: Coll
     order = list(dict.fromkeys(_ids(w) for w in shares.weighed))
     shares.shapes = {ids: shares.shapes[ids] for ids in order if ids in shares.shapes}
     shares.fits = {ids: shares.fits[ids] for ids in order if ids in shares.fits}
+    stakes = [_Stake.of(guard, case, carried) for guard in GUARDS]
     for ids in order:
-        shares.guards[ids] = _guards(case, best[ids], carried, shares.shape_of(ids))
-    _doubt(shares, case, carried)
+        shares.guards[ids] = _guards(best[ids], stakes, shares.shape_of(ids))
+    _doubt(shares, stakes)
     return shares
 
 
@@ -214,7 +224,21 @@ def _innovation(left: NDArray[np.float64], groups: NDArray[np.int64], noise: Noi
     return np.fromiter(remembered, dtype=np.float64, count=len(steps))
 
 
-def _doubt(shares: NoiseShares, case: Case, carried: Stack) -> None:
+@dataclass(frozen=True)
+class _Stake:
+    """A guard, its probability before the data, and which of the noises carried along it is."""
+
+    facts: CauseFacts
+    before: float
+    concerned: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, guard: Guard, case: Case, carried: Stack) -> "_Stake":
+        before = sum(noise.prior for noise in case.noises if guard.of(noise))
+        return cls(guard.FACTS, before, np.array([guard.of(noise) for noise in carried.noises]))
+
+
+def _doubt(shares: NoiseShares, stakes: Collection[_Stake]) -> None:
     """Lower the guards' probabilities to what a sceptic gives the name.
 
     To be on the safe side the means are weighed as if every other table had such noise. A name is
@@ -222,35 +246,32 @@ def _doubt(shares: NoiseShares, case: Case, carried: Stack) -> None:
     """
     log = np.array([w.log_posterior for w in shares.weighed])
     total = np.exp(log - log.max())
-    for guard in GUARDS:
-        concerned = np.array([guard.of(noise) for noise in carried.noises])
-        before = sum(noise.prior for noise in case.noises if guard.of(noise))
+    for stake in stakes:
+        id_, before, concerned = stake.facts.id, stake.before, stake.concerned
         if not concerned.any() or before >= 1.0:
             continue
         part = np.array([w.noise[concerned].sum() for w in shares.weighed])
-        with_it = float(total @ part) / before * guard.FACTS.prior
-        without = float(total @ (1 - part)) / (1 - before) * (1 - guard.FACTS.prior)
+        with_it = float(total @ part) / before * stake.facts.prior
+        without = float(total @ (1 - part)) / (1 - before) * (1 - stake.facts.prior)
         believed = with_it / max(with_it + without, 1e-300)
-        given = np.array([shares.guard_of(_ids(w)).get(guard.FACTS.id, 0.0) for w in shares.weighed])
+        given = np.array([shares.guard_of(_ids(w)).get(id_, 0.0) for w in shares.weighed])
         usual = float(total @ given) / float(total.sum())
         factor = min(believed / max(usual, 1e-12), 1.0)
         for found in shares.guards.values():
-            if guard.FACTS.id in found:
-                found[guard.FACTS.id] *= factor
+            if id_ in found:
+                found[id_] *= factor
 
 
-def _guards(case: Case, weighed: Weighed, carried: Stack, shapes: Mapping[str, float]) -> dict[str, float]:
+def _guards(weighed: Weighed, stakes: Collection[_Stake], shapes: Mapping[str, float]) -> dict[str, float]:
     """Probability that noise with memory, or an error per stand, is there and not only guarded against."""
     mixed = shapes.get("cycle_slip", 0.0) + shapes.get("polling_jitter", 0.0)  # weighed without the guards
     found = {}
-    for guard in GUARDS:
-        before = sum(noise.prior for noise in case.noises if guard.of(noise))
-        share = float(
-            sum(s for s, noise in zip(weighed.noise, carried.noises, strict=True) if guard.of(noise))
-        )
+    for stake in stakes:
+        before, prior = stake.before, stake.facts.prior
         if before in (0.0, 1.0):
             continue
+        share = float(weighed.noise[stake.concerned].sum())
         odds = share * (1 - before) / max((1 - share) * before, 1e-12)
-        odds *= guard.FACTS.prior / (1 - guard.FACTS.prior)
-        found[guard.FACTS.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
+        odds *= prior / (1 - prior)
+        found[stake.facts.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
     return found

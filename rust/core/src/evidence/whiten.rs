@@ -71,6 +71,34 @@ impl Sums {
         (products, weights)
     }
 
+    /// The sums of some columns alone, in this order.
+    #[must_use]
+    pub fn narrow(&self, chosen: &[usize]) -> Self {
+        let width = self.width;
+        let block = |values: &[f64]| -> Vec<f64> {
+            let line = |&i: &usize| chosen.iter().map(move |&j| values[i * width + j]);
+            chosen.iter().flat_map(line).collect()
+        };
+        let own = |sums: &Products| Products {
+            blocks: sums.blocks.each_ref().map(|kind| {
+                let blocks = kind.chunks_exact((width * width).max(1));
+                blocks.flat_map(block).collect()
+            }),
+            cells: sums.cells.each_ref().map(|kind| {
+                let cells = kind.chunks_exact(width.max(1));
+                let some = |cell: &[f64]| -> Vec<f64> { chosen.iter().map(|&j| cell[j]).collect() };
+                cells.flat_map(some).collect()
+            }),
+        };
+        Self {
+            products: self.products.iter().map(own).collect(),
+            width: chosen.len(),
+            cells: self.cells.clone(),
+            series: self.series.clone(),
+            flat_level: self.flat_level,
+        }
+    }
+
     /// Which line of group sums each cell adds to; none where its block is not in use.
     fn lines(&self, used: &[bool]) -> (Vec<Option<usize>>, usize) {
         let most = self
