@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from types import ModuleType
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from echocal.diagnose.claims import Ranking, posterior_sets
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
+from echocal.diagnose.noises.weighing import Guard
 from echocal.diagnose.noises.weighing import SHAPES, NoiseShares
 from echocal.diagnose.result import Cause, Parameter
 
@@ -101,12 +101,9 @@ def _noises(sets: Sets, shares: NoiseShares, carried: Stack) -> list[Finding]:
     return findings
 
 
-def _guard_parameters(
-    module: ModuleType, shares: NoiseShares, carried: Stack
-) -> dict[str, tuple[float, float]]:
+def _guard_parameters(module: Guard, shares: NoiseShares, carried: Stack) -> dict[str, tuple[float, float]]:
     top = shares.weighed[0]
-    values: dict[str, tuple[float, float]] = module.parameters(carried.noises, top.noise, top.variance)
-    return values
+    return module.parameters(carried.noises, top.noise, top.variance)
 
 
 def _guard_story(id_: str, values: dict[str, tuple[float, float]]) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from echocal.diagnose.noises.trace import Likelihood, Trace
 __all__ = ["GUARDS", "SHAPES", "NoiseShares", "weigh_noises"]
 
 Ids = tuple[str, ...]
+Matrix = NDArray[np.floating[Any]]
 
 
 class Shape(Protocol):
@@ -44,6 +45,11 @@ class Guard(Protocol):
 
     def of(self, noise: Noise, /) -> bool:
         """Whether a noise of the guards is this cause."""
+
+    def parameters(
+        self, noises: tuple[Noise, ...], share: Matrix, variance: float, /
+    ) -> dict[str, tuple[float, float]]:
+        """Mean and spread of its parameters, given the probability of each noise."""
 
 
 SHAPES: tuple[Shape, ...] = (noise_growth, cycle_slip, polling_jitter)
