@@ -9,8 +9,7 @@ from echocal.diagnose.claims import Ranking, posterior_sets
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
-from echocal.diagnose.noises.weighing import Guard
-from echocal.diagnose.noises.weighing import SHAPES, NoiseShares
+from echocal.diagnose.noises.weighing import SHAPES, Guard, NoiseShares
 from echocal.diagnose.result import Cause, Parameter
 
 __all__ = ["NAMED", "Joint", "join"]
