@@ -134,6 +134,7 @@ impl<'a> Search<'a> {
         let factor = form.build(&mut builder);
         let distance = tail.build(&mut builder, factor);
         let mut program = builder.finish(distance)?;
+        program.middle_bytes = self.request.target.byte_shifts;
         for table in &mut program.tables {
             table.program_memory = self.request.target.program_memory;
         }

@@ -2,6 +2,10 @@
 
 use super::Local;
 use crate::ir::{IntegerType, Node, Operation, Program, Value};
+
+/// The function in C that names the two middle bytes of a product.
+pub const MIDDLE: &str = "echocal_middle";
+
 /// The statements of a program: its locals, and what it returns.
 #[must_use]
 pub fn statements(program: &Program) -> (Vec<Local>, String) {
@@ -105,6 +109,9 @@ impl Text<'_> {
             Operation::Constant(constant) => literal(constant, node.held),
             _ if self.spelled[value.0].is_some() => self.spelled_as(value, node.held),
             _ if node.computed == node.held => self.expression(value),
+            _ if self.program.middle_of(value, node.held).is_some() => {
+                self.middle(value, node.held)
+            }
             // What is known to end up natural is computed modulo its type from the start: compilers then know it for natural.
             Operation::Add(a, b) if modular(node) => self.modulo(node, a, "+", b),
             Operation::Subtract(a, b) if modular(node) => self.modulo(node, a, "-", b),
@@ -138,6 +145,9 @@ impl Text<'_> {
             (None, Operation::Load(table, _)) => {
                 (self.expression(value), self.program.tables[table.0].ty)
             }
+            (None, _) if self.program.middle_of(value, wanted).is_some() => {
+                return self.middle(value, wanted);
+            }
             (None, _) => (format!("({})", self.expression(value)), node.computed),
         };
         if given == wanted {
@@ -145,6 +155,16 @@ impl Text<'_> {
         } else {
             format!("({}){text}", wanted.c_name())
         }
+    }
+
+    /// The two middle bytes of a product, named.
+    fn middle(&self, value: Value, wanted: IntegerType) -> String {
+        let product = self.program.middle_of(value, wanted);
+        let product = product.map(|product| match self.program.node(product).name {
+            None => self.expression(product),
+            Some(_) => self.read(product, IntegerType::U32),
+        });
+        format!("{MIDDLE}({})", product.unwrap_or_default())
     }
 
     /// A value that has a variable of its own, as an operand of type `wanted`.

@@ -166,7 +166,9 @@ fn function_text(design: &Design, device: &Device) -> minijinja::Value {
         .axes()
         .filter(|axis| !read(axis))
         .map(|axis| axis.name.as_str());
+    let middle = format!("{}(", c::MIDDLE);
     context! {
+        middle => locals.iter().any(|local| local.expression.contains(&middle)),
         parameters => device.axes().map(parameter).collect::<Vec<_>>(),
         outside => device.axes().flat_map(outside).collect::<Vec<_>>(),
         unused => unused.collect::<Vec<_>>(),

@@ -26,6 +26,7 @@ const TEMPLATES: &[(&str, &str)] = templates![
     "c/echocal_selftest.c",
     "c/echocal_selftest_main.c",
     "c/program_memory",
+    "c/middle",
     "arduino/sketch",
     "arduino/library.properties",
     "arduino/keywords.txt",

@@ -2,8 +2,9 @@
 //! Horner's rule.
 //!
 //! With `u` counted from the coldest code, `speed = base + ((x * y) >> shift)`, `x = steep * u` and
-//! `y = far - flat * u`. The curvature `steep * flat` is a whole number, and a coarse one where `shift` is 16; the high
-//! byte of `x`, which costs nothing to get, makes it finer: `y = far - flat * u + lean * (x >> 8)`.
+//! `y = far - flat * u`. The curvature `steep * flat` is a whole number, and a coarse one where `shift` is 16. Either the
+//! high byte of `x`, which costs nothing to get, makes it finer, `y = far - flat * u + lean * (x >> 8)`, or `steep` has
+//! eight binary places, and `x` is the middle of its product with `u`.
 
 use super::tail::plus;
 use super::{Fit, Form, center, warmth};
@@ -17,6 +18,10 @@ pub(super) const NAME: &str = "factored";
 const POINTS: usize = 128;
 /// How far from the ideal the last constant is looked for.
 const REACH: i64 = 4;
+/// Binary places of the first line's factor where it has any.
+const PLACES: u32 = 8;
+/// How far from the ideal that factor is looked for where it has places.
+const FINE_REACH: i64 = 24;
 /// Largest factor of the second line where the first is to fit 16 bits.
 const FLATTEST: i64 = 4;
 /// Bits of the wider products.
@@ -30,6 +35,8 @@ struct Factored {
     base: i64,
     far: i64,
     steep: i64,
+    /// Binary places of `steep`.
+    places: u32,
     flat: i64,
     lean: i64,
     /// Whether the second line falls.
@@ -86,10 +93,11 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         return Vec::new(); // the second line would change its sign
     }
     let (grows, falls) = (slope > 0.0, slope * bend < 0.0);
-    let blank = |steep, flat, lean, shift| Factored {
+    let blank = |(steep, places, flat, lean), shift| Factored {
         base: 0,
         far: 0,
         steep,
+        places,
         flat,
         lean,
         falls,
@@ -100,14 +108,14 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let formats: Vec<Factored> = if fit.core.least_bits < 32 {
         byte_formats(bend.abs() * 65_536.0, last, falls)
             .into_iter()
-            .map(|(steep, flat, lean)| blank(steep, flat, lean, 16))
+            .map(|format| blank(format, 16))
             .collect()
     } else {
         let largest = slope.abs().max(end.abs()) * last;
         let shift = (PRODUCT_BITS - largest.log2()).floor() as i32;
         let shift = shift.clamp(0, MOST_PLACES) as u32;
         let flat = (bend.abs() * f64::from(shift).exp2()).round() as i64;
-        vec![blank(1, flat, 0, shift)]
+        vec![blank((1, 0, flat, 0), shift)]
     };
     let useful = formats
         .into_iter()
@@ -117,8 +125,8 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         .collect()
 }
 
-/// Whole numbers `(steep, flat, lean)` whose curvature is next to `wanted`, and whose first line fits 16 bits.
-fn byte_formats(wanted: f64, last: f64, falls: bool) -> Vec<(i64, i64, i64)> {
+/// Numbers `(steep, its places, flat, lean)` whose curvature is next to `wanted`, and whose first line fits 16 bits.
+fn byte_formats(wanted: f64, last: f64, falls: bool) -> Vec<(i64, u32, i64, i64)> {
     let sign = if falls { 1.0 } else { -1.0 };
     let most = (65_535.0 / last).floor() as i64;
     let mut found = Vec::new();
@@ -135,21 +143,30 @@ fn byte_formats(wanted: f64, last: f64, falls: bool) -> Vec<(i64, i64, i64)> {
         let best = (1..=most).min_by(|a, b| off(a).total_cmp(&off(b)));
         // Twice the high byte must still be a byte.
         let fits = |steep: &i64| lean.abs() < 2 || *steep as f64 * last < 32_768.0;
-        found.extend(best.filter(fits).map(|steep| (steep, flat, lean)));
+        found.extend(best.filter(fits).map(|steep| (steep, 0, flat, lean)));
+    }
+    let fine = (wanted * f64::from(PLACES).exp2()).round();
+    if fine < 65_536.0 && fine * last < 16_777_216.0 {
+        found.push((fine as i64, PLACES, 1, 0));
     }
     found
 }
 
 impl Factored {
+    /// The first line.
+    fn first(&self, u: i64) -> i64 {
+        (self.steep * u) >> self.places
+    }
+
     /// The second line without `far`, falling or rising.
     fn flat(&self, u: i64) -> i64 {
         let sign = if self.falls { -1 } else { 1 };
-        sign * self.flat * u + self.lean * ((self.steep * u) >> 8)
+        sign * self.flat * u + self.lean * (self.first(u) >> 8)
     }
 
     /// What stands on top of `base` at the code `u`.
     fn part(&self, u: i64) -> i64 {
-        let part = (self.steep * u * (self.far + self.flat(u))) >> self.shift;
+        let part = (self.first(u) * (self.far + self.flat(u))) >> self.shift;
         if self.grows { part } else { -part }
     }
 
@@ -164,13 +181,23 @@ impl Factored {
         builder.name(twice, "lean_twice", "twice that")
     }
 
+    /// The largest error \[um\], the base set to what suits the lines best.
+    fn settle(&mut self, fit: &Fit<'_>) -> f64 {
+        let parts: Vec<i64> = (0..fit.target.len() as i64).map(|u| self.part(u)).collect();
+        let settled: Vec<f64> = parts.iter().map(|part| *part as f64).collect();
+        self.base = center(fit, &settled);
+        let given: Vec<i64> = parts.iter().map(|part| part + self.base).collect();
+        fit.error(&given)
+    }
+
     /// The slope and the base that leave the least error, not rounded jointly yet; `None` if the lines leave their domain.
     fn fitted(mut self, fit: &Fit<'_>, sample: &Sample) -> Option<Self> {
         let unit = f64::from(self.shift).exp2();
         let sign = if self.grows { 1.0 } else { -1.0 };
-        let bend = |u: f64| sign * self.steep as f64 * u * self.flat(u as i64) as f64 / unit;
+        let steep = self.steep as f64 / f64::from(self.places).exp2();
+        let bend = |u: f64| sign * steep * u * self.flat(u as i64) as f64 / unit;
         let (line, floor) = sample.solve(bend, 1);
-        self.far = (sign * line[1] * unit / self.steep as f64).round() as i64;
+        self.far = (sign * line[1] * unit / steep).round() as i64;
         self.base = line[0].round() as i64;
         // The steps of the high byte are no straight line; they are no error that another rounding would not have.
         self.floor = if self.lean == 0 { floor } else { 0.0 };
@@ -191,7 +218,8 @@ impl Form for Factored {
 
     fn parameters(&self) -> serde_json::Value {
         serde_json::json!({
-            "base": self.base, "far": self.far, "steep": self.steep, "flat": self.flat, "lean": self.lean,
+            "base": self.base, "far": self.far, "steep": self.steep, "steep_places": self.places, "flat": self.flat,
+            "lean": self.lean,
             "falls": self.falls, "grows": self.grows, "shift": self.shift,
         })
     }
@@ -202,7 +230,10 @@ impl Form for Factored {
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let u = warmth(builder);
-        let steep = times(builder, u, self.steep);
+        let mut steep = times(builder, u, self.steep);
+        if self.places > 0 {
+            steep = builder.shift_right(steep, self.places);
+        }
         let steep = builder.name(steep, "steep", "one straight line");
         let flat = times(builder, u, self.flat);
         let far = builder.constant(self.far);
@@ -230,21 +261,26 @@ impl Form for Factored {
     }
 
     fn refine(&mut self, fit: &Fit<'_>) {
-        let codes = 0..fit.target.len() as i64;
-        let ideal = self.far;
-        let mut best = (f64::INFINITY, self.base, self.far);
-        for far in ideal - REACH..=ideal + REACH {
-            self.far = far;
-            let parts: Vec<i64> = codes.clone().map(|u| self.part(u)).collect();
-            let settled: Vec<f64> = parts.iter().map(|part| *part as f64).collect();
-            let base = center(fit, &settled);
-            let given: Vec<i64> = parts.iter().map(|part| part + base).collect();
-            let error = fit.error(&given);
-            if error < best.0 {
-                best = (error, base, far);
+        let (far, steep) = (self.far, self.steep);
+        // Without binary places another factor of the first line is another curvature.
+        let reach = if self.places > 0 { FINE_REACH } else { 0 };
+        let mut best = (f64::INFINITY, self.clone());
+        for steep in steep - reach..=steep + reach {
+            // The product of both is the slope.
+            let middle = (far * self.steep + steep / 2) / steep;
+            for far in middle - REACH..=middle + REACH {
+                let mut trial = Self {
+                    far,
+                    steep,
+                    ..self.clone()
+                };
+                let error = trial.settle(fit);
+                if error < best.0 {
+                    best = (error, trial);
+                }
             }
         }
-        (self.base, self.far) = (best.1, best.2);
+        *self = best.1;
     }
 
     fn duplicate(&self) -> Box<dyn Form> {

@@ -268,6 +268,7 @@ impl<'a> Builder<'a> {
             tables: self.tables,
             nodes: self.nodes,
             result,
+            middle_bytes: false,
         })
     }
 

@@ -126,6 +126,8 @@ pub struct Program {
     pub nodes: Vec<Node>,
     /// What the function returns, always within `int32_t`.
     pub result: Value,
+    /// Whether C names the middle bytes of a product instead of shifting it by a byte.
+    pub middle_bytes: bool,
 }
 
 impl Program {
@@ -133,6 +135,17 @@ impl Program {
     #[must_use]
     pub fn node(&self, value: Value) -> &Node {
         &self.nodes[value.0]
+    }
+
+    /// The 32-bit product of which only the two middle bytes are wanted, if that is what `value` is as a `wanted`.
+    #[must_use]
+    pub fn middle_of(&self, value: Value, wanted: IntegerType) -> Option<Value> {
+        let node = self.node(value);
+        let narrowed = node.computed == IntegerType::U32 && wanted == IntegerType::U16;
+        match node.operation {
+            Operation::ShiftRight(product, 8) if self.middle_bytes && narrowed => Some(product),
+            _ => None,
+        }
     }
 
     /// Bytes of all tables.

@@ -97,6 +97,7 @@ pub(super) fn avr(program: &Program, node: &Node) -> Cost {
         },
         // Half a product is where it is already; a quarter off its end moves the rest, unused bytes too.
         Operation::ShiftRight(_, bits) if bits % 16 == 0 || held == 1 && bits % 8 == 0 => (0, 0),
+        Operation::ShiftRight(_, 8) if bytes == 4 && held == 2 => (4, 2), // the middle bytes, named
         Operation::ShiftRight(_, bits) if bits % 8 == 0 => (2 * bytes, bytes),
         Operation::ShiftRight(_, bits) => (2 * bytes + 6, u64::from(bits) * (bytes + 3)),
         Operation::LowBits(_, bits) if bits % 8 == 0 => (0, 0),
