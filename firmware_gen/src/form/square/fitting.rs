@@ -6,8 +6,12 @@ use crate::minimax::{Points, minimax};
 
 /// Points of a minimax fit.
 const POINTS: usize = 200;
-/// Constants of the outer square that are tried.
-const CONSTANTS: usize = 24;
+/// Constants of an outer square that are tried.
+const CONSTANTS: usize = 16;
+/// The lowest of them: root of its way below the least value, as a share of the values' span.
+const FARTHEST: f64 = 1.6;
+/// Times that the step between them is halved around the best.
+const HALVINGS: usize = 6;
 /// Steps of the descent over integers.
 const STEPS: [i64; 5] = [64, 16, 4, 2, 1];
 /// Rounds with each step after which the descent goes on to the next.
@@ -48,6 +52,46 @@ fn single(x: &[f64], y: &[f64], weight: &[f64]) -> Option<Ideal> {
     (vertex.is_finite() && growth > 0.0).then_some(ideal)
 }
 
+/// `layers` squares, one of the other, nearest to `y`: the outermost constant that leaves the least error.
+fn nested(x: &[f64], y: &[f64], weight: &[f64], layers: usize) -> Option<Ideal> {
+    if layers < 2 {
+        return single(x, y, weight);
+    }
+    let (low, high) = y
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |ends, y| {
+            (y.min(ends.0), y.max(ends.1))
+        });
+    let unit = f64::from(SQUARE_BITS).exp2();
+    let trial = |share: f64| {
+        let constant = (high - low).mul_add(-share * share, low);
+        let root: Vec<f64> = y.iter().map(|y| ((y - constant) * unit).sqrt()).collect();
+        let pairs = weight.iter().zip(&root);
+        let weight: Vec<f64> = pairs
+            .map(|(w, root)| w * 2.0 * root.max(1.0) / unit)
+            .collect();
+        let mut inner = nested(x, &root, &weight, layers - 1)?;
+        inner.layers.push((constant, 1.0));
+        Some(inner)
+    };
+    let better = |a: &(f64, Ideal), b: &(f64, Ideal)| a.1.error.total_cmp(&b.1.error);
+    let of = |share: f64| trial(share).map(|ideal| (share, ideal));
+    let mut step = FARTHEST / CONSTANTS as f64;
+    let mut best = (0..CONSTANTS)
+        .filter_map(|k| of(k as f64 * step))
+        .min_by(better)?;
+    for _ in 0..HALVINGS {
+        step /= 2.0;
+        let beside = [best.0 - step, best.0 + step];
+        let found = beside
+            .into_iter()
+            .filter(|share| *share >= 0.0)
+            .filter_map(of);
+        best = found.chain([best]).min_by(better)?;
+    }
+    Some(best.1)
+}
+
 /// Codes, targets and weights, thinned out.
 fn points(fit: &Fit<'_>) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let span = fit.target.len() - 1;
@@ -62,34 +106,10 @@ fn points(fit: &Fit<'_>) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
 }
 
 impl Ideal {
-    pub(super) fn single(fit: &Fit<'_>) -> Option<Self> {
+    /// The outer constants are searched for; the innermost square is fitted to the roots that they leave.
+    pub(super) fn nested(fit: &Fit<'_>, layers: usize) -> Option<Self> {
         let (x, y, weight) = points(fit);
-        single(&x, &y, &weight)
-    }
-
-    /// The outer constant is tried out; the rest is a square fitted to the root that it leaves.
-    pub(super) fn nested(fit: &Fit<'_>) -> Option<Self> {
-        let (x, y, weight) = points(fit);
-        let (low, high) = y
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |ends, y| {
-                (y.min(ends.0), y.max(ends.1))
-            });
-        let unit = f64::from(SQUARE_BITS).exp2();
-        let trial = |share: usize| {
-            let constant = (high - low).mul_add(-(share as f64 / CONSTANTS as f64).powi(2), low);
-            let root: Vec<f64> = y.iter().map(|y| ((y - constant) * unit).sqrt()).collect();
-            let pairs = weight.iter().zip(&root);
-            let weight: Vec<f64> = pairs
-                .map(|(w, root)| w * 2.0 * root.max(1.0) / unit)
-                .collect();
-            let mut inner = single(&x, &root, &weight)?;
-            inner.layers.push((constant, 1.0));
-            Some(inner)
-        };
-        (0..CONSTANTS)
-            .filter_map(trial)
-            .min_by(|a, b| a.error.total_cmp(&b.error))
+        nested(&x, &y, &weight, layers)
     }
 
     pub(super) fn rounded(&self) -> Square {
@@ -127,34 +147,15 @@ impl Square {
     /// Change the constants by ever smaller steps while that helps.
     pub(super) fn descend(&mut self, fit: &Fit<'_>) {
         let half = fit.target.len() as i64 / 2;
+        let moves = self.moves();
         let mut best = (self.settle(fit), self.clone());
         for step in STEPS {
             for _ in 0..ROUNDS {
                 let before = best.0;
-                for (start, multiplier, inner) in [
-                    (1, 0, 0),
-                    (0, 1, 0),
-                    (0, 0, 1),
-                    (2, 1, 0),
-                    (3, 1, 0),
-                    (1, 0, 1),
-                    (1, 0, -1),
-                ] {
+                for change in &moves {
                     for way in [step, -step] {
                         let mut trial = best.1.clone();
-                        // A steeper line is turned about the middle of the codes.
-                        let turn = if start > 1 {
-                            (multiplier * half * way) >> CODE_BITS
-                        } else {
-                            start * way
-                        };
-                        trial.start += if start > 1 {
-                            -trial.sign * turn + start - 2
-                        } else {
-                            turn
-                        };
-                        trial.multiplier += multiplier * way;
-                        trial.layers[0].constant += inner * way;
+                        trial.change(change, way, half);
                         if trial.multiplier > 0 {
                             let error = trial.settle(fit);
                             if error < best.0 {
@@ -170,4 +171,60 @@ impl Square {
         }
         *self = best.1;
     }
+
+    /// Changes that are tried: each constant alone, a steeper line turned about the middle, and pairs that make up for
+    /// each other.
+    fn moves(&self) -> Vec<Change> {
+        let inner = self.layers.len() - 1; // the outermost constant is settled
+        let zero = vec![0; inner];
+        let change = |start, multiplier, turned, layers: &[i64]| Change {
+            start,
+            multiplier,
+            turned,
+            layers: layers.to_vec(),
+        };
+        let mut moves = vec![
+            change(1, 0, false, &zero),
+            change(0, 1, false, &zero),
+            change(0, 1, true, &zero),
+            change(1, 1, true, &zero),
+        ];
+        for layer in 0..inner {
+            let mut one = zero.clone();
+            one[layer] = 1;
+            moves.push(change(0, 0, false, &one));
+            moves.push(change(1, 0, false, &one));
+            moves.push(change(-1, 0, false, &one));
+            for other in 0..layer {
+                for sign in [1, -1] {
+                    let mut two = one.clone();
+                    two[other] = sign;
+                    moves.push(change(0, 0, false, &two));
+                }
+            }
+        }
+        moves
+    }
+
+    fn change(&mut self, change: &Change, way: i64, half: i64) {
+        let turn = (change.multiplier * half * way) >> CODE_BITS;
+        if change.turned {
+            self.start += change.start - self.sign * turn;
+        } else {
+            self.start += change.start * way;
+        }
+        self.multiplier += change.multiplier * way;
+        for (layer, by) in self.layers.iter_mut().zip(&change.layers) {
+            layer.constant += by * way;
+        }
+    }
+}
+
+/// A change of the constants, once per step.
+struct Change {
+    start: i64,
+    multiplier: i64,
+    /// Whether the line turns about the middle of the codes.
+    turned: bool,
+    layers: Vec<i64>,
 }

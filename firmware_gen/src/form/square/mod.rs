@@ -1,5 +1,5 @@
-//! A completed square, or the square of one: `c + (w * w >> 16)`, where `w` is straight in the code, or itself such a
-//! square. One constant fewer than Horner's rule of the same degree, and no shift but by whole bytes.
+//! A completed square, or the square of one, or of that: `c + (w * w >> 16)`, where `w` is straight in the code, or
+//! itself such a square. One constant fewer than Horner's rule of the same degree, and no shift but by whole bytes.
 
 mod fitting;
 
@@ -12,6 +12,10 @@ use fitting::Ideal;
 const CODE_BITS: u32 = 8;
 /// Binary places that a square loses.
 const SQUARE_BITS: u32 = 16;
+/// Most squares, one of the other.
+const LAYERS: usize = 3;
+/// Names of the inner squares in C.
+const NAMES: [&str; LAYERS - 1] = ["square", "fourth_power"];
 /// Name of the form.
 pub(super) const NAME: &str = "square";
 
@@ -37,8 +41,8 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     if fit.target.len() < 4 {
         return Vec::new();
     }
-    let ideals = [Ideal::single(fit), Ideal::nested(fit)];
-    let made = ideals.into_iter().flatten().map(|ideal| ideal.rounded());
+    let ideals = (1..=LAYERS).filter_map(|layers| Ideal::nested(fit, layers));
+    let made = ideals.map(|ideal| ideal.rounded());
     made.map(|form| Box::new(form) as _).collect()
 }
 
@@ -70,7 +74,8 @@ impl Form for Square {
     fn describe(&self) -> String {
         match self.layers.len() {
             1 => "completed square in the temperature code".into(),
-            _ => "square of a completed square in the temperature code".into(),
+            2 => "square of a completed square in the temperature code".into(),
+            _ => "square of the square of a completed square in the temperature code".into(),
         }
     }
 
@@ -102,18 +107,14 @@ impl Form for Square {
             let high = builder.shift_right(square, SQUARE_BITS);
             value = signed(builder, layer.constant, layer.sign, high);
             if index + 1 < self.layers.len() {
-                value = builder.name(value, "square", "its square, 2^-16, and a constant");
+                value = builder.name(value, NAMES[index], "its square, 2^-16, and a constant");
             }
         }
         value
     }
 
     fn refine(&mut self, fit: &Fit<'_>) {
-        let ideal = if self.layers.len() == 1 {
-            Ideal::single(fit)
-        } else {
-            Ideal::nested(fit)
-        };
+        let ideal = Ideal::nested(fit, self.layers.len());
         if let Some(ideal) = ideal {
             *self = ideal.rounded();
         }
