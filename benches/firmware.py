@@ -26,7 +26,6 @@ DS18B20 = (0.0625, -20.0, 60.0)
 REACH = 4.0  # m
 ECHOES = np.arange(0, 28_001, 500)  # us
 OURS = [  # core, target, what is saved, options, bound [m]
-    ("avr", "avr", "size", "-Os", 0.105e-3),
     ("avr", "avr", "size", "-Os", 0.1e-3),
     ("avr", "avr", "size", "-Os", 0.06e-3),
     ("avr", "avr", "speed", "-Os", 0.5e-3),

@@ -37,7 +37,7 @@ def test_the_page_is_fresh() -> None:
 def test_rows_measured_again_are_as_stated(bench: ModuleType) -> None:
     """The quickest of theirs and of ours, on a core each; a change of the generator shows here."""
     stated = json.loads((BENCHES / "firmware.json").read_text())
-    for row in stated["ours"][:1] + stated["ours"][5:6]:
+    for row in stated["ours"][:1] + stated["ours"][4:5]:
         (case,) = [case for case in bench.OURS if asked(row) == (*case[:4], f"{case[4] * 1e3:g} mm")]
         again = bench.ours(*case, humid=False)
         assert {key: again[key] for key in row} == row, STALE

@@ -16,6 +16,9 @@ use omission::FIELD;
 /// Points at which a quantity, and the temperature, are tried.
 const STEPS: usize = 16;
 
+/// Distances at which an error is looked for, as shares of the largest.
+const NEARER: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
+
 /// A model at the conditions that the device measures, the others frozen.
 #[derive(Clone, Debug)]
 pub struct Lowered {
@@ -48,9 +51,10 @@ pub fn lower(
             continue;
         };
         let effect = Some(term.facts().id);
+        let unknown = base.unknown(term);
         let assumed = quantity
-            .map(|quantity| frozen.get(quantity))
-            .filter(|value| value.is_finite());
+            .filter(|_| unknown.is_empty())
+            .map(|quantity| frozen.get(quantity));
         let mut alone = base.clone();
         alone.extend(term)?;
         let settled = if assumed.is_some() {
@@ -58,7 +62,7 @@ pub fn lower(
         } else {
             &base.model
         };
-        let left = alone.spread(settled, device, quantity, distance);
+        let left = alone.spread(settled, device, (quantity, &unknown), distance);
         if assumed.is_some() {
             kept.extend(term)?;
         }
@@ -136,6 +140,15 @@ impl Lowered {
         })
     }
 
+    /// What an effect reads that is neither measured nor assumed.
+    fn unknown(&self, term: &Term) -> Vec<Quantity> {
+        let reads = term.facts().reads.iter().copied();
+        let here = |quantity: &Quantity| {
+            !self.measured.contains(quantity) && !self.frozen.get(*quantity).is_finite()
+        };
+        reads.filter(here).collect()
+    }
+
     /// State what the law reads and the device does not measure.
     fn state_law(&mut self, device: &Device, distance: f64) {
         let reads = self.model.law().facts().reads;
@@ -143,7 +156,7 @@ impl Lowered {
             .iter()
             .filter(|quantity| !self.measured.contains(quantity))
         {
-            let left = self.spread(&self.model, device, Some(*quantity), distance);
+            let left = self.spread(&self.model, device, (Some(*quantity), &[]), distance);
             let (quantity, assumed) = (Some(*quantity), Some(self.frozen.get(*quantity)));
             self.omissions.push(Omission {
                 effect: None,
@@ -155,34 +168,50 @@ impl Lowered {
         }
     }
 
-    /// How far this model's distance is from `distance`, at the echo time of a `settled` model there, while `quantity`
-    /// runs over the field.
+    /// How far this model's distance is from one up to `distance`, at the echo time of a `settled` model there, while
+    /// `quantity` runs over the field, and with it what is `unknown`.
     fn spread(
         &self,
         settled: &Model,
         device: &Device,
-        quantity: Option<Quantity>,
+        (quantity, unknown): (Option<Quantity>, &[Quantity]),
         distance: f64,
     ) -> f64 {
+        let steps = |used: bool| 0..=if used { STEPS } else { 0 };
         let mut largest = 0.0_f64;
         for row in (0..=STEPS).map(|step| (device.rows() - 1) * step / STEPS) {
-            let at = self.at(&device.values(row));
-            let time = settled.time_of_flight(distance, &at);
-            let mut take = |at: Conditions<f64>| {
-                largest = largest.max((self.model.distance(time, &at) - distance).abs());
-            };
-            let Some(quantity) = quantity else {
-                take(at);
-                continue;
-            };
-            let (_, low, high) = FIELD[quantity as usize];
-            for step in 0..=STEPS {
-                let value = (high - low).mul_add(step as f64 / STEPS as f64, low);
-                take(at.with(quantity, value));
+            for step in steps(!unknown.is_empty()) {
+                let known = self.at(&device.values(row));
+                let at = unknown
+                    .iter()
+                    .fold(known, |at, quantity| afield(at, *quantity, step));
+                for far in NEARER.map(|share| share * distance) {
+                    let time = settled.time_of_flight(far, &at);
+                    for step in steps(quantity.is_some()) {
+                        let there = quantity.map_or(at, |quantity| afield(at, quantity, step));
+                        let error = (self.model.distance(time, &there) - far).abs();
+                        // What cannot be told is not nothing.
+                        largest = largest.max(if error.is_nan() { f64::INFINITY } else { error });
+                    }
+                }
             }
         }
         largest
     }
+}
+
+/// Conditions with one quantity at a step of its range in the field.
+fn afield(at: Conditions<f64>, quantity: Quantity, step: usize) -> Conditions<f64> {
+    let (_, low, high) = FIELD[quantity as usize];
+    let later = (Quantity::TemperatureLater1 as usize..=Quantity::TemperatureLater5 as usize)
+        .contains(&(quantity as usize));
+    let from = if later {
+        at.get(Quantity::Temperature)
+    } else {
+        0.0
+    };
+    let value = (high - low).mul_add(step as f64 / STEPS as f64, low);
+    at.with(quantity, from + value)
 }
 
 /// A model in words, a line for its law and one for each effect.

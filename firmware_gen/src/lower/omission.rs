@@ -3,7 +3,8 @@
 use echocal_core::Quantity;
 use std::fmt;
 
-/// Where an influence quantity can lie in the field; the cost of not measuring it is stated over this range.
+/// Where an influence quantity can lie in the field; the cost of not measuring it is stated over this range. Later
+/// temperatures are counted from the temperature.
 pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
     (Quantity::Temperature, -20.0, 60.0),
     (Quantity::RelativeHumidity, 0.0, 1.0),
@@ -16,11 +17,11 @@ pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
     (Quantity::Radiation, 0.0, 1000.0),
     (Quantity::Amplitude, 0.05, 1.0),
     (Quantity::TemperatureRate, -0.01, 0.01),
-    (Quantity::TemperatureLater1, -20.0, 60.0),
-    (Quantity::TemperatureLater2, -20.0, 60.0),
-    (Quantity::TemperatureLater3, -20.0, 60.0),
-    (Quantity::TemperatureLater4, -20.0, 60.0),
-    (Quantity::TemperatureLater5, -20.0, 60.0),
+    (Quantity::TemperatureLater1, -1.0, 1.0),
+    (Quantity::TemperatureLater2, -1.0, 1.0),
+    (Quantity::TemperatureLater3, -1.0, 1.0),
+    (Quantity::TemperatureLater4, -1.0, 1.0),
+    (Quantity::TemperatureLater5, -1.0, 1.0),
     (Quantity::RadiationRate, -0.5, 0.5),
     (Quantity::PositionInGroup, 0.0, 10.0),
 ];

@@ -95,6 +95,7 @@ pub const TARGETS: &[Target] = &[
     },
     core("cortex-m0"),
     core("cortex-m3"),
+    core("cortex-m4f"),
     Target {
         cost: cost::riscv,
         ..core("rv32")

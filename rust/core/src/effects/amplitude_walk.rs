@@ -1,6 +1,6 @@
 //! A threshold that a fainter echo crosses later.
 
-use super::{Effect, Facts, Firmware, ParameterFacts, Role, Tried};
+use super::{Effect, Facts, ParameterFacts, Role, Tried};
 use crate::air::absorption;
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
@@ -59,9 +59,6 @@ impl Effect for AmplitudeWalk {
         edges: true,
         domain: "one target; 0.1 to 6 m; without recorded humidity alpha is that of the model's assumed air",
         check: "record the echo's amplitude, or change the target's reflectivity at one distance",
-        firmware: Firmware::Refused(
-            "its delay grows with the echo; the generator's forms have one delay for all echoes",
-        ),
         ..Facts::USUAL
     };
 

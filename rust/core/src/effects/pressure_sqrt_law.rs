@@ -1,7 +1,7 @@
 //! A device that takes the speed of sound for proportional to the root of the pressure.
 
 use super::pressure::STANDARD;
-use super::{Effect, Facts, Firmware, ParameterFacts};
+use super::{Effect, Facts, ParameterFacts};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -21,7 +21,6 @@ impl Effect for PressureSqrtLaw {
         parameters: &[ParameterFacts::COEFFICIENT],
         domain: "indications of the device; recorded echo times do not know it",
         check: "compare indications at two altitudes, or read the firmware",
-        firmware: Firmware::Needs(Quantity::Pressure),
         ..Facts::USUAL
     };
 

@@ -35,11 +35,11 @@ impl Effect for TransducerSpacing {
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
         let path = chain.path;
+        let square = S::constant(0.25) * parameters[0];
         // without a spacing, the root at distance 0 would have no derivative for a search to follow
-        let square = S::constant(0.25).mul_add(parameters[0], S::constant(SMALLEST));
-        let side = path.mul_add(path, square).sqrt();
-        // for a path behind the sensor, which only a search passes through, on along a rising line
-        chain.path = path + (side - path.abs());
+        let side = path.mul_add(path, square + S::constant(SMALLEST)).sqrt();
+        // side - |d|, and for a path behind the sensor, which only a search passes through, on along a rising line
+        chain.path = path + square / (side + path.abs());
     }
 }
 

@@ -25,8 +25,10 @@
  * Form: table of 12 speed factors, 16 codes apart, linear between them.
  * Memory: 24 bytes of constant tables, no variables of static storage duration.
  *
- * MISRA C:2012, as cppcheck reads it: clean but for advisory rules 2.5 (macros are for the caller), 8.9 (tables stand
- * before the function, each with its note), 15.5 (codes out of range return at once).
+ * MISRA C:2012, as cppcheck reads it: clean but for advisory rules
+ * - 2.5 (macros are for the caller)
+ * - 8.9 (tables stand before the function, each with its note)
+ * - 15.5 (codes out of range return at once)
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
