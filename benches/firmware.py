@@ -32,7 +32,7 @@ OURS = [  # core, target, what is saved, options, bound [m]
     ("avr", "c99", "size", "-Os", 0.1e-3),
     ("cortex-m0", "cortex-m0", "size", "-Os", 0.1e-3),
     ("cortex-m3", "cortex-m3", "size", "-Os", 0.1e-3),
-    ("cortex-m4f", "cortex-m3", "size", "-Os", 0.1e-3),
+    ("cortex-m4f", "cortex-m4f", "size", "-Os", 0.1e-3),
     ("rv32", "rv32", "size", "-Os", 0.1e-3),
     ("rv32e", "rv32", "size", "-Os", 0.1e-3),
 ]

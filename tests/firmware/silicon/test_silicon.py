@@ -24,10 +24,10 @@ CEILINGS = {
     ("avr", "c99", "size", "-Os"): {"5": Cost(154, 124, 0, 6, 317)},
     ("cortex-m0", "cortex-m0", "size", "-Os"): {"12": Cost(64, 64, 0, 0, 22)},
     ("cortex-m3", "cortex-m3", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
-    ("cortex-m4f", "cortex-m3", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
+    ("cortex-m4f", "cortex-m4f", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
     ("rv32", "rv32", "size", "-Os"): {"12": Cost(82, 82, 0, 0, 25)},
 }
-TARGETS = {"cortex-m4f": "cortex-m3", "rv32e": "rv32"}
+TARGETS = {"rv32e": "rv32"}
 # What is saved, and the bound.
 WISHES = {
     "size": ("size", 0.1e-3),
