@@ -190,8 +190,8 @@ def generate(
     model : Model
         The model to follow: true distance from echo time and temperature.
     target : str
-        What the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``, or ``"c99"``,
-        any compiler with ``stdint.h``.
+        What the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``,
+        or ``"c99"``, any compiler with ``stdint.h``.
     temperature : TemperatureCodes or tuple of (lsb, low, high)
         Codes of the thermometer [degC].
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
