@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.result import Cause, Diagnosis, Gain, NextMeasurement
-from echocal.diagnose.sentences import parameter_text, quantity_text
+from echocal.diagnose.sentences import parameter_text, quantity_text, shifted_text
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 
@@ -106,7 +106,7 @@ def _gain(gain: Gain | None) -> list[str]:
             f"That is {100 * gain.fraction_of_reachable:.0f} % of what every recorded column together could "
             f"remove (floor {floor})."
         )
-    return lines
+    return lines + [f"Under other conditions: {shifted_text(one)}." for one in gain.shifted]
 
 
 def further_notes(diagnosis: Diagnosis) -> list[str]:

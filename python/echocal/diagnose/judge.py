@@ -12,6 +12,7 @@ from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import HeldOut, fixed_speed_rms, floor, measure, summarize, worse
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.result import Gain, Ladder, Refuted
+from echocal.diagnose.shifted import shifted
 from echocal.model import Model
 
 __all__ = ["Judgment", "judge"]
@@ -69,6 +70,7 @@ def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> 
         case.folds,
         case.seed,
     )
+    gain = replace(gain, shifted=shifted(case, hypothesis, [c.cause for c in kept], noise))
     model = _extended(case, weighed, kept, gain)
     return Judgment(tuple(kept), tuple(refuted), weighed, model, gain)
 

@@ -113,6 +113,30 @@ class Unexplained:
 
 
 @dataclass(frozen=True)
+class Shifted:
+    """The gain under other conditions than those of the fit.
+
+    Attributes
+    ----------
+    against : str
+        The column that tells them apart.
+    low, high : float
+        Its range in the rows that the model was fitted to, in the unit of the quantity.
+    rows : int
+        Rows outside, that it was judged by.
+    rms_before_m, rms_after_m : float
+        Their error with the base simulation and with the model [m].
+    """
+
+    against: str
+    low: float
+    high: float
+    rows: int
+    rms_before_m: float
+    rms_after_m: float
+
+
+@dataclass(frozen=True)
 class Gain:
     """What the extended model gains on rows that its parameters never saw.
 
@@ -135,6 +159,8 @@ class Gain:
         Of ``rms_before_m - rms_after_m`` [m], from resampled blocks of rows.
     scheme : str
         How rows were held out.
+    shifted : tuple of Shifted
+        The same under other conditions: fitted to the middle of a column, judged outside.
     """
 
     rms_fixed_speed_m: float | None
@@ -146,6 +172,7 @@ class Gain:
     fraction_of_reachable: float | None
     interval_95: tuple[float, float]
     scheme: str
+    shifted: tuple[Shifted, ...] = ()
 
 
 @dataclass(frozen=True)

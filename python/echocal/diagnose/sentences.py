@@ -5,7 +5,16 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["first_against_others", "parameter_text", "quantity_text", "telling_column", "tendency"]
+from echocal.diagnose.result import Shifted
+
+__all__ = [
+    "first_against_others",
+    "parameter_text",
+    "quantity_text",
+    "shifted_text",
+    "telling_column",
+    "tendency",
+]
 
 Column = NDArray[np.float64]
 
@@ -35,6 +44,15 @@ def quantity_text(name: str, value: float) -> str:
     """``18.3 degC``, ``64 %``: a value as people read it."""
     unit, factor = _SHOWN.get(name, ("", 1.0))
     return f"{value * factor:.3g} {unit}".strip()
+
+
+def shifted_text(one: Shifted) -> str:
+    """Say what a model gains where it was not fitted."""
+    low, high = (quantity_text(one.against, end) for end in (one.low, one.high))
+    return (
+        f"fitted where {one.against.replace('_', ' ')} is {low} to {high}, {one.rows} rows outside have an "
+        f"error of {1e3 * one.rms_before_m:.2f} mm before, {1e3 * one.rms_after_m:.2f} mm after"
+    )
 
 
 def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:

@@ -10,6 +10,7 @@ from rich.text import Text
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.explain import further_notes, lead, parameter_text, proposal_text
+from echocal.diagnose.sentences import shifted_text
 
 __all__ = ["print_diagnosis"]
 
@@ -104,6 +105,7 @@ def _gain(gain: Gain) -> RenderableType:
         part = gain.fraction_of_reachable
         reached = "" if part is None else f"; {100 * part:.0f} % of what can be reached"
         lines.append(Text(f"gain {low:.2f} to {high:.2f} mm (95 %){reached}"))
+        lines += [Text(shifted_text(one)) for one in gain.shifted]
     return Group(*lines, Text())
 
 

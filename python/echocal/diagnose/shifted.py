@@ -1,0 +1,117 @@
+"""What a model gains where it was not fitted: under other distances, temperatures, humidities."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates import UNKNOWN, Variant
+from echocal.diagnose.case import Case
+from echocal.diagnose.claims import effects_of, without
+from echocal.diagnose.columns import Columns
+from echocal.diagnose.evidence import Hypothesis, Stack, weigh
+from echocal.diagnose.gain import errors
+from echocal.diagnose.noise import Noise, Sums
+from echocal.diagnose.result import Shifted
+from echocal.model import Model
+
+__all__ = ["shifted"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_ALONG = ("distance", "temperature", "relative_humidity")
+_INNER = (0.2, 0.8)  # part of the rows, by the column, that a model is fitted to
+_FEWEST = 8  # rows to fit, and to judge by
+_PLACES = 5  # distinct values: fewer have no middle to fit to
+_MOST, _RUN = 100_000, 1000  # rows that are looked at, in runs
+
+
+def shifted(case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise) -> tuple[Shifted, ...]:
+    """Fit to the middle of each column, judge by the rows outside.
+
+    Rows held out in turn are like those that were fitted; a wrong name costs little there and much
+    under other conditions. Where a column is too narrow, or known for too few rows, it is left out.
+
+    Parameters
+    ----------
+    case : Case
+    hypothesis : Hypothesis
+        What is fitted.
+    causes : sequence of str
+        Effects of the hypothesis that the model has.
+    noise : Noise
+    """
+    if not causes:
+        return ()
+    hypothesis = without(hypothesis, UNKNOWN)  # a shape holds where it was seen
+    found = []
+    recorded = case.table.against()
+    for name in (name for name in _ALONG if name in recorded):
+        one = _along(case, hypothesis, causes, noise, name, recorded[name])
+        if one is not None:
+            found.append(one)
+    return tuple(found)
+
+
+def _along(
+    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, name: str, column: Column
+) -> Shifted | None:
+    seen = _seen(case)
+    low, high = np.quantile(column[seen], _INNER)
+    inside = seen & (low <= column) & (column <= high)
+    outside = seen & ~inside
+    if len(np.unique(column[seen])) < _PLACES or min(inside.sum(), outside.sum()) < _FEWEST:
+        return None
+    effects = _fit(case, hypothesis, causes, noise, inside)
+    before, after = (
+        _rms(case, model, inside, outside) for model in (case.base.model(), case.base.model(effects))
+    )
+    if not np.isfinite(before) or not np.isfinite(after):
+        return None  # no level of the rows outside is known inside
+    return Shifted(name, float(low), float(high), int(outside.sum()), before, after)
+
+
+def _seen(case: Case) -> Mask:
+    """Rows that a fit may see; of very many, evenly spread runs."""
+    seen = case.folds.fit[case.folds.blocks]
+    runs = np.arange(len(seen)) // _RUN
+    return np.asarray(seen & (runs % (1 + len(seen) // _MOST) == 0))
+
+
+def _fit(
+    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, rows: Mask
+) -> dict[str, dict[str, float]]:
+    """Sizes of the causes, from some rows."""
+    table, at = case.table, np.flatnonzero(rows)
+    used = [0, *sorted({c for v in hypothesis.variants for c in v.columns}), len(case.found.columns) - 1]
+    given = {name: column[at] for name, column in table.conditions.items()}
+    columns = Columns(case.base.model(), np.ones(len(at)), given, None)
+    for column in case.found.columns.at(used, at):
+        columns.store(column)
+    starts = table.starts[at]
+    starts[1:] |= np.diff(at) > 1
+    starts[:1] = True
+    groups = np.unique(table.groups[at], return_inverse=True)[1].astype(np.int64)
+    blocks = np.zeros(len(at), dtype=np.int64)
+    sums = Sums.gather(columns, starts, blocks, groups, flat_level=case.sums.flat_level)
+    moved = replace(hypothesis, variants=tuple(_moved(v, used) for v in hypothesis.variants))
+    fitted = weigh(moved, Stack.of([sums.whiten(noise)], sums.degrees(np.array([True]))))
+    return effects_of(fitted, causes)
+
+
+def _moved(variant: Variant, used: Sequence[int]) -> Variant:
+    """The same form over a selection of columns."""
+    offset = None if variant.offset is None else used.index(variant.offset)
+    return replace(variant, offset=offset, free=tuple(used.index(column) for column in variant.free))
+
+
+def _rms(case: Case, model: Model, inside: Mask, outside: Mask) -> float:
+    table = case.table
+    if table.reference is not None:
+        error = table.correct(model, outside) - table.reference[outside]
+    else:
+        error = errors(table, model, inside)[outside]
+    known = np.isfinite(error)
+    return float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else np.nan
