@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.result import Cause, Diagnosis, Gain, NextMeasurement
+from echocal.diagnose.parts import Cause, Gain, NextMeasurement
+from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.sentences import parameter_text, quantity_text, shifted_text
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.noise import FINEST, Noise, Sums
-from echocal.diagnose.result import Gain, Ladder
+from echocal.diagnose.parts import Gain, Ladder
 from echocal.diagnose.scene import Table, levels
 from echocal.model import Model
 

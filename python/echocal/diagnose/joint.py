@@ -10,7 +10,7 @@ from echocal.diagnose.evidence import Stack
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
 from echocal.diagnose.noises.weighing import SHAPES, Guard, NoiseShares
-from echocal.diagnose.result import Cause, Parameter
+from echocal.diagnose.parts import Cause, Parameter
 
 __all__ = ["NAMED", "Joint", "join"]
 

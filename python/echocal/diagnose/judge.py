@@ -11,7 +11,7 @@ from echocal.diagnose.claims import Claim, covariance_of, effects_of, without
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import HeldOut, fixed_speed_rms, floor, measure, summarize, worse
 from echocal.diagnose.noise import Noise
-from echocal.diagnose.result import Gain, Ladder, Refuted
+from echocal.diagnose.parts import Gain, Ladder, Refuted
 from echocal.diagnose.shifted import shifted
 from echocal.model import Model
 

@@ -10,8 +10,8 @@ from echocal.diagnose.case import Case
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.design import Plan, Prospect, best_plan
 from echocal.diagnose.noise import Noise
+from echocal.diagnose.parts import NextMeasurement
 from echocal.diagnose.ranges import Ranges, grid
-from echocal.diagnose.result import NextMeasurement
 
 __all__ = ["propose"]
 

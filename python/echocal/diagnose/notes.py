@@ -9,7 +9,7 @@ from echocal.diagnose.claims import Claim, Ranking, free_size, without
 from echocal.diagnose.evidence import Hypothesis, Stack
 from echocal.diagnose.judge import Judgment
 from echocal.diagnose.level_steps import steps_of
-from echocal.diagnose.result import Unexplained
+from echocal.diagnose.parts import Unexplained
 from echocal.diagnose.sentences import first_against_others, tendency
 from echocal.diagnose.tension import reconciled
 from echocal.observations import Observations

@@ -12,7 +12,7 @@ from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import errors
 from echocal.diagnose.noise import Noise, Sums
-from echocal.diagnose.result import Unexplained
+from echocal.diagnose.parts import Unexplained
 from echocal.diagnose.unexplained import Basis, column_of
 from echocal.model import Model, Shape
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.result import Shifted
+from echocal.diagnose.parts import Shifted
 
 __all__ = [
     "first_against_others",

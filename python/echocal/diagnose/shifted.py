@@ -13,7 +13,7 @@ from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh
 from echocal.diagnose.gain import errors
 from echocal.diagnose.noise import Noise, Sums
-from echocal.diagnose.result import Shifted
+from echocal.diagnose.parts import Shifted
 from echocal.model import Model
 
 __all__ = ["shifted"]

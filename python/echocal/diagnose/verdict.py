@@ -33,10 +33,11 @@ from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
 from echocal.diagnose.parsimony import Ids
+from echocal.diagnose.parts import Cause, Parameter, Traces, Verdict
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.ranges import Ranges
 from echocal.diagnose.remainder import told_apart, with_its_shape
-from echocal.diagnose.result import Cause, Diagnosis, Parameter, Traces, Verdict
+from echocal.diagnose.result import Diagnosis
 from echocal.diagnose.steadiness import unsteady
 from echocal.errors import DomainWarning
 from echocal.observations import Observations

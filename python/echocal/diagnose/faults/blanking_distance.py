@@ -6,7 +6,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.faults.values import far
 from echocal.diagnose.faults.view import View
-from echocal.diagnose.result import Parameter
+from echocal.diagnose.parts import Parameter
 
 __all__ = ["FACTS", "detect"]
 

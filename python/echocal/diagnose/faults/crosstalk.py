@@ -6,7 +6,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.faults.wild import count_evidence, wild_side
-from echocal.diagnose.result import Parameter
+from echocal.diagnose.parts import Parameter
 
 __all__ = ["FACTS", "detect"]
 

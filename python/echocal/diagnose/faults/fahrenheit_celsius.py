@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.view import View
-from echocal.diagnose.result import Parameter
+from echocal.diagnose.parts import Parameter
 from echocal.observations import Observations
 
 __all__ = ["FACTS", "detect"]

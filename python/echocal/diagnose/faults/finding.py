@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.facts import CauseFacts
-from echocal.diagnose.result import Parameter
+from echocal.diagnose.parts import Parameter
 from echocal.observations import Observations
 
 __all__ = ["Finding", "listed", "probability"]

@@ -9,7 +9,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.ratio import divided, factor_of
 from echocal.diagnose.faults.view import View
-from echocal.diagnose.result import Parameter
+from echocal.diagnose.parts import Parameter
 
 __all__ = ["FACTS", "detect"]
 

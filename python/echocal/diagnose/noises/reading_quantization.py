@@ -8,7 +8,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.lattice import FINEST, find_lattice
-from echocal.diagnose.result import Parameter
+from echocal.diagnose.parts import Parameter
 
 __all__ = ["FACTS", "detect"]
 
