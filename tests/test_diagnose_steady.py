@@ -37,3 +37,26 @@ def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named() -> No
     assert cause.doubt in sizes(diagnosis)
     assert diagnosis.verdict != "named"
     assert f"But {cause.doubt}" in diagnosis.explain()
+
+
+def test_sessions_that_differ_are_not_one_cause() -> None:
+    # the same stands twice: right in the first session; an offset and a scale in the second
+    random = np.random.default_rng()
+    stands = np.tile(np.repeat(np.linspace(0.2, 1.5, 12), 30), 2)
+    second = np.arange(len(stands)) >= len(stands) // 2
+    reading = stands + second * (-0.012 * stands - 9e-3) + random.normal(0.0, 2e-3, len(stands))
+    table = pd.DataFrame(
+        {
+            "reading_m": reading,
+            "distance_m": stands,
+            "temperature_C": random.normal(22.0, 0.5, len(stands)),
+            "stand": np.repeat(np.arange(24), 30),
+        }
+    )
+    diagnosis = echocal.diagnose(table)
+    named = {c.id for c in diagnosis.causes if c.kind == "effect" and c.probability >= 0.9 and not c.doubt}
+    assert named <= {"step_change"}  # which it is, nearly
+    if not named:
+        assert diagnosis.unexplained is not None
+        assert diagnosis.unexplained.against == "row"
+        assert "sessions that differ" in diagnosis.explain()

@@ -60,7 +60,7 @@ def with_its_shape(case: Case, found: Unexplained, model: Model, noise: Noise) -
 
 def described(against: str, rms: float) -> str:
     """Say what is left, in words."""
-    column = against.replace("_", " ")
+    column = "the rows, as sessions that differ would," if against == "row" else against.replace("_", " ")
     return (
         f"a smooth remainder of {1e3 * rms:.1f} mm (rms) that follows {column} and that no "
         "effect of the catalogue accounts for; it is not part of the model unless asked for"

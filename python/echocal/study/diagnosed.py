@@ -4,7 +4,7 @@ import warnings
 from dataclasses import dataclass
 
 from echocal.diagnose import Cause, Diagnosis, diagnose
-from echocal.diagnose.explain import lead, parameter_text
+from echocal.diagnose.explain import parameter_text
 from echocal.study.sensor import STATED_LAW
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 
@@ -169,12 +169,10 @@ def render(answers: list[Answer]) -> str:
 
 def _section(answer: Answer) -> str:
     question, diagnosis = answer.question, answer.diagnosis
-    lines = [f"## {question.title}\n", f"{lead(diagnosis)}."]
+    lines = [f"## {question.title}\n", f"Verdict: {diagnosis.verdict}."]
     if answer.causes:
-        lines += ["", "| cause | size | looks the same |", "|---|---|---|"]
-        lines += [
-            f"| `{c.id}` | {_sizes(c)} | {', '.join(c.indistinguishable_from)} |" for c in answer.causes
-        ]
+        lines += ["", "| cause, or one of those that look the same | size |", "|---|---|"]
+        lines += [f"| {_class(cause)} | {_sizes(cause)} |" for cause in answer.causes]
     if diagnosis.gain is not None:
         before, after = 1e3 * diagnosis.gain.rms_before_m, 1e3 * diagnosis.gain.rms_after_m
         lines += ["", f"Error on rows never fitted: {before:.1f} mm before, {after:.1f} mm after."]
@@ -182,7 +180,14 @@ def _section(answer: Answer) -> str:
     return "\n".join(lines)
 
 
+def _class(cause: Cause) -> str:
+    """Every member alike: which of them stands for the others is a matter of a hair."""
+    return ", ".join(f"`{id_}`" for id_ in sorted((cause.id, *cause.indistinguishable_from)))
+
+
 def _sizes(cause: Cause) -> str:
+    if cause.indistinguishable_from:
+        return "by which of them it is"
     return ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
