@@ -1,6 +1,6 @@
 """Everything between the rows and the verdict."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ class Case:
     sums : Sums
     folds : Folds
     seed : int
+    signals : dict
+        What was made before, by columns and sizes.
     """
 
     table: Table
@@ -46,12 +48,16 @@ class Case:
     sums: Sums
     folds: Folds
     seed: int
+    signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
-        """What a cause adds to every reading [m]."""
-        fixed = [] if variant.offset is None else [variant.offset]
-        columns = self.found.columns.at([*fixed, *variant.free])
-        return np.asarray(np.concatenate([np.ones(len(fixed)), mean]) @ columns)
+        """What a cause adds to every reading [m]; not to be written to, for it is made once."""
+        key = variant.columns, variant.offset, mean.tobytes()
+        if key not in self.signals:
+            fixed = [] if variant.offset is None else [variant.offset]
+            columns = self.found.columns.at([*fixed, *variant.free])
+            self.signals[key] = np.asarray(np.concatenate([np.ones(len(fixed)), mean]) @ columns)
+        return self.signals[key]
 
     @property
     def noises(self) -> tuple[Noise, ...]:

@@ -1,7 +1,7 @@
 """What a model gains on rows that its parameters never saw."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ __all__ = ["Folds", "HeldOut", "errors", "fixed_speed_rms", "floor", "measure", 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
+Rows = Mask | slice
 
 _FOLDS = 5
 _PIECES = 40  # contiguous pieces of the held-out rows that are resampled
@@ -37,12 +38,15 @@ class Folds:
         Blocks that causes are chosen from: all, except what the user held out.
     scheme : str
         In words.
+    known : dict
+        Rows of blocks asked for before.
     """
 
     blocks: Labels
     held: tuple[Mask, ...]
     fit: Mask
     scheme: str
+    known: dict[bytes, Rows] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, table: Table, held_out: Mask | None, held_text: str = "") -> "Folds":
@@ -67,9 +71,14 @@ class Folds:
         """Blocks that some fold holds out."""
         return np.asarray(np.any(self.held, axis=0))
 
-    def rows(self, held: Mask) -> Mask:
-        """Rows of the blocks in `held`."""
-        return held[self.blocks]
+    def rows(self, held: Mask) -> Rows:
+        """Rows of the blocks in `held`: a slice where they follow each other, so that none is copied."""
+        key = held.tobytes()
+        if key not in self.known:
+            mask = held[self.blocks]
+            first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
+            self.known[key] = slice(first, last) if last - first == int(mask.sum()) else mask
+        return self.known[key]
 
 
 @dataclass(frozen=True)
@@ -108,8 +117,15 @@ def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> Held
         if table.reference is not None:  # no level is to be found: the rows held out are enough
             error[test] = table.correct(model, test) - table.reference[test]
         else:
-            error[test] = errors(table, model, ~test)[test]
+            error[test] = errors(table, model, _others(test, len(table)))[test]
     return HeldOut(error)
+
+
+def _others(rows: Rows, count: int) -> Mask:
+    """Rows that are not among these."""
+    others = np.ones(count, dtype=bool)
+    others[rows] = False
+    return others
 
 
 def errors(table: Table, model: Model, level_from: Mask) -> Column:
@@ -125,10 +141,11 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
     error = np.full(len(table), np.nan)
     for held in folds.held:
         test = folds.rows(held)
-        reading = table.indication / speed * speed[~test].mean()
+        others = _others(test, len(table))
+        reading = table.indication / speed * speed[others].mean()
         level = table.reference
         if level is None:
-            level = levels(reading, table.groups, ~test, np.mean)
+            level = levels(reading, table.groups, others, np.mean)
         error[test] = (reading - level)[test]
     return float(np.sqrt(np.nanmean(error**2)))
 
@@ -160,9 +177,8 @@ def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
     """Whether rows never fitted speak against a cause: with it, they are further off."""
-    judged = np.isfinite(with_cause.error) & np.isfinite(without.error)
-    loss = with_cause.error[judged] ** 2 - without.error[judged] ** 2
-    return bool(loss.sum() > 0.0)
+    loss = with_cause.error**2 - without.error**2
+    return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
 
 
 def floor(sums: Sums, held: Mask, variance: float) -> float:

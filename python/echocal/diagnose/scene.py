@@ -76,7 +76,7 @@ class Table:
             corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
         )
 
-    def correct(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
+    def correct(self, model: Model, rows: NDArray[np.bool_] | slice | None = None) -> Column:
         """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
         reads = model.reads
         needed = {name: column for name, column in self.conditions.items() if name in reads}
@@ -168,13 +168,18 @@ def _arrange(
     far = far_rows(indication[kept], None if reference is None else reference[kept])
     reasons[kept[far]] = FAR
     kept = kept[~far]
+    stands = None
     if reference is not None:
         temperature = observations.conditions.get("temperature")
         stands = _stands(observations, reference, kept)
         far = far_from_stand(indication[kept], stands, None if temperature is None else temperature[kept])
-        reasons[kept[far]] = OFF_STAND
-        kept = kept[~far]
-    names, counts = np.unique(reasons[reasons != ""].astype(str), return_counts=True)
+        if far.any():
+            reasons[kept[far]] = OFF_STAND
+            kept = kept[~far]
+            stands = _stands(observations, reference, kept)
+    left_out = np.ones(len(reasons), dtype=bool)
+    left_out[kept] = False
+    names, counts = np.unique(reasons[left_out].astype(str), return_counts=True)
     unusable = dict(zip(names.tolist(), counts.tolist(), strict=True))
     if len(kept) < _FEWEST:
         why = "".join(f", {count} {reason}" for reason, count in unusable.items())
@@ -194,7 +199,7 @@ def _arrange(
         steps = np.union1d(steps, np.searchsorted(kept, np.array(more_steps, dtype=np.int64)))
     breaks = np.zeros(len(kept), dtype=bool)
     breaks[steps] = True
-    groups = np.cumsum(breaks) if reference is None else _stands(observations, reference, kept)
+    groups = np.cumsum(breaks) if stands is None else stands
     breaks[1:] |= np.diff(groups) != 0
     return Table(
         row=kept,
@@ -214,7 +219,9 @@ def _stands(observations: Observations, reference: Column, kept: Labels) -> Labe
 
     Where nearly every row has a distance of its own, an error per stand is noise like any other.
     """
+    import pandas as pd  # takes long to import
+
     labels = observations.labels.get("stand")
     source = reference[kept] if labels is None else labels[kept]
-    groups = np.unique(source, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    groups = pd.factorize(source, sort=True)[0].astype(np.int64)
     return groups if 1 + groups.max() <= len(kept) // 3 else np.zeros_like(groups)
