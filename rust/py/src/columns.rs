@@ -2,7 +2,7 @@
 
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{
-    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Sums, gram, legendre_line,
+    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Sums, gram, legendre_lines,
 };
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
@@ -128,13 +128,14 @@ impl CoreColumns {
         let between = (low, high);
         let of = self.hold(column);
         let recipes: Vec<Recipe> = self.using(py, |columns| {
-            let values = columns.stored[of];
-            let each = scales.into_iter().zip(first..);
-            each.map(|(scale, degree)| Recipe::Legendre {
+            let degrees = first..first + scales.len();
+            let lines = legendre_lines(degrees.clone(), columns.stored[of], between, first > 1);
+            let each = scales.into_iter().zip(degrees).zip(lines);
+            each.map(|((scale, degree), line)| Recipe::Legendre {
                 of,
                 degree,
                 between,
-                line: legendre_line(degree, values, between, first > 1),
+                line,
                 scale,
             })
             .collect()

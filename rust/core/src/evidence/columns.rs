@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
+use super::legendre::Polynomials;
 use super::source::{Reader, Source};
 use crate::batch::Column;
 use crate::batch::staged::{BLOCK, Given, Line, Pass, Reading};
@@ -26,9 +27,6 @@ impl Numbers<'_> {
         }
     }
 }
-
-/// Rows that a line is taken over: what it is short of is far below any size that shows.
-const MOST_OF_A_LINE: usize = 100_000;
 
 /// What a column is.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,6 +126,7 @@ impl Columns<'_> {
                 self.recorded.each_ref().map(Numbers::column),
             ),
             passes: [Pass::new(), Pass::new(), Pass::new()],
+            polynomials: Polynomials::default(),
             distance: Line::of(0.0),
         }
     }
@@ -188,6 +187,7 @@ struct Maker<'a> {
     of: &'a Columns<'a>,
     given: Given,
     passes: [Pass; 3],
+    polynomials: Polynomials,
     distance: Line,
 }
 
@@ -269,9 +269,9 @@ impl Maker<'_> {
                 scale,
             } => {
                 let values = &self.of.stored[*of][rows];
-                for (number, &value) in line.0.iter_mut().zip(values) {
-                    let x = scaled(value, *between);
-                    *number = scale * (legendre(*degree, x) - level - slope * x);
+                let (x, polynomial) = self.polynomials.of((*of, *between, first), values, *degree);
+                for ((number, x), p) in line.0.iter_mut().zip(&x.0).zip(&polynomial.0) {
+                    *number = scale * (p - level - slope * x);
                 }
             }
         }
@@ -332,66 +332,4 @@ fn moved<'l>(
     }
     line.0[count..].fill(levels[groups[count - 1] as usize]);
     Some(line)
-}
-
-/// A value between two others as -1 to 1; far ones must not bend a shape.
-fn scaled(value: f64, (low, high): (f64, f64)) -> f64 {
-    ((2.0 * value - low - high) / (high - low).max(1e-300)).clamp(-1.5, 1.5)
-}
-
-/// Straight line, or mean alone, that is nearest to a [`Recipe::Legendre`] over the rows; of many
-/// rows, over some evenly spread.
-pub fn legendre_line(
-    degree: usize,
-    column: &[f64],
-    between: (f64, f64),
-    tilted: bool,
-) -> (f64, f64) {
-    let (mut n, mut x1, mut x2, mut p1, mut px) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for &value in column.iter().step_by(1 + column.len() / MOST_OF_A_LINE) {
-        let x = scaled(value, between);
-        let p = legendre(degree, x);
-        n += 1.0;
-        x1 += x;
-        x2 += x * x;
-        p1 += p;
-        px += p * x;
-    }
-    let spread = n * x2 - x1 * x1;
-    let slope = if tilted && spread > 0.0 {
-        (n * px - x1 * p1) / spread
-    } else {
-        0.0
-    };
-    ((p1 - slope * x1) / f64::max(n, 1.0), slope)
-}
-
-/// Legendre polynomial, by Bonnet's recursion.
-fn legendre(degree: usize, x: f64) -> f64 {
-    let (mut before, mut now) = (0.0, 1.0);
-    for n in 0..degree {
-        let n = n as f64;
-        let next = ((2.0 * n + 1.0) * x * now - n * before) / (n + 1.0);
-        (before, now) = (now, next);
-    }
-    now
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn polynomials_as_printed() {
-        // Abramowitz & Stegun 1964, table 22.9
-        let x = 0.7_f64;
-        assert!((legendre(3, x) - (5.0 * x.powi(3) - 3.0 * x) / 2.0).abs() < 1e-15);
-        assert_eq!((legendre(0, x), legendre(7, 1.0)), (1.0, 1.0));
-        assert_eq!(scaled(9.0, (1.0, 5.0)), 1.5);
-        let even: Vec<f64> = (-500..=500).map(f64::from).collect();
-        let between = (-500.0, 500.0);
-        let (level, slope) = legendre_line(3, &even, between, true); // 3/5 of x^3 is x: 5/2 3/5 - 3/2
-        assert!(level.abs() < 1e-12 && slope.abs() < 1e-2);
-        assert_eq!(legendre_line(3, &even, between, false).1, 0.0);
-    }
 }
