@@ -83,8 +83,7 @@ def posterior(
     forms: list[_Form],
     causes: list[float],
     shape: float,
-    threads: int,
-) -> tuple[list[tuple[list[int], float, _Weighed]], list[bool]]: ...
+) -> tuple[list[tuple[list[int], float, _Weighed]], list[bool], int]: ...
 
 @final
 class Columns:

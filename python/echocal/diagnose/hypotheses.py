@@ -1,7 +1,6 @@
 """Which hypotheses compete, and how probable each is before the data."""
 
 import math
-import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -35,7 +34,7 @@ def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
     order = {cause: i for i, cause in enumerate(dict.fromkeys(v.cause for v in found.variants))}
     forms = [form(v, None if v.cause == UNKNOWN else order[v.cause]) for v in found.variants]
     counts = [PRIOR[name] for name in ("nothing", "one", "two", "three")]
-    outcomes, noises = _core.posterior(
+    outcomes, noises, _ = _core.posterior(
         stack.products,
         stack.log_weight,
         stack.degrees,
@@ -43,7 +42,6 @@ def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
         forms,
         counts,
         PRIOR[UNKNOWN],
-        os.cpu_count() or 1,
     )
     weighed = [
         Weighed(Hypothesis(tuple(found.variants[i] for i in chosen), prior), *result)

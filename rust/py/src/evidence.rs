@@ -1,5 +1,6 @@
 //! Evidence, over arrays.
 
+use echocal_core::batch::available_threads;
 use echocal_core::evidence::{self, Layout, Outcome, Prior, Stack, Variant, Weighed};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
@@ -165,8 +166,8 @@ pub fn weigh<'py>(
     result(py, weighed)
 }
 
-/// Weighs every hypothesis that competes: forms, prior and result of each, and the noises carried
-/// along.
+/// Weighs every hypothesis that competes: forms, prior and result of each; the noises carried
+/// along, and the number of linear systems solved.
 #[pyfunction]
 #[allow(clippy::type_complexity, clippy::too_many_arguments)] // as Python sees them
 pub fn posterior<'py>(
@@ -178,13 +179,14 @@ pub fn posterior<'py>(
     forms: Vec<Form>,
     causes: [f64; 4],
     shape: f64,
-    threads: usize,
-) -> PyResult<(Vec<(Vec<usize>, f64, Result<'py>)>, Vec<bool>)> {
+) -> PyResult<(Vec<(Vec<usize>, f64, Result<'py>)>, Vec<bool>, usize)> {
     let stack = stack(&products, &log_weight, degrees, finest)?;
     let variants = variants(forms, stack.width)?;
     let prior = Prior { causes, shape };
-    let (outcomes, noises) = py.detach(|| evidence::posterior(&stack, &variants, &prior, threads));
+    let threads = available_threads();
+    let (outcomes, noises, systems) =
+        py.detach(|| evidence::posterior(&stack, &variants, &prior, threads));
     let outcome = |o: Outcome| Ok((o.variants, o.prior, result(py, o.weighed)?));
     let outcomes: PyResult<Vec<_>> = outcomes.into_iter().map(outcome).collect();
-    Ok((outcomes?, noises))
+    Ok((outcomes?, noises, systems))
 }

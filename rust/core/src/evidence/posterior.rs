@@ -67,14 +67,14 @@ struct Candidate {
 /// Weighs every hypothesis that competes.
 ///
 /// Returns the hypotheses that are not hopeless, most probable first, with the noises that were
-/// carried along.
+/// carried along, and the number of linear systems solved under these.
 #[must_use]
 pub fn posterior(
     stack: &Stack<'_>,
     variants: &[Variant],
     prior: &Prior,
     threads: usize,
-) -> (Vec<Outcome>, Vec<bool>) {
+) -> (Vec<Outcome>, Vec<bool>, usize) {
     let (shapes, known): (Vec<usize>, Vec<usize>) =
         (0..variants.len()).partition(|&v| variants[v].is_shape);
     let mut causes: Vec<Vec<usize>> = Vec::new();
@@ -117,7 +117,8 @@ pub fn posterior(
     }
     let beside = search.beside(&search.distinct(&found), &shapes);
     found.extend(search.weigh(beside, top(&found)));
-    (search.outcomes(found), noises)
+    let outcomes = search.outcomes(found);
+    (outcomes, noises, table.solved.into_inner())
 }
 
 fn top(found: &[Candidate]) -> f64 {

@@ -1,6 +1,7 @@
 //! The whitened products of every noise, noise by noise and side by side.
 
 use super::lanes::{LANES, Lane};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Whitened products of the columns under each noise; the last column is what the base simulation
 /// leaves unexplained.
@@ -27,6 +28,8 @@ pub(super) struct Table {
     pub width: usize,
     pub degrees: f64,
     pub finest: f64,
+    /// Linear systems solved so far.
+    pub solved: AtomicUsize,
 }
 
 /// Noises whose products are taken side by side.
@@ -66,7 +69,13 @@ impl Table {
             width,
             degrees: stack.degrees,
             finest: stack.finest,
+            solved: AtomicUsize::new(0),
         }
+    }
+
+    /// Counts systems that are solved.
+    pub fn count(&self, systems: usize) {
+        self.solved.fetch_add(systems, Ordering::Relaxed);
     }
 
     /// Number of noises.

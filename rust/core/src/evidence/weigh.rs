@@ -106,6 +106,7 @@ impl Scales {
 
     /// A quick look: every noise, with the widest prior alone and no bounds.
     fn look(&mut self, table: &Table, layout: &Layout) {
+        table.count(table.noises());
         self.scores.clear();
         self.least.clear();
         let widest = Lane::all(WIDTHS[2] * WIDTHS[2]);
@@ -147,6 +148,7 @@ impl Scales {
         let bounds = Bounds::of(layout, &WIDTHS);
         let even = (self.count(order) as f64).ln();
         self.refined.clear();
+        table.count(self.race.len() * self.count(order));
         for first in (0..self.race.len()).step_by(LANES) {
             let (noises, least) = self.start(table, layout, first);
             for combination in 0..self.count(order) {

@@ -1,0 +1,18 @@
+"""docs/diagnose-speed.md is what its generator makes of the measured results."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_the_page_is_fresh() -> None:
+    where = ROOT / "benches" / "diagnose_speed_page.py"
+    spec = importlib.util.spec_from_file_location("diagnose_speed_page", where)
+    assert spec is not None
+    assert spec.loader is not None
+    render = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(render)
+    results = json.loads((ROOT / "benches" / "diagnose_speed.json").read_text())
+    assert (ROOT / "docs" / "diagnose-speed.md").read_text() == render.page(results)
