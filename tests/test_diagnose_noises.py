@@ -102,18 +102,32 @@ def test_heavy_tails_are_no_cause(tail: float) -> None:
         assert echocal.diagnose(table).verdict == "nothing"
 
 
-def test_noise_that_remembers_is_named_but_no_verdict() -> None:
-    random = np.random.default_rng(2)
+def remembering(keep: float, random: Random) -> Table:
     table = clean(random)
     slow = np.zeros(N)
     for row in range(1, N):
-        slow[row] = 0.8 * slow[row - 1] + random.normal(0, 1e-3)
+        slow[row] = keep * slow[row - 1] + random.normal(0, 1e-3)
     table["reading_m"] = table["distance_m"] + slow
+    return table
+
+
+def test_noise_that_remembers_is_named_but_no_verdict() -> None:
+    table = remembering(0.8, np.random.default_rng(2))
     diagnosis = echocal.diagnose(table)
     assert diagnosis.verdict == "nothing"
     (found,) = diagnosis.causes
     assert found.id == "correlated_noise"
     assert found.parameters[0].value == pytest.approx(0.8, abs=0.15)
+    assert not found.indistinguishable_from
+
+
+def test_a_long_memory_may_be_something_unknown() -> None:
+    diagnosis = echocal.diagnose(remembering(0.99, np.random.default_rng()))
+    for found in (c for c in diagnosis.causes if c.id == "correlated_noise"):
+        assert found.indistinguishable_from == ("unknown",)
+        assert "in another order" in found.because
+        assert "something unknown" in diagnosis.explain()
+    assert diagnosis.unexplained or {c.id for c in diagnosis.causes} >= {"correlated_noise"}
 
 
 def test_a_tape_that_errs_is_named() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.parts import Cause, Gain, NextMeasurement
 from echocal.diagnose.result import Diagnosis
@@ -30,7 +31,9 @@ def explain(diagnosis: Diagnosis) -> str:
 def lead(diagnosis: Diagnosis) -> str:
     """One sentence on the verdict, without its period."""
     if diagnosis.verdict == "nothing":
-        return "Nothing is found beyond noise"
+        slow = any(c.id == _GUARD and c.indistinguishable_from for c in diagnosis.causes)
+        which = " that remembers for long, or something unknown that changes as slowly" if slow else ""
+        return f"Nothing is found beyond noise{which}"
     if diagnosis.verdict == "unknown":
         return "Something is there that no cause of the catalogue explains"
     if diagnosis.verdict == "ambiguous":
@@ -47,8 +50,13 @@ def lead(diagnosis: Diagnosis) -> str:
     return f"{text}; beside it something that no cause explains" if diagnosis.unexplained else text
 
 
+def rivals_of(cause: Cause) -> list[str]:
+    """What these data cannot tell a cause from, as people say it."""
+    return ["something unknown" if id_ == UNKNOWN else id_ for id_ in cause.indistinguishable_from]
+
+
 def _class(cause: Cause) -> str:
-    rivals = cause.indistinguishable_from
+    rivals = rivals_of(cause)
     if not rivals:
         return cause.id
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} that look the same'})"
@@ -71,7 +79,7 @@ def _cause(cause: Cause) -> list[str]:
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
     alone = "" if cause.in_model or cause.kind != "effect" else "Or else "
-    rivals = cause.indistinguishable_from
+    rivals = rivals_of(cause)
     others = rivals[0] if len(rivals) == 1 else f"one of {len(rivals)} others"
     shared = f" that it is this one or {others}" if rivals else ""
     lines = [

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.claims import Ranking, posterior_sets
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.faults.finding import Finding
@@ -18,6 +19,11 @@ _LEAST = 1e-6  # probability of a set worth a line
 _MATTERS = 0.05  # part of the variance of the noise from which on a noise is a verdict
 _OPEN = 0.2  # probability below which a guard is not split off: every hypothesis reckons with it anyhow
 _SEEN = 0.5  # probability from which on a cause is reported
+_TURNS = 20  # memories in a table, below which what remembers is no different from a slow shape
+_NO_MEMORY = (
+    "; something unknown that changes with the rows would look the same: measure some of them again, in "
+    "another order"
+)
 NAMED = 0.9
 """Probability of one class from which on it is named."""
 
@@ -43,7 +49,7 @@ class Joint:
     def causes(self) -> tuple[Cause, ...]:
         """The findings as a diagnosis lists them; no model of the mean has them."""
         return tuple(
-            Cause(f.cause, f.facts.kind, f.probability, f.parameters, (), f.because, in_model=False)
+            Cause(f.cause, f.facts.kind, f.probability, f.parameters, f.rivals, f.because, in_model=False)
             for f in self.findings
         )
 
@@ -95,9 +101,18 @@ def _noises(sets: Sets, shares: NoiseShares, carried: Stack) -> list[Finding]:
         odds = np.log(probability) - np.log(max(1 - probability, 1e-15))
         log_bayes = float(odds - np.log(facts.prior) + np.log1p(-facts.prior))
         because = fitted.told if fitted else _guard_story(facts.id, values)
-        matters = fitted is None or fitted.matters
-        findings.append(Finding(facts, log_bayes, because, parameters, share=float(matters)))
+        share = float(fitted is None or fitted.matters)
+        rivals = _like_a_shape(values, carried) if facts.id == "correlated_noise" else ()
+        if rivals:
+            because += _NO_MEMORY
+        findings.append(Finding(facts, log_bayes, because, parameters, share=share, rivals=rivals))
     return findings
+
+
+def _like_a_shape(memory: dict[str, tuple[float, float]], carried: Stack) -> tuple[str, ...]:
+    """Noise that remembers long is a function of the row like any other."""
+    rows = 1 / (1 - memory["autoregression"][0])
+    return (UNKNOWN,) if _TURNS * rows > carried.degrees else ()
 
 
 def _guard_parameters(module: Guard, shares: NoiseShares, carried: Stack) -> dict[str, tuple[float, float]]:

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.explain import further_notes, lead, parameter_text, proposal_text
+from echocal.diagnose.explain import further_notes, lead, parameter_text, proposal_text, rivals_of
 from echocal.diagnose.sentences import shifted_text
 
 __all__ = ["print_diagnosis"]
@@ -78,9 +78,7 @@ def _cause(cause: Cause) -> RenderableType:
     if cause.doubt:
         lines.append(Text(f"  not named: {cause.doubt}", style="yellow"))
     if cause.indistinguishable_from:
-        lines.append(
-            Text(f"  cannot be told from: {', '.join(cause.indistinguishable_from)}", style="yellow")
-        )
+        lines.append(Text(f"  cannot be told from: {', '.join(rivals_of(cause))}", style="yellow"))
     return Group(*lines, Text())
 
 

@@ -44,6 +44,8 @@ class Finding:
         Part of the noise's variance that it makes; what makes little of it is no verdict.
     rms : float
         Standard deviation that it adds to a reading [m], where that is all it does.
+    rivals : tuple of str
+        What looks the same in these data.
     """
 
     facts: CauseFacts
@@ -54,6 +56,7 @@ class Finding:
     repaired: Observations | None = field(default=None, repr=False)
     share: float = 1.0
     rms: float = np.inf
+    rivals: tuple[str, ...] = ()
 
     @property
     def cause(self) -> str:
