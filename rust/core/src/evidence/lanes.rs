@@ -53,11 +53,11 @@ macro_rules! lane_by_lane {
 
 lane_by_lane!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-/// Lower triangle of matrices of `order`, row by row, factored in place; see
-/// [`super::cholesky::factor`].
+/// Lower triangle of matrices of `order`, row by row, factored in place from a row on, where those
+/// before are factored already; see [`super::cholesky::factor`].
 #[inline(always)]
-pub(super) fn factor(matrix: &mut [Lane], order: usize, added: &[Lane]) {
-    for i in 0..order {
+pub(super) fn factor(matrix: &mut [Lane], order: usize, added: &[Lane], from: usize) {
+    for i in from..order {
         for j in 0..=i {
             let mut sum = matrix[i * order + j];
             for k in 0..j {
@@ -107,7 +107,7 @@ mod tests {
         let mut lanes: Vec<Lane> = (0..9)
             .map(|at| Lane(core::array::from_fn(|lane| matrix(lane)[at])))
             .collect();
-        factor(&mut lanes, 3, &[Lane::all(0.0); 3]);
+        factor(&mut lanes, 3, &[Lane::all(0.0); 3], 0);
         let mut solved = [1.0, -2.0, 0.5].map(Lane::all);
         forward(&lanes, 3, &mut solved, 0);
         backward(&lanes, 3, &mut solved);

@@ -21,6 +21,9 @@ pub(super) struct Part {
 }
 
 /// The system of one hypothesis for some noises, and the memory for solving it.
+///
+/// The last coefficient comes first: where the precisions of the first ones change, what was done
+/// for the others stands.
 #[derive(Default)]
 pub(super) struct System {
     order: usize,
@@ -31,7 +34,8 @@ pub(super) struct System {
     along: Vec<Lane>,
     lower: Vec<Lane>,
     precision: Vec<Lane>,
-    pub solved: Vec<Lane>,
+    half: Vec<Lane>,
+    solved: Vec<Lane>,
     unit: Vec<Lane>,
 }
 
@@ -72,12 +76,12 @@ impl System {
     }
     on_widest! {
         /// Factors the system for one combination of widths, given as the variance that the best
-        /// coefficients leave over the square of each width.
-        part part_avx2 part_avx512 weighed (precisions: &[Lane]) -> Part
+        /// coefficients leave over the square of each width, of which the first `changed` may be
+        /// others than at the call before.
+        part part_avx2 part_avx512 weighed (precisions: &[Lane], changed: usize) -> Part
     }
     on_widest! {
-        /// Coefficients, in place of the half-way solution that `part` leaves; and the variance of
-        /// each in `bounded`, over that of the noise.
+        /// Finds the coefficients, and the variance of each in `bounded`, over that of the noise.
         coefficients coefficients_avx2 coefficients_avx512 solve (bounded: &[usize], variances: &mut Vec<Lane>) -> ()
     }
     on_widest! {
@@ -96,13 +100,13 @@ impl System {
         };
         self.order = layout.free.len();
         (self.degrees, self.finest) = (table.degrees, table.finest);
+        let backward = || layout.free.iter().rev();
         self.along.clear();
-        self.along
-            .extend(layout.free.iter().map(|&column| rest(column)));
+        self.along.extend(backward().map(|&column| rest(column)));
         self.among.clear();
-        for (i, &row) in layout.free.iter().enumerate() {
+        for (i, &row) in backward().enumerate() {
             // only the lower triangle is read
-            let line = layout.free[..=i].iter();
+            let line = backward().take(i + 1);
             self.among
                 .extend(line.map(|&column| table.some(row, column, noises)));
             self.among.resize((i + 1) * self.order, Lane::all(0.0));
@@ -111,6 +115,12 @@ impl System {
         let taken = offsets.fold(Lane::all(0.0), |sum, &offset| sum + rest(offset));
         let least = Lane::all(table.degrees * table.finest);
         self.square = Some((rest(last) - taken).max(least));
+    }
+
+    /// A coefficient that was found.
+    #[inline(always)]
+    pub fn coefficient(&self, i: usize) -> Lane {
+        self.solved[self.order - 1 - i]
     }
 
     /// What the fixed columns leave of the square.
@@ -127,21 +137,20 @@ impl System {
         let ridge = Lane::all(WHITENED) * trace + Lane::all(1e-300);
         self.precision.clear();
         self.precision.resize(order, ridge);
-        self.halfway();
+        self.halfway(0);
         let left = (square - self.explained()).max(Lane::all(ROUNDING) * square);
         left / Lane::all(self.degrees)
     }
 
     #[inline(always)]
-    fn weighed(&mut self, precisions: &[Lane]) -> Part {
+    fn weighed(&mut self, precisions: &[Lane], changed: usize) -> Part {
         let (order, square) = (self.order, self.square());
-        self.precision.clear();
-        for (i, &precision) in precisions.iter().enumerate() {
+        for (i, &precision) in (0..order).rev().zip(&precisions[..changed]) {
             // data without noise would make any prior too wide for the arithmetic
             let least = Lane::all(WHITENED) * self.among[i * order + i];
-            self.precision.push(precision.max(least));
+            self.precision[i] = precision.max(least);
         }
-        self.halfway();
+        self.halfway(order - changed);
         let degrees = Lane::all(self.degrees);
         let floor = (Lane::all(ROUNDING) * square).max(degrees * Lane::all(self.finest));
         let left = (square - self.explained()).max(floor);
@@ -151,24 +160,30 @@ impl System {
         }
     }
 
-    /// Factors the system with the precisions added, and solves half of it.
+    /// Factors the system with the precisions added, and solves half of it, from a row on.
     #[inline(always)]
-    fn halfway(&mut self) {
+    fn halfway(&mut self, from: usize) {
         let order = self.order;
-        self.lower.clone_from(&self.among);
-        for i in 0..order {
+        self.lower.resize(order * order, Lane::all(0.0));
+        self.half.resize(order, Lane::all(0.0));
+        for i in from..order {
+            let line = i * order..i * order + i + 1;
+            self.lower[line.clone()].copy_from_slice(&self.among[line]);
             self.lower[i * order + i] = self.lower[i * order + i] + self.precision[i];
         }
-        factor(&mut self.lower, order, &self.precision);
-        self.solved.clone_from(&self.along);
-        forward(&self.lower, order, &mut self.solved, 0);
+        factor(&mut self.lower, order, &self.precision, from);
+        for i in from..order {
+            let mut sum = self.along[i];
+            for k in 0..i {
+                sum = sum - self.lower[i * order + k] * self.half[k];
+            }
+            self.half[i] = sum / self.lower[i * order + i];
+        }
     }
 
     #[inline(always)]
     fn explained(&self) -> Lane {
-        self.solved
-            .iter()
-            .fold(Lane::all(0.0), |sum, &x| sum + x * x)
+        self.half.iter().fold(Lane::all(0.0), |sum, &x| sum + x * x)
     }
 
     /// `ln(det(L L') / det(diagonal of precisions))`, with as few logarithms as fit.
@@ -189,9 +204,10 @@ impl System {
     #[inline(always)]
     fn solve(&mut self, bounded: &[usize], variances: &mut Vec<Lane>) {
         let order = self.order;
+        self.solved.clone_from(&self.half);
         backward(&self.lower, order, &mut self.solved);
         variances.clear();
-        for &i in bounded {
+        for i in bounded.iter().map(|&i| order - 1 - i) {
             self.unit.clear();
             self.unit.resize(order, Lane::all(0.0));
             self.unit[i] = Lane::all(1.0);
@@ -212,6 +228,7 @@ impl System {
             forward(&self.lower, order, line, column);
             backward(&self.lower, order, line);
         }
+        into.reverse(); // the last coefficient came first, in lines and columns
     }
 }
 
@@ -250,7 +267,7 @@ impl Bounds {
     ) -> Lane {
         let mut sum = Lane::all(0.0);
         for ((&i, (bounds, before)), &own) in self.near.iter().zip(&self.limits).zip(variances) {
-            let mean = system.solved[i];
+            let mean = system.coefficient(i);
             for lane in 0..LANES {
                 let deviation = (variance.0[lane] * own.0[lane])
                     .max(f64::MIN_POSITIVE)

@@ -116,7 +116,7 @@ impl Scales {
             let least = self.system.least_squares();
             self.precisions.clear();
             self.precisions.resize(layout.free.len(), least / widest);
-            let part = self.system.part(&self.precisions);
+            let part = self.system.part(&self.precisions, layout.free.len());
             let count = LANES.min(table.noises() - first);
             let weights = &table.log_weight[first..first + count];
             let scores = weights.iter().zip(part.score.0);
@@ -152,7 +152,7 @@ impl Scales {
         for first in (0..self.race.len()).step_by(LANES) {
             let (noises, least) = self.start(table, layout, first);
             for combination in 0..self.count(order) {
-                let mut part = self.part(&least, order, combination);
+                let mut part = self.part(&least, order, combination, changed(layout, combination));
                 for (score, noise) in part.score.0.iter_mut().zip(noises) {
                     *score += table.log_weight[noise] - even;
                 }
@@ -187,12 +187,19 @@ impl Scales {
         (noises, WIDTHS.map(|width| least / Lane::all(width * width)))
     }
 
-    fn part(&mut self, least: &[Lane; 3], order: usize, combination: usize) -> super::system::Part {
+    /// One combination, of whose widths the first `changed` are others than at the call before.
+    fn part(
+        &mut self,
+        least: &[Lane; 3],
+        order: usize,
+        combination: usize,
+        changed: usize,
+    ) -> super::system::Part {
         let widths = &self.combinations[combination * order..(combination + 1) * order];
         self.precisions.clear();
         self.precisions
             .extend(widths.iter().map(|&width| least[width]));
-        self.system.part(&self.precisions)
+        self.system.part(&self.precisions, changed)
     }
 
     /// What was refined, part by part: noise, place and evidence.
@@ -221,18 +228,12 @@ impl Scales {
                     continue;
                 }
                 let least_of = *started.get_or_insert_with(|| self.start(table, layout, first).1);
-                self.part(&least_of, order, combination);
+                self.part(&least_of, order, combination, order);
                 self.system.coefficients(&[], &mut self.variances);
                 self.system.inverse(&mut self.inverse);
                 for lane in (0..count).filter(|&lane| score.0[lane] > least) {
                     let share = (score.0[lane] - result.log_evidence).exp();
-                    sums.add(
-                        share,
-                        variance.0[lane],
-                        lane,
-                        &self.system.solved,
-                        &self.inverse,
-                    );
+                    sums.add(share, variance.0[lane], lane, &self.system, &self.inverse);
                 }
             }
         }
@@ -258,6 +259,22 @@ impl Scales {
     }
 }
 
+/// Columns whose width is another than in the combination before: the first causes' change most often.
+fn changed(layout: &Layout, mut combination: usize) -> usize {
+    if combination == 0 {
+        return layout.free.len();
+    }
+    let mut columns = 0;
+    for count in &layout.counts {
+        columns += count;
+        if !combination.is_multiple_of(WIDTHS.len()) {
+            break;
+        }
+        combination /= WIDTHS.len();
+    }
+    columns
+}
+
 /// Sums over parts, by their shares; coefficients count from those of the first part.
 struct Moments {
     share: f64,
@@ -278,18 +295,19 @@ impl Moments {
         }
     }
 
-    fn add(&mut self, share: f64, variance: f64, lane: usize, solved: &[Lane], inverse: &[Lane]) {
+    fn add(&mut self, share: f64, variance: f64, lane: usize, system: &System, inverse: &[Lane]) {
         let order = self.mean.len();
         if self.origin.is_empty() {
-            self.origin.extend(solved.iter().map(|x| x.0[lane]));
+            self.origin
+                .extend((0..order).map(|i| system.coefficient(i).0[lane]));
         }
         self.share += share;
         self.variance += share * variance;
         for i in 0..order {
-            let off = solved[i].0[lane] - self.origin[i];
+            let off = system.coefficient(i).0[lane] - self.origin[i];
             self.mean[i] += share * off;
             for j in 0..order {
-                let spread = off * (solved[j].0[lane] - self.origin[j]);
+                let spread = off * (system.coefficient(j).0[lane] - self.origin[j]);
                 self.square[i * order + j] +=
                     share * (variance * inverse[i * order + j].0[lane] + spread);
             }
