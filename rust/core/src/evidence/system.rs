@@ -11,6 +11,8 @@ use crate::simd::{InstructionSet, active};
 const ROUNDING: f64 = 1e-12;
 /// Part of a column's square that whitening may leave in doubt: slow noise takes most of it away.
 const WHITENED: f64 = 1e-9;
+/// Ratios of a pivot and its precision, each of at most one over [`WHITENED`], that fit in a number.
+const FACTORS: usize = 30;
 /// Prior standard deviations; bounds beyond are as good as none.
 const FAR: f64 = 15.0;
 
@@ -189,16 +191,16 @@ impl System {
     /// `ln(det(L L') / det(diagonal of precisions))`, with as few logarithms as fit.
     #[inline(always)]
     fn log_determinant_ratio(&self) -> Lane {
-        let (mut sum, mut product) = (Lane::all(0.0), Lane::all(1.0));
-        for (i, &precision) in self.precision.iter().enumerate() {
-            let pivot = self.lower[i * self.order + i];
-            product = product * (pivot * pivot / precision);
-            if product.0.iter().any(|x| !(1e-200..1e200).contains(x)) {
-                sum = sum + product.map(f64::ln);
-                product = Lane::all(1.0);
+        let mut sum = Lane::all(0.0);
+        for (chunk, precisions) in self.precision.chunks(FACTORS).enumerate() {
+            let mut product = Lane::all(1.0);
+            for (i, &precision) in (chunk * FACTORS..).zip(precisions) {
+                let pivot = self.lower[i * self.order + i];
+                product = product * (pivot * pivot / precision);
             }
+            sum = sum + product.map(f64::ln);
         }
-        sum + product.map(f64::ln)
+        sum
     }
 
     #[inline(always)]
