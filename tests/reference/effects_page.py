@@ -34,9 +34,9 @@ temperature, and the indication is too short where the air is warmer than record
 
 What remembers earlier rows reads a quantity that reading a table derives from them: `temperature_rate` and
 `radiation_rate` (from the row before to the row after, over at least 30 s), `temperature_later_1` to
-`temperature_later_5` (rows further down), `position_in_group` (from `group` or `order`). So every effect sees
-one row at a time. A shape that says where an effect begins (an edge, a step) is sought along its column, down
-to the row.
+`temperature_later_5` (rows further down), `position_in_group` (from `group` or `order`), `hour_angle` (of the
+local clock, from times of day and `--time-zone`). So every effect sees one row at a time. A shape that says
+where an effect begins (an edge, a step) is sought along its column, down to the row.
 
 ```sh
 echocal effects

@@ -24,6 +24,11 @@ pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
     (Quantity::TemperatureLater5, -1.0, 1.0),
     (Quantity::RadiationRate, -0.5, 0.5),
     (Quantity::PositionInGroup, 0.0, 10.0),
+    (
+        Quantity::HourAngle,
+        -core::f64::consts::PI,
+        core::f64::consts::PI,
+    ),
 ];
 
 /// What a firmware leaves out, and what that costs.

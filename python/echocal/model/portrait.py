@@ -23,6 +23,7 @@ RECORDED: Mapping[str, float] = {
     **{f"temperature_later_{rows}": 20.0 + 0.3 * rows for rows in range(1, 6)},
     "radiation_rate": 0.1,
     "position_in_group": 0.0,
+    "hour_angle": 0.0,
 }
 
 

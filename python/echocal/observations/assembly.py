@@ -55,7 +55,7 @@ class Assembly:
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         return Observations(
             echo_time=echo_time,
-            conditions={**conditions, **derived(conditions, named)},
+            conditions={**conditions, **derived(conditions, named), **self._hour()},
             reference_distance=values.get("reference_distance"),
             unusable=self.unusable.astype(np.str_),
             reading=values.get("reading"),
@@ -85,6 +85,9 @@ class Assembly:
         if quantity == "elapsed_time":
             values = values - values[np.isfinite(values)][0]
         return values
+
+    def _hour(self) -> dict[str, Column]:
+        return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
 
     def _check_filled(self, values: Column, source: Assignment) -> None:
         checks.refuse_without_values(values, source.column)

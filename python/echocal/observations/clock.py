@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.observations.numbers import row
 
-__all__ = ["Instants", "elapsed", "instants"]
+__all__ = ["Instants", "elapsed", "hour_angle", "instants"]
 
 Instants = NDArray[np.datetime64]
 
@@ -51,6 +51,22 @@ def elapsed(times: Instants) -> NDArray[np.float64]:
     known = np.flatnonzero(~np.isnat(times))
     start = times[known[0]] if len(known) else np.datetime64("NaT")
     return np.asarray((times - start) / np.timedelta64(1, "s"), dtype=np.float64)
+
+
+def hour_angle(times: Instants, time_zone: str) -> NDArray[np.float64]:
+    """Hour angle of the local clock at each instant, 0 at noon, within half a turn [rad]; NaN without time.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> noon = np.array(["2024-03-20T12:00", "2024-03-20T06:00"], dtype="datetime64[ns]")
+    >>> hour_angle(noon, "UTC").round(3).tolist()
+    [0.0, -1.571]
+    """
+    local = pd.Series(times).dt.tz_localize("UTC").dt.tz_convert(_zone(time_zone))
+    midnight = local.dt.tz_localize(None).dt.normalize()
+    seconds = (local.dt.tz_localize(None) - midnight).dt.total_seconds()
+    return np.asarray((seconds / 43200.0 - 1.0) * np.pi, dtype=np.float64)
 
 
 def _zone(name: str) -> tzinfo:

@@ -40,6 +40,8 @@ pub enum Quantity {
     RadiationRate,
     /// Position of a row in its burst, 0 for the first \[1\].
     PositionInGroup,
+    /// Hour angle of the local clock, 0 at noon \[rad\].
+    HourAngle,
 }
 
 /// Name, unit and default of an influence quantity.
@@ -59,7 +61,7 @@ pub struct QuantityFacts {
 
 impl Quantity {
     /// How many quantities there are.
-    pub const COUNT: usize = 18;
+    pub const COUNT: usize = 19;
 
     /// All quantities, in the order of [`Conditions`].
     pub const ALL: [QuantityFacts; Self::COUNT] = [
@@ -96,6 +98,7 @@ impl Quantity {
             "1",
             "group or order",
         ),
+        derived(Self::HourAngle, "hour_angle", "rad", "times of day"),
     ];
 
     /// Name, unit and default.

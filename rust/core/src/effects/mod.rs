@@ -74,6 +74,7 @@ registry!(
     temperature_lag::TemperatureLag,
     temperature_timestamp_shift::TemperatureTimestampShift,
     temperature_self_heating::TemperatureSelfHeating,
+    temperature_daylight::TemperatureDaylight,
     temperature_radiation::TemperatureRadiation,
     temperature_gradient::TemperatureGradient,
     linear_speed_law::LinearSpeedLaw,

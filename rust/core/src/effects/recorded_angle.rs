@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, polynomial};
 
 /// `1 - cos(angle)` as its series, cut below 2e-17 for a quarter turn either way.
 #[inline(always)]
-fn versine<S: Scalar>(angle: S) -> S {
+pub(super) fn versine<S: Scalar>(angle: S) -> S {
     const SERIES: [f64; 11] = {
         let mut series = [0.5; 11]; // 1/2!, -1/4!, 1/6!, ...
         let mut k = 1;

@@ -34,6 +34,7 @@ pub fn range(quantity: Quantity) -> (f64, f64) {
         | Quantity::TemperatureLater5 => (-20.0, 60.0),
         Quantity::RadiationRate => (-1.0, 1.0),
         Quantity::PositionInGroup => (0.0, 2.0),
+        Quantity::HourAngle => (-3.0, 3.0),
     }
 }
 
