@@ -1,16 +1,20 @@
 """What the plots show first, and what they show as one."""
 
+import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from rich.console import Console
 
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
+from echocal.diagnose.grouped import grouped
 from echocal.plots.diagnosis import plot_gain, telling
 from echocal.plots.next_measurements import next_figure
-from echocal.plots.posterior import grouped, plot_posterior
+from echocal.plots.posterior import plot_posterior
+from echocal.report import print_diagnosis
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +50,11 @@ def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> N
     plot_posterior(joined, ax)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["clock_error or 2 others", "nothing else"]
     assert "in every set: cycle_slip" in ax.get_title(loc="right")
+    console = Console(file=io.StringIO(), width=120)
+    print_diagnosis(joined, console)
+    said = console.file.getvalue()  # type: ignore[attr-defined]
+    assert "clock_error or 2 others" in said
+    assert "in every set: cycle_slip" in said
 
 
 def test_the_gain_names_what_joins(diagnosis: echocal.Diagnosis) -> None:

@@ -10,6 +10,7 @@ from rich.text import Text
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.explain import further_notes, lead, parameter_text, proposal_text, rivals_of
+from echocal.diagnose.grouped import LEAST, grouped, in_common
 from echocal.diagnose.sentences import shifted_text
 
 __all__ = ["print_diagnosis"]
@@ -21,6 +22,7 @@ _STYLE = {
     "nothing": "bold cyan",
 }
 _WIDTH = 28  # characters of the longest bar
+_LINES = 6
 
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
@@ -108,9 +110,12 @@ def _gain(gain: Gain) -> RenderableType:
 
 
 def _posterior(diagnosis: Diagnosis) -> RenderableType:
+    """Sets of causes; what the data cannot tell apart in one line, what all have in common below."""
     table = Table(title="how probable", title_justify="left", show_header=False)
-    for ids, probability in diagnosis.posterior[:6]:
-        bar = "━" * max(1, round(_WIDTH * probability))
-        name = " + ".join(ids) if ids else "nothing"
-        table.add_row(name, f"{probability:.3f}", Text(bar, style="green"))
-    return Group(table, Text())
+    groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
+    common = in_common(groups)
+    for group in groups:
+        bar = "━" * max(1, round(_WIDTH * group.probability))
+        table.add_row(group.beyond(common), f"{group.probability:.3f}", Text(bar, style="green"))
+    shared = [Text(f"in every set: {', '.join(sorted(common))}", style="dim")] if common else []
+    return Group(*shared, table, Text())
