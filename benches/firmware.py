@@ -11,6 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import fused
 import numpy as np
 from firmware_page import PAGE, RESULTS, fresh
 from hobby import FORMULAS, Formula, written
@@ -34,12 +35,13 @@ OURS = [  # core, target, what is saved, options, bound [m]
     ("cortex-m3", "cortex-m3", "size", "-Os", 0.1e-3),
     ("cortex-m4f", "cortex-m4f", "size", "-Os", 0.1e-3),
     ("rv32", "rv32", "size", "-Os", 0.1e-3),
-    ("rv32e", "rv32", "size", "-Os", 0.1e-3),
+    ("rv32e", "rv32e", "size", "-Os", 0.1e-3),
 ]
 HUMID = [
     ("avr", "avr", "size", "-Os", 0.5e-3),
     ("avr", "avr", "speed", "-Os", 0.35e-3),
     ("cortex-m0", "cortex-m0", "size", "-Os", 0.5e-3),
+    ("cortex-m4f", "cortex-m4f", "size", "-Os", 0.5e-3),
 ]
 HARNESS = """
 #include <stdio.h>
@@ -118,6 +120,7 @@ def measure() -> dict[str, Any]:
     moist = firmware.generate(Model("cramer"), "avr", max_error=2e-3, **coarse)
     rows = [theirs(formula, moist if formula.humid else plain, "avr") for formula in FORMULAS]
     rows += [theirs(FORMULAS[1], plain, core) for core in silicon.CORES if core != "avr"]
+    rows += [theirs(one, moist if one.humid else plain, "cortex-m4f") for one in fused.formulas()]
     return {
         "theirs": rows,
         "ours": [ours(*row, humid=False) for row in OURS],

@@ -1,10 +1,12 @@
 """The tables of docs/firmware.md from firmware.json."""
 
+import json
 from pathlib import Path
 from typing import Any
 
 PAGE = Path(__file__).parents[1] / "docs" / "firmware.md"
 RESULTS = Path(__file__).with_name("firmware.json")
+COSTS = Path(__file__).with_name("costs.json")
 BEGIN = "<!-- made by benches/firmware.py from benches/firmware.json; a test checks that they agree -->\n"
 END = "<!-- end of what is generated -->\n"
 HEAD = (
@@ -41,8 +43,20 @@ def tables(results: dict[str, Any]) -> str:
     return f"{text}\nCompilers: {made}. Simulators: {', '.join(simulators)}.\n"
 
 
+def residuals() -> str:
+    """How well the weights that the search ranks by agree with measured functions."""
+    lines = [
+        f"| `{target}` | {left['functions']} | {left['size_rms']:.1%} | {left['time_rms']:.1%} |\n"
+        for target, left in json.loads(COSTS.read_text()).items()
+    ]
+    head = "| target | functions measured | flash, RMS | time, RMS |\n|---|---|---|---|\n"
+    return (
+        "\nThe cost models that the search ranks by, against measured functions:\n\n" + head + "".join(lines)
+    )
+
+
 def fresh(page: str, results: dict[str, Any]) -> str:
     """The page with the tables between its marks made anew."""
     before, rest = page.split(BEGIN)
     _, after = rest.split(END)
-    return f"{before}{BEGIN}\n{tables(results)}{END}{after}"
+    return f"{before}{BEGIN}\n{tables(results)}{residuals()}{END}{after}"

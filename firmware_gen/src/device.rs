@@ -128,6 +128,15 @@ impl Axis {
         self.lsb.mul_add(code as f64, self.zero)
     }
 
+    /// A value of the quantity in words; a number without a unit is only a number.
+    #[must_use]
+    pub fn with_unit(&self, value: f64) -> String {
+        match self.unit.as_ref() {
+            "1" => value.to_string(),
+            unit => format!("{value} {unit}"),
+        }
+    }
+
     /// How many codes the function accepts.
     #[must_use]
     pub fn len(&self) -> usize {

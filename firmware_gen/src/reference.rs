@@ -108,10 +108,9 @@ pub fn place(device: &Device, row: usize, echo: i64) -> String {
     let conditions = device.conditions.iter().zip(device.codes(row));
     let conditions = conditions.map(|(axis, code)| {
         format!(
-            ", {} {code} ({} {})",
+            ", {} {code} ({})",
             axis.name,
-            axis.value(code),
-            axis.unit
+            axis.with_unit(axis.value(code))
         )
     });
     format!(

@@ -12,7 +12,7 @@ from echocal.model import Model
 __all__ = ["Choice", "explore"]
 
 FORMS = ("polynomial", "square", "factored", "interpolated_table", "segments", "full_table")
-TWO_INPUTS = ("additive",)
+TWO_INPUTS = ("additive", "grid")
 TIGHTER = 0.6  # of the error proven: what is asked for next
 TIGHTEST = 1e-6  # m; the output counts micrometers
 

@@ -191,7 +191,7 @@ def generate(
         The model to follow: true distance from echo time and temperature.
     target : str
         What the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``,
-        or ``"c99"``, any compiler with ``stdint.h``.
+        ``"rv32e"`` (without multiplier), or ``"c99"``, any compiler with ``stdint.h``.
     temperature : TemperatureCodes or tuple of (lsb, low, high)
         Codes of the thermometer [degC].
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
@@ -206,7 +206,7 @@ def generate(
         What to save.
     form : str, optional
         The only form to try, ``"polynomial"``, ``"interpolated_table"``, ``"segments"``, ``"square"``,
-        ``"factored"``, ``"full_table"`` or ``"additive"``; default: the cheapest of all.
+        ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the cheapest of all.
     accept : iterable of str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float

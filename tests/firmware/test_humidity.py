@@ -36,6 +36,18 @@ def test_c_is_the_twin_on_every_input(model: Model, target: str, compiler: str, 
     assert hash_of_all(build(made, tmp_path, compiler, *flags)) == made.report["output_hash"]
 
 
+@pytest.mark.parametrize("target", ["c99", "avr"])
+def test_a_table_in_two_inputs(target: str, tmp_path: Path) -> None:
+    """Linear between its entries both ways, and cheaper where more error is allowed."""
+    request = {**COARSE, "temperature": (2.0, -20.0, 60.0), "form": "grid", "max_table_bytes": 4096}
+    exact, loose = (
+        firmware.generate(DIAGNOSED, target, max_error=bound, **request) for bound in (0.3e-3, 2e-3)
+    )
+    assert exact.report["error_proven_m"] <= 0.3e-3
+    assert loose.report["table_bytes"] < exact.report["table_bytes"]
+    assert hash_of_all(build(exact, tmp_path)) == exact.report["output_hash"]
+
+
 @settings(max_examples=12, deadline=None)
 @example(delay=0.0, law="cramer", low=0.0, span=5.0, max_error=1e-3, prefer="size", target="avr")
 @given(

@@ -60,7 +60,7 @@ def test_the_check_sees_what_breaks_a_rule(tmp_path: Path) -> None:
 
 
 def test_every_deviation_is_made_and_told_on_the_page(tmp_path: Path) -> None:
-    found = findings(made("avr_table"), tmp_path, ".c") | findings(made("avr_polynomial"), tmp_path, ".c")
+    found = findings(made("avr_table"), tmp_path, ".c") | findings(with_humidity(), tmp_path, ".c")
     rules = {rule for rules in DEVIATIONS.values() for rule in rules}
     assert {rule for _, rule in found} == rules, "no deviation is listed that nothing needs"
     told = re.findall(r"^\| ([0-9]+\.[0-9]+), (?:advisory|required):", PAGE.read_text(), re.MULTILINE)

@@ -42,7 +42,7 @@ def test_rows_measured_again_are_as_stated(bench: ModuleType) -> None:
         again = bench.ours(*case, humid=False)
         assert {key: again[key] for key in row} == row, STALE
     beside = bench.firmware.generate(bench.Model("cramer"), assume=bench.DRY, temperature=bench.DS18B20)
-    (float_row,) = [row for row in stated["theirs"] if row["core"] == "cortex-m4f"]
+    float_row = next(row for row in stated["theirs"] if row["core"] == "cortex-m4f")
     found = bench.theirs(bench.FORMULAS[1], beside, "cortex-m4f")
     assert found == float_row, STALE
 

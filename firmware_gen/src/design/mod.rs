@@ -129,8 +129,10 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error>
             continue;
         }
         if candidate.screened <= bound {
-            match search.prove(&mut candidate, listen) {
-                Ok(proof) if proof.bounded.error <= bound => return Ok(candidate.proven(proof)),
+            match search.prove(&candidate, listen) {
+                Ok((program, proof)) if proof.bounded.error <= bound => {
+                    return Ok(candidate.proven(program, proof));
+                }
                 Ok(_) | Err(Error::Proof(_)) => {}
                 Err(error) => return Err(error),
             }

@@ -2,7 +2,7 @@
 
 use super::{Design, Listen, Progress, Reachable, Request};
 use crate::error::Error;
-use crate::form::{ADDITIVE, FORMS, Fit, Form, Tail};
+use crate::form::{FORMS, Fit, Form, OF_TWO, Tail};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
 use crate::reference::{Line, sample};
@@ -16,7 +16,6 @@ pub(super) struct Candidate {
     rest: f64,
     /// Error found at a few echo times of every row \[um\]; infinite until refined.
     pub(super) screened: f64,
-    program: Program,
     pub(super) cost: Cost,
 }
 
@@ -26,11 +25,11 @@ impl Candidate {
         self.form.floor().max(self.rest)
     }
 
-    pub(super) fn proven(self, proof: Proof) -> Design {
+    pub(super) fn proven(self, program: Program, proof: Proof) -> Design {
         Design {
             form: self.form,
             tail: self.tail,
-            program: self.program,
+            program,
             proof,
         }
     }
@@ -72,7 +71,7 @@ impl<'a> Search<'a> {
             let fit = self.fit(tail);
             let two = self.request.device.conditions.len() == 2;
             let wanted = |name: &str| {
-                (name == ADDITIVE) == two && self.request.form.is_none_or(|form| form == name)
+                OF_TWO.contains(&name) == two && self.request.form.is_none_or(|form| form == name)
             };
             let proposals = FORMS.iter().filter(|(name, _)| wanted(name));
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
@@ -106,6 +105,16 @@ impl<'a> Search<'a> {
 
     /// `None` where some value fits no type, or the tables are larger than allowed.
     fn candidate(&self, form: Box<dyn Form>, tail: Tail) -> Option<Candidate> {
+        let rest = tail.rest(&self.lines);
+        if let Some(cost) = form.estimate() {
+            return Some(Candidate {
+                cost: cost + self.cost_of(&tail),
+                form,
+                tail,
+                rest,
+                screened: f64::INFINITY,
+            });
+        }
         let step = (self.picked.len() / ENOUGH).max(1);
         let few = self.picked.iter().copied().step_by(step);
         let few = few.chain(self.picked.last().copied());
@@ -117,15 +126,24 @@ impl<'a> Search<'a> {
         let program = self.program(form.as_ref(), &tail, rows)?;
         let allowed = program.table_bytes() <= self.request.maximum_table;
         let cost = self.request.target.cost(&program);
-        let rest = tail.rest(&self.lines);
         allowed.then_some(Candidate {
             form,
             tail,
             rest,
             screened: f64::INFINITY,
-            program,
             cost,
         })
+    }
+
+    /// What the steps from a speed factor to the distance cost.
+    fn cost_of(&self, tail: &Tail) -> Cost {
+        let rows = vec![self.picked[0]];
+        let mut builder = Builder::over(self.request.device, self.request.target.least_bits, rows);
+        let unit = f64::from(tail.scale_bits).exp2();
+        let factor = builder.constant((tail.factor(&self.lines[0]) * unit).round() as i64);
+        let distance = tail.build(&mut builder, factor);
+        let program = builder.finish(distance);
+        program.map_or_else(Cost::default, |program| self.request.target.cost(&program))
     }
 
     /// The function, its types following from `rows`.
@@ -148,9 +166,11 @@ impl<'a> Search<'a> {
         let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail, rows) else {
             return false;
         };
+        if program.table_bytes() > self.request.maximum_table {
+            return false;
+        }
         candidate.cost = self.request.target.cost(&program);
-        candidate.program = program;
-        candidate.screened = self.screen(&candidate.program);
+        candidate.screened = self.screen(&program);
         true
     }
     fn screen(&self, program: &Program) -> f64 {
@@ -175,11 +195,11 @@ impl<'a> Search<'a> {
     /// Check the candidate, its types now following from every row, on every input.
     pub(super) fn prove(
         &self,
-        candidate: &mut Candidate,
+        candidate: &Candidate,
         listen: Listen<'_>,
-    ) -> Result<Proof, Error> {
+    ) -> Result<(Program, Proof), Error> {
         let all = (0..self.request.device.rows()).collect();
-        candidate.program = self
+        let program = self
             .program(candidate.form.as_ref(), &candidate.tail, all)
             .ok_or_else(|| Error::Proof("a value fits no type".into()))?;
         if !listen(Progress::Candidate(&candidate.form.describe())) {
@@ -198,9 +218,10 @@ impl<'a> Search<'a> {
             maximum_distance,
             threads,
         };
-        prove(&candidate.program, claim, &mut |inputs| {
+        let proof = prove(&program, claim, &mut |inputs| {
             listen(Progress::Checked(inputs))
-        })
+        })?;
+        Ok((program, proof))
     }
 
     /// Prove the best of what failed, and say what it reaches.
@@ -223,7 +244,7 @@ impl<'a> Search<'a> {
         let proven = failed
             .iter_mut()
             .find_map(|candidate| match self.prove(candidate, listen) {
-                Ok(proof) => Some(Ok((proof.bounded.error, candidate.form.describe()))),
+                Ok((_, proof)) => Some(Ok((proof.bounded.error, candidate.form.describe()))),
                 Err(Error::Proof(_)) => None,
                 Err(error) => Some(Err(error)),
             });

@@ -105,11 +105,13 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
     let zero = if axis.zero == 0.0 {
         String::new()
     } else {
-        format!(" + {} {}", axis.zero, axis.unit)
+        format!(" + {}", axis.with_unit(axis.zero))
     };
     let meaning = format!(
-        "{} = {} * {} {}{zero}",
-        axis.quantity, axis.name, axis.lsb, axis.unit
+        "{} = {} * {}{zero}",
+        axis.quantity,
+        axis.name,
+        axis.with_unit(axis.lsb)
     );
     ParameterText {
         ty: axis.ty.c_name(),

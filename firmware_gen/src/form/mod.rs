@@ -6,19 +6,21 @@
 mod additive;
 mod factored;
 mod full_table;
+mod grid;
 mod interpolated_table;
 mod polynomial;
 mod segments;
 mod square;
 mod tail;
 
-pub use additive::NAME as ADDITIVE;
+/// Forms of two conditions; all others are of the temperature alone.
+pub const OF_TWO: [&str; 2] = [additive::NAME, grid::NAME];
+
 pub use tail::Tail;
 
 use crate::device::Device;
 use crate::ir::{Builder, Value};
-use crate::minimax::{Points, minimax};
-use crate::target::Target;
+use crate::target::{Cost, Target};
 use std::fmt::Debug;
 
 /// What a form must follow: the speed factor at every combination of conditions.
@@ -63,6 +65,11 @@ pub trait Form: Debug + Send + Sync {
     /// The error [um] that no rounding of this form can undercut.
     fn floor(&self) -> f64;
 
+    /// What it costs, where that is known without building a program.
+    fn estimate(&self) -> Option<Cost> {
+        None
+    }
+
     /// Add its steps to a program; the value is the speed factor, never negative.
     fn build(&self, builder: &mut Builder<'_>) -> Value;
 
@@ -83,6 +90,7 @@ pub const FORMS: &[(&str, Propose)] = &[
     (square::NAME, square::propose),
     (factored::NAME, factored::propose),
     (additive::NAME, additive::propose),
+    (grid::NAME, grid::propose),
     (full_table::NAME, full_table::propose),
 ];
 
@@ -121,22 +129,30 @@ fn warmth(builder: &mut Builder<'_>) -> Value {
     value
 }
 
-/// The constant that leaves the least error beside `settled`.
+/// Exchanges after which [`center`] has settled, or never will.
+const EXCHANGES: usize = 12;
+
+/// The constant that leaves the least error beside `settled`: where the two worst errors, weighted, are opposite.
 pub(crate) fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
-    let rests: Vec<f64> = fit
-        .target
-        .iter()
-        .zip(settled)
-        .map(|(target, settled)| target - settled)
-        .collect();
-    let x: Vec<f64> = (0..rests.len()).map(|u| u as f64).collect();
-    let (constant, _) = minimax(
-        Points {
-            x: &x,
-            y: &rests,
-            weight: &fit.weight,
-        },
-        0,
-    );
-    constant[0].round() as i64
+    let mut constant = fit.target[0] - settled[0];
+    for _ in 0..EXCHANGES {
+        let (mut low, mut high) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
+        for (index, settled) in settled.iter().enumerate() {
+            let error = (fit.target[index] - settled - constant) * fit.weight[index];
+            if error < low.0 {
+                low = (error, index);
+            }
+            if error > high.0 {
+                high = (error, index);
+            }
+        }
+        let rest = |index: usize| fit.target[index] - settled[index];
+        let (a, b) = (fit.weight[low.1], fit.weight[high.1]);
+        let next = a.mul_add(rest(low.1), b * rest(high.1)) / (a + b);
+        if !next.is_finite() || next == constant {
+            break;
+        }
+        constant = next;
+    }
+    constant.round() as i64
 }

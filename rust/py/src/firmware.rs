@@ -2,6 +2,7 @@
 
 use echocal_core::Conditions;
 use echocal_firmware::lower::{describe, lower};
+use echocal_firmware::target;
 use echocal_firmware::{
     Axis, Design, Device, Error, Measurement, Package, Prefer, Progress, Provenance, Request,
     Target, design, emit,
@@ -35,8 +36,14 @@ impl CoreFirmware {
     /// What the search ranked this design by: bytes and cycles of a cost model, never of a measurement.
     fn ranked_by(&self) -> PyResult<(u64, u64)> {
         let target = Target::parse(&self.provenance.target).map_err(|error| to_python(&error))?;
-        let cost = target.cost(&self.design.program);
-        Ok((cost.size, cost.time))
+        let cost = target.expected(&self.design.program);
+        Ok((cost.size.div_ceil(10), cost.time.div_ceil(10)))
+    }
+
+    /// The kinds of step in the function and how many there are of each: what a cost model weighs.
+    fn steps(&self) -> Vec<(&'static str, u32)> {
+        let counts = target::features(&self.design.program);
+        target::FEATURES.into_iter().zip(counts).collect()
     }
 
     /// Outputs \[um\] of the twin for columns of codes of equal length, the echo time first.

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from costs import Cost, check
 from test_diagnose_roof import COLUMNS, JULY
-from test_silicon import DRY, TARGETS
+from test_silicon import DRY
 
 import echocal
 from echocal import Model, firmware, silicon
@@ -42,7 +42,14 @@ def test_costs_stay_below_their_ceilings_over_five_billion_inputs(prefer: str) -
 @pytest.mark.parametrize("name", silicon.CORES)
 def test_every_input_of_a_coarse_device(name: str, model: str) -> None:
     """Some 2.5 million inputs, the bits of the twin on each core."""
-    made = firmware.generate(MODELS[model], TARGETS.get(name, name), **COARSE)
+    made = firmware.generate(MODELS[model], name, **COARSE)
+    assert silicon.output_hash(made, name) == made.report["output_hash"]
+
+
+@pytest.mark.parametrize("name", ["avr", "cortex-m0", "rv32"])
+def test_a_table_in_two_inputs(name: str) -> None:
+    made = firmware.generate(Model("cramer"), name, form="grid", max_error=2e-3, **COARSE)
+    assert made.report["form"]["name"] == "grid"
     assert silicon.output_hash(made, name) == made.report["output_hash"]
 
 

@@ -19,15 +19,14 @@ DS18B20 = (0.0625, -20.0, 60.0)
 CEILINGS = {
     ("avr", "avr", "size", "-Os"): {"5": Cost(112, 82, 0, 4, 115)},
     ("avr", "avr", "size", "-O2"): {"5": Cost(112, 82, 0, 4, 115)},
-    ("avr", "avr", "accurate", "-Os"): {"5": Cost(120, 90, 0, 4, 97)},
+    ("avr", "avr", "accurate", "-Os"): {"5": Cost(118, 88, 0, 4, 128)},
     ("avr", "avr", "speed", "-Os"): {"5": Cost(148, 118, 0, 4, 83)},
     ("avr", "c99", "size", "-Os"): {"5": Cost(154, 124, 0, 6, 317)},
     ("cortex-m0", "cortex-m0", "size", "-Os"): {"12": Cost(64, 64, 0, 0, 22)},
     ("cortex-m3", "cortex-m3", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
     ("cortex-m4f", "cortex-m4f", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
-    ("rv32", "rv32", "size", "-Os"): {"12": Cost(82, 82, 0, 0, 25)},
+    ("rv32", "rv32", "size", "-Os"): {"12": Cost(84, 84, 0, 0, 25)},
 }
-TARGETS = {"rv32e": "rv32"}
 # What is saved, and the bound.
 WISHES = {
     "size": ("size", 0.1e-3),
@@ -46,7 +45,7 @@ def dry_air(target: str, wish: str = "size") -> Firmware:
 
 @pytest.mark.parametrize("name", silicon.CORES)
 def test_all_48_million_inputs(name: str) -> None:
-    made = dry_air(TARGETS.get(name, name))
+    made = dry_air(name)
     assert made.report["inputs_checked"] == 48_679_281
     assert silicon.output_hash(made, name) == made.report["output_hash"]
 

@@ -14,7 +14,7 @@ const SPARE: f64 = 0.9;
 const NARROWEST: f64 = 1e-3;
 
 /// The targets of a [`Fit`], seen as a row of codes of the second condition for each temperature.
-pub(super) struct Plane<'a> {
+pub(in crate::form) struct Plane<'a> {
     fit: &'a Fit<'a>,
     /// The device with the temperature alone.
     device: Device,
@@ -23,10 +23,10 @@ pub(super) struct Plane<'a> {
 }
 
 /// Coefficients in powers of the second condition's code, and the error left \[um\], at each temperature.
-pub(super) type Lines = Vec<(Vec<f64>, f64)>;
+pub(in crate::form) type Lines = Vec<(Vec<f64>, f64)>;
 
 impl<'a> Plane<'a> {
-    pub(super) fn new(fit: &'a Fit<'a>) -> Self {
+    pub(in crate::form) fn new(fit: &'a Fit<'a>) -> Self {
         let mut device = fit.device.clone();
         device.conditions.truncate(1);
         let axis = &fit.device.conditions[1];
@@ -36,13 +36,19 @@ impl<'a> Plane<'a> {
         Self { fit, device, damp }
     }
 
+    /// Codes of both conditions above their lowest, of a target.
+    pub(in crate::form) fn place(&self, index: usize) -> (usize, usize) {
+        let wide = self.damp.len();
+        (index / wide, self.damp[index % wide] as usize)
+    }
+
     fn row(&self, index: usize) -> (&[f64], &[f64]) {
         let span = index * self.damp.len()..(index + 1) * self.damp.len();
         (&self.fit.target[span.clone()], &self.fit.weight[span])
     }
 
     /// The best polynomial in the second condition at each temperature.
-    pub(super) fn lines(&self, degree: usize) -> Lines {
+    pub(in crate::form) fn lines(&self, degree: usize) -> Lines {
         let line = |index: usize| {
             let (y, weight) = self.row(index);
             minimax(

@@ -3,10 +3,10 @@
 mod fitting;
 
 use super::tail::floor_shift;
-use super::{FORMS, Fit, Form};
+use super::{FORMS, Fit, Form, OF_TWO};
 use crate::ir::{Builder, Value};
 use crate::target::Cost;
-use fitting::Plane;
+pub(super) use fitting::Plane;
 
 /// Name of the form.
 pub const NAME: &str = "additive";
@@ -28,6 +28,8 @@ struct Additive {
     /// The form of the square, and its binary places beyond those of `slope`.
     bend: Option<(Box<dyn Form>, u32)>,
     floor: f64,
+    /// What the forms cost alone, together.
+    cost: Cost,
 }
 
 /// Every pair of forms that could stay within the bound.
@@ -48,57 +50,38 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         } {
             let bits = *bits;
             let slopes = forms(&plane.ideal(&lines, 1, bits));
-            let bends: Vec<Option<(Box<dyn Form>, u32)>> = if degree == 1 {
+            let bends: Vec<Option<(Priced, u32)>> = if degree == 1 {
                 vec![None]
             } else {
                 let of = |more: &u32| {
-                    let found = forms(&plane.ideal(&lines, 2, bits + more));
-                    found
-                        .into_iter()
-                        .map(|form| Some((form, *more)))
-                        .collect::<Vec<_>>()
+                    let found = forms(&plane.ideal(&lines, 2, bits + more)).into_iter();
+                    found.map(|form| Some((form, *more))).collect::<Vec<_>>()
                 };
                 SQUARE_SHIFTS.iter().flat_map(of).collect()
             };
-            for (base, slope, bend) in triples(&bases, &slopes, &bends) {
-                found.push(Box::new(Additive {
-                    base,
-                    slope,
-                    bits,
-                    bend,
-                    floor,
-                }));
+            for bend in &bends {
+                for slope in &slopes {
+                    let joined = |base| Additive::join(base, slope, bend.as_ref(), bits, floor);
+                    found.extend(bases.iter().map(|base| Box::new(joined(base)) as _));
+                }
             }
         }
     }
     found
 }
 
-type Bend = Option<(Box<dyn Form>, u32)>;
-type Triple = (Box<dyn Form>, Box<dyn Form>, Bend);
-
-fn triples(bases: &[Box<dyn Form>], slopes: &[Box<dyn Form>], bends: &[Bend]) -> Vec<Triple> {
-    let mut found = Vec::new();
-    for base in bases {
-        for slope in slopes {
-            for bend in bends {
-                let bend = bend.as_ref().map(|(form, more)| (form.duplicate(), *more));
-                found.push((base.duplicate(), slope.duplicate(), bend));
-            }
-        }
-    }
-    found
-}
+/// A form and what it costs alone.
+type Priced = (Cost, Box<dyn Form>);
 
 /// The forms of one condition that can follow `fit` within its bound, none of them beaten by another in every respect.
-fn forms(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
-    let proposals = FORMS.iter().filter(|(name, _)| *name != NAME);
+fn forms(fit: &Fit<'_>) -> Vec<Priced> {
+    let proposals = FORMS.iter().filter(|(name, _)| !OF_TWO.contains(name));
     let made = proposals.flat_map(|(_, propose)| propose(fit));
     let costed = made
         .filter(|form| form.floor() <= fit.bound)
         .filter_map(|form| Some((cost(form.as_ref(), fit)?, form)));
-    let all: Vec<(Cost, Box<dyn Form>)> = costed.collect();
-    let beaten = |(cost, form): &(Cost, Box<dyn Form>)| {
+    let all: Vec<Priced> = costed.collect();
+    let beaten = |(cost, form): &Priced| {
         all.iter().any(|(other, better)| {
             // By a margin: rounding the constants can still change what they cost. What costs nothing is its own equal.
             let no_worse = 5 * other.size <= 4 * cost.size && other.time <= cost.time
@@ -107,7 +90,7 @@ fn forms(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         })
     };
     let kept = all.iter().filter(|candidate| !beaten(candidate));
-    kept.map(|(_, form)| form.duplicate()).collect()
+    kept.map(|(cost, form)| (*cost, form.duplicate())).collect()
 }
 
 /// What a form costs alone.
@@ -118,6 +101,24 @@ fn cost(form: &dyn Form, fit: &Fit<'_>) -> Option<Cost> {
 }
 
 impl Additive {
+    fn join(
+        base: &Priced,
+        slope: &Priced,
+        bend: Option<&(Priced, u32)>,
+        bits: u32,
+        floor: f64,
+    ) -> Self {
+        let more = bend.map_or_else(Cost::default, |((cost, _), _)| *cost);
+        Self {
+            base: base.1.duplicate(),
+            slope: slope.1.duplicate(),
+            bits,
+            bend: bend.map(|((_, form), more)| (form.duplicate(), *more)),
+            floor,
+            cost: base.0 + slope.0 + more,
+        }
+    }
+
     fn copy(&self) -> Self {
         let bend = self.bend.as_ref();
         Self {
@@ -126,6 +127,7 @@ impl Additive {
             bits: self.bits,
             bend: bend.map(|(form, bits)| (form.duplicate(), *bits)),
             floor: self.floor,
+            cost: self.cost,
         }
     }
 
@@ -166,6 +168,10 @@ impl Form for Additive {
 
     fn floor(&self) -> f64 {
         self.floor
+    }
+
+    fn estimate(&self) -> Option<Cost> {
+        Some(self.cost)
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {

@@ -5,13 +5,13 @@ use crate::form::{Fit, center};
 use crate::minimax::{Points, minimax};
 
 /// Points of a minimax fit.
-const POINTS: usize = 200;
+const POINTS: usize = 80;
 /// Constants of an outer square that are tried.
-const CONSTANTS: usize = 16;
+const CONSTANTS: usize = 10;
 /// The lowest of them: root of its way below the least value, as a share of the values' span.
 const FARTHEST: f64 = 1.6;
 /// Times that the step between them is halved around the best.
-const HALVINGS: usize = 6;
+const HALVINGS: usize = 5;
 /// Steps of the descent over integers.
 const STEPS: [i64; 5] = [64, 16, 4, 2, 1];
 /// Rounds with each step after which the descent goes on to the next.

@@ -13,10 +13,14 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     }
     /* codes above -20 degC */
     const uint16_t warmth = (uint16_t)((uint16_t)temperature_code + 40U);
-    /* 2^-10 of the last place of speed */
-    const uint16_t slope = (uint16_t)(41225U - (uint16_t)(((uint32_t)warmth * 37426U) >> 11));
+    /* one straight line */
+    const uint16_t steep = (uint16_t)(warmth * 237U);
+    /* bends the other line more finely */
+    const uint16_t lean = (uint16_t)(steep >> 8);
+    /* the other straight line */
+    const uint16_t line = (uint16_t)(((uint16_t)(11131U - ((uint16_t)(warmth * 4U)))) - lean);
     /* half the speed of sound, 2^-8 um per echo code */
-    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)warmth * (uint32_t)slope) >> 10) + 40844U);
+    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)steep * (uint32_t)line) >> 16) + 40844U);
     /* [um] */
     const uint32_t distance = ((uint32_t)echo_us * (uint32_t)speed) >> 8;
     return (int32_t)distance;

@@ -6,27 +6,6 @@
  */
 #include "echocal_correction.h"
 
-/** The two middle bytes of a product, that is (product >> 8): for the shift avr-gcc would move all four. */
-static inline uint16_t echocal_middle(uint32_t product)
-{
-#ifdef __AVR__
-    union {
-        uint32_t whole;
-        uint8_t bytes[4];
-    } from;
-    union {
-        uint16_t whole;
-        uint8_t bytes[2];
-    } middle;
-    from.whole = product;
-    middle.bytes[0] = from.bytes[1];
-    middle.bytes[1] = from.bytes[2];
-    return middle.whole;
-#else
-    return (uint16_t)(product >> 8);
-#endif
-}
-
 int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
 {
     if ((echo_us > 38000U) || (temperature_code < -40) || (temperature_code > 120)) {
@@ -34,10 +13,12 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     }
     /* codes above -20 degC */
     const uint8_t warmth = (uint8_t)((uint8_t)temperature_code + 40U);
-    /* straight in the code */
-    const uint16_t root = (uint16_t)(38574U - echocal_middle((uint32_t)warmth * 8755U));
+    /* one straight line */
+    const uint16_t steep = (uint16_t)((uint16_t)warmth * 292U);
+    /* the other straight line */
+    const uint16_t line = (uint16_t)(9035U - ((uint16_t)((uint16_t)warmth * 4U)));
     /* half the speed of sound, 2^-8 um per echo code */
-    const uint16_t speed = (uint16_t)(63548U - (uint16_t)(((uint32_t)root * (uint32_t)root) >> 16));
+    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)steep * (uint32_t)line) >> 16) + 40844U);
     /* [um] */
     const uint32_t distance = ((uint32_t)echo_us * (uint32_t)speed) >> 8;
     return (int32_t)distance;

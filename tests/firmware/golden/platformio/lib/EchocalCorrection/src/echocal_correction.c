@@ -11,12 +11,12 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     if ((echo_us > 38000U) || (temperature_code < -40) || (temperature_code > 120)) {
         return ECHOCAL_OUT_OF_RANGE;
     }
-    /* one straight line */
-    const uint32_t steep = (uint32_t)((uint32_t)temperature_code + 40U);
-    /* the other straight line */
-    const uint32_t line = 21107391U - (steep * 9356U);
+    /* codes above -20 degC */
+    const uint32_t warmth = (uint32_t)((uint32_t)temperature_code + 40U);
+    /* 2^-10 of the last place of speed */
+    const uint32_t slope = 41225U - ((warmth * 37426U) >> 11);
     /* half the speed of sound, 2^-8 um per echo code */
-    const uint32_t speed = ((steep * line) >> 19) + 40844U;
+    const uint32_t speed = ((warmth * slope) >> 10) + 40844U;
     /* [um] */
     const uint32_t distance = ((uint32_t)echo_us * speed) >> 8;
     return (int32_t)distance;

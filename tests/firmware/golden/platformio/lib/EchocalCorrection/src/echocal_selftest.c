@@ -20,14 +20,14 @@ static const uint16_t vector_echo_us[VECTORS] = {
 /** temperature_code of each vector */
 static const int16_t vector_temperature_code[VECTORS] = {
     -40, 13, 40, 66, 120, -40, 13, 66, 120, -32768, -41, 121,
-    32767, -40, -40, 13, 66, 120, -40, -40, 13, 66, 120, 40,
+    32767, -40, -40, 13, 66, 120, 102, -40, 13, 66, 120, 40,
     40
 };
 
 /** distance_um of each vector */
 static const int32_t vector_distance_um[VECTORS] = {
     0, 0, 0, 0, 0, 2020820, 2123880, 2221992, 2316888, INT32_MIN, INT32_MIN, INT32_MIN,
-    INT32_MIN, 3999521, 4041800, 4247928, 4444160, 4633959, 6062143, 6062781, 6371976, 6666328, 6951031, INT32_MIN,
+    INT32_MIN, 3999521, 4041800, 4247928, 4444160, 4633959, 6857239, 6062781, 6371976, 6666328, 6951031, INT32_MIN,
     INT32_MIN
 };
 
