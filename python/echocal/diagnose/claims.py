@@ -11,7 +11,7 @@ from echocal.diagnose.alias import Geometry
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.hypotheses import preferred
-from echocal.diagnose.parsimony import shown
+from echocal.diagnose.parsimony import Ids, shown
 from echocal.registry import find_effect
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "beside_a_remainder",
     "claims",
     "covariance_of",
+    "effects_named",
     "effects_of",
     "free_size",
     "rank",
@@ -57,27 +58,35 @@ class Ranking:
         """Probability that at least one of these is at work."""
         return sum(p for ids, p in self.sets if set(ids) & set(causes))
 
-    @property
-    def nothing(self) -> float:
-        """Probability that no cause is at work, and no shape either."""
-        return dict(self.sets).get((), 0.0)
-
-    def best(self, *, something: bool = False) -> Weighed:
+    def best(self, beyond: Ids | None = None) -> Weighed | None:
         """Most probable hypothesis of the most probable set of effects, whatever shape beside it.
 
-        Of sets that are about as probable, the one that most devices can compensate. With
-        `something`, the best that is not nothing.
+        Of sets that are about as probable, the one that most devices can compensate. With `beyond`,
+        of those sets that have one effect more than these; None if there is none.
         """
-        effects: dict[tuple[str, ...], float] = {}
+        effects: dict[Ids, float] = {}
         for ids, p in self.sets:
             named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
-            if named or not something:
+            if beyond is None or (len(named) == len(beyond) + 1 and set(named) > set(beyond)):
                 effects[named] = effects.get(named, 0.0) + p
+        if not effects:
+            return None
         likely = max(effects.values())
         near = [named for named in effects if effects[named] > _NEARLY * likely]
         top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
-        same = [w for w in self.weighed if _named(w.hypothesis) == top]
+        same = [w for w in self.weighed if effects_named(w.hypothesis) == top]
         return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
+
+    def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
+        """Probability of a set of effects alone, and of it beside at least one of some causes."""
+        alone, beside = 0.0, 0.0
+        for found, p in self.sets:
+            named = {id_ for id_ in found if id_ != UNKNOWN}
+            if named == set(ids):
+                alone += p
+            elif named > set(ids) and named & set(causes):
+                beside += p
+        return alone, beside
 
     def shapes(self) -> dict[str, float]:
         """Probability of a shape against each column."""
@@ -96,7 +105,8 @@ def _out_of_reach(ids: Sequence[str]) -> int:
     return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 
-def _named(hypothesis: Hypothesis) -> tuple[str, ...]:
+def effects_named(hypothesis: Hypothesis) -> Ids:
+    """Ids of the effects of a hypothesis, sorted."""
     return tuple(sorted(id_ for id_ in hypothesis.causes if id_ != UNKNOWN))
 
 
@@ -139,7 +149,7 @@ def claims(ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry) 
     others = _by_cause(found.variants)
     made = []
     first = 0
-    chosen = set(_named(best.hypothesis))
+    chosen = set(effects_named(best.hypothesis))
     for variant in best.hypothesis.variants:
         last = first + len(variant.free)
         mean = best.mean[first:last]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.alias import Geometry
-from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import Case
 from echocal.diagnose.claims import (
     Claim,
@@ -16,6 +15,7 @@ from echocal.diagnose.claims import (
     alternatives,
     beside_a_remainder,
     claims,
+    effects_named,
     parameters,
     rank,
     resized,
@@ -32,7 +32,6 @@ from echocal.diagnose.members import members
 from echocal.diagnose.next_measurements import propose
 from echocal.diagnose.noises.weighing import weigh_noises
 from echocal.diagnose.notes import because, notes, unexplained
-from echocal.diagnose.parsimony import Ids
 from echocal.diagnose.parts import Cause, Parameter, Traces, Verdict
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.ranges import Ranges
@@ -126,17 +125,21 @@ def conclude(
 def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, list[Claim]]:
     """Claims of the best hypothesis.
 
-    Causes that these data cannot tell apart share what probability their class has: nothing wins
-    only over the whole class, not over each of its members.
+    Causes that these data cannot tell apart share what probability their class has: a set of causes,
+    or nothing, wins over one cause more only if it wins over the whole class of that cause.
     """
     best = ranking.best()
+    if best is None:
+        raise RuntimeError("no hypothesis was weighed")
     claimed = _of(best, case, ranking, carried)
-    if best.hypothesis.variants or not any(_named(ids) for ids, _ in ranking.sets):
-        return best, claimed
-    rival = ranking.best(something=True)
-    instead = _of(rival, case, ranking, carried)
-    if max(claim.probability for claim in instead) > ranking.nothing:
-        return rival, instead
+    while (grown := ranking.best(beyond=effects_named(best.hypothesis))) is not None:
+        instead = _of(grown, case, ranking, carried)
+        ids = effects_named(best.hypothesis)
+        (more,) = (claim for claim in instead if claim.cause not in ids)
+        alone, beside = ranking.more(ids, (more.cause, *more.rivals))
+        if beside <= alone:
+            break
+        best, claimed = grown, instead
     return best, claimed
 
 
@@ -157,10 +160,6 @@ def _spared(
 def _of(weighed: Weighed, case: Case, ranking: Ranking, carried: Stack) -> list[Claim]:
     _, products = carried.likeliest(weighed)
     return claims(ranking, weighed, case.found, Geometry(products, weighed.variance))
-
-
-def _named(ids: Ids) -> bool:
-    return any(id_ != UNKNOWN for id_ in ids)
 
 
 def _verdict(judgment: Judgment, varying: Container[str], remainder: bool, joint: Joint) -> Verdict:
