@@ -65,7 +65,7 @@ class Ranking:
         of those sets that have one effect more than these; None if there is none.
         """
         effects: dict[Ids, float] = {}
-        for ids, p in self.sets:
+        for ids, p in ((ids, p) for ids, p in self.sets if p > 0.0):
             named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
             if beyond is None or (len(named) == len(beyond) + 1 and set(named) > set(beyond)):
                 effects[named] = effects.get(named, 0.0) + p
@@ -188,25 +188,40 @@ def beside_a_remainder(
 
     A cause may fill in where a smooth shape against one column falls short of what is there. So it
     keeps its probability only as far as it does better than a second shape, against any other
-    column, or an offset and a scale as large as the shape would do in its place; what is then hardly
+    column, or an offset or a tilt as large as the shape would do in its place; what is then hardly
     possible is no claim.
     """
-    first = (found.shapes[against],)
-    seconds = [shape for name, shape in found.shapes.items() if name != against]
-    if found.line is not None:
-        most = [rms / scale for scale in found.line.scales]
-        seconds.append(replace(found.line, bounds=tuple((-size, size) for size in most)))
-    whole = Hypothesis((*(claim.variant for claim in made), *first), 1.0)
-    with_it = weigh(whole, stack, one_width=True).log_evidence
+    whole = Hypothesis((*(claim.variant for claim in made), found.shapes[against]), 1.0)
+    with_it = _evidence(whole.variants, stack)
+    seconds = _seconds(found, against, rms)
     doubted = []
     for claim in made:
-        less = without(whole, claim.cause)
-        instead = [Hypothesis((*less.variants, second), 1.0) for second in seconds]
-        rival = max((weigh(h, stack, one_width=True).log_evidence for h in instead), default=-np.inf)
+        less = without(whole, claim.cause).variants
+        rival = max((_evidence((*less, second), stack) for second in seconds), default=-np.inf)
         better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
         doubted.append(replace(claim, probability=min(claim.probability, float(better))))
     likely = (claim for claim in doubted if claim.probability >= _POSSIBLE)
     return sorted(likely, key=lambda claim: -claim.probability)
+
+
+def _seconds(found: Candidates, against: str, rms: float) -> list[Variant]:
+    """Shapes against other columns, without the mean; and the mean and the tilt that a shape may have."""
+    line = found.line
+    mean = () if line is None else line.free[:1]
+    seconds = []
+    for name, shape in found.shapes.items():
+        free = tuple(column for column in shape.free if column not in mean)
+        if name != against:
+            seconds.append(replace(shape, free=free, bounds=shape.bounds[: len(free)]))
+    if line is not None:  # polynomials of degree 0 and 1, of a mean square of 1 and 1/3
+        for degree, (column, scale) in enumerate(zip(line.free, line.scales, strict=True)):
+            most = rms / scale * (2 * degree + 1) ** 0.5
+            seconds.append(replace(line, free=(column,), bounds=((-most, most),)))
+    return seconds
+
+
+def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
+    return weigh(Hypothesis(variants, 1.0), stack, one_width=True).log_evidence
 
 
 def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:

@@ -15,7 +15,8 @@ Column = NDArray[np.float64]
 HOUR = "hour of day"
 """Name of the periodic shape that is tried where a table spans days."""
 
-_DEGREES = (4, 10)  # of the polynomials: a bend or a hump, cheaply; and a few waves
+_DEGREES = (4, 16)  # of the polynomials: a bend or a hump, cheaply; and waves or a narrow hump
+_VALUES = 2  # distinct values of the column per degree: freer, a shape would be an error of each value
 _HARMONICS = 2
 _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
 _SCALES = tuple(_SIZE / degree for degree in range(1, max(_DEGREES) + 1))
@@ -84,14 +85,18 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
     mean = [found.columns.store(constant)] if known_distance else []
     line = list(mean)
     for name, column in against.items():
-        if np.isfinite(column).all() and len(np.unique(column[: 10**5])) >= _LEVELS:
+        values = len(np.unique(column[: 10**5])) if np.isfinite(column).all() else 0
+        if values >= _LEVELS:
+            most = min(max(_DEGREES), values // _VALUES)
             basis = Basis.of(name, column)
             own, first = mean, 1
             if name == "distance":
                 line += found.columns.legendre(column, basis.low, basis.high, [_SIZE])
                 own, first = [], 2
-            shapes = found.columns.legendre(column, basis.low, basis.high, _SCALES[first - 1 :], first=first)
-            for degree in _DEGREES:
+            shapes = found.columns.legendre(
+                column, basis.low, basis.high, _SCALES[first - 1 : most], first=first
+            )
+            for degree in sorted({min(degree, most) for degree in _DEGREES}):
                 found.variants.append(_shape([*own, *shapes[: degree + 1 - first]], name))
     if line:
         found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
