@@ -265,7 +265,7 @@ impl Form for Factored {
         // Without binary places another factor of the first line is another curvature.
         let reach = if self.places > 0 { FINE_REACH } else { 0 };
         let mut best = (f64::INFINITY, self.clone());
-        for steep in steep - reach..=steep + reach {
+        for steep in (steep - reach).max(1)..=steep + reach {
             // The product of both is the slope.
             let middle = (far * self.steep + steep / 2) / steep;
             for far in middle - REACH..=middle + REACH {
