@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -118,6 +119,21 @@ class Scene:
     groups: NDArray[np.int64] | None
     residual: Column
 
+    @cached_property
+    def leftover(self) -> Column:
+        """Residual less what a scale and the temperature may have done, shape (n,) [m].
+
+        Where something begins in time shows there, whatever else is wrong.
+        """
+        warm = np.asarray(self.conditions.get("temperature", 0.0))
+        scaled = (warm - np.mean(warm)) / max(float(np.std(warm)), 1e-12)
+        design = [np.ones_like(self.distance), *(self.distance * scaled**power for power in range(3))]
+        stacked = np.stack(design)
+        along = stacked @ self.residual
+        return np.asarray(
+            self.residual - np.linalg.lstsq(stacked @ stacked.T, along, rcond=1e-9)[0] @ stacked
+        )
+
     def columns(self) -> Columns:
         """A table's columns, of which there is none yet."""
         return Columns(self.base.model(), self.distance, self.conditions, self.groups)
@@ -129,13 +145,13 @@ class Scene:
         firsts = np.unique(self.groups, return_index=True)[1]
         return self.relevel(self.base.model({id_: at}))[firsts]
 
-    def explained(self, effect: Effect, places: Sequence[Mapping[str, float]]) -> list[float]:
+    def explained(self, effect: Effect, places: Sequence[Mapping[str, float]], of: Column) -> list[float]:
         """Squares that the sizes of an effect explain beside a level, at each of some places."""
         columns = self.columns()
         sizes = [p.name for p in effect.parameters if p.role == "size"]
         slope = columns.slope()
         designs = [[slope, *(columns.tangent(effect.id, at, name, 1.0) for name in sizes)] for at in places]
-        residual = columns.store(self.residual)
+        residual = columns.store(of)
         gram = columns.gram()
 
         def squares(design: list[int]) -> float:
@@ -257,11 +273,13 @@ def _places(
 
     first, last = _reach(column, parameter) if along == "distance" else (-np.inf, np.inf)
 
+    of = scene.residual if along == "distance" else scene.leftover
+
     def explained(tried: Sequence[float]) -> dict[float, float]:
         values = dict(zip(tried, _quantiles(column, tried), strict=True))
         shown = {q: value for q, value in values.items() if first <= value <= last}
         places = [{**neutral, **at, parameter.name: value} for value in shown.values()]
-        return dict(zip(shown, scene.explained(effect, places), strict=True)) if shown else {}
+        return dict(zip(shown, scene.explained(effect, places, of), strict=True)) if shown else {}
 
     scores = explained(parameter.tried)
     if not scores:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["far_from_stand", "far_rows", "level_steps", "series_starts"]
+__all__ = ["far_as_a_whole", "far_from_stand", "far_rows", "level_steps", "series_starts"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -55,6 +55,24 @@ def far_rows(indication: Column, expected: Column | None) -> Mask:
     center = np.nanmedian(deviation)
     limit = np.maximum(_FAR * _robust_sd(deviation), _FAR_RELATIVE * np.abs(expected))
     return np.asarray(np.abs(deviation - center) > limit)
+
+
+def far_as_a_whole(far: Mask, stands: Labels) -> Mask:
+    """Find the rows of stands that are far for the most part: an error of the stand, no wild rows.
+
+    Parameters
+    ----------
+    far : ndarray of bool, shape (n,)
+    stands : ndarray of int, shape (n,)
+        Placement of the target of each row.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    members = np.bincount(stands)
+    most = (np.bincount(stands, far) > _AS_A_WHOLE * members) & (members >= _VOUCH)
+    return np.asarray(most[stands])
 
 
 def far_from_stand(indication: Column, stands: Labels, temperature: Column | None) -> Mask:

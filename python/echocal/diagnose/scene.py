@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
 from echocal.diagnose.base import Base
-from echocal.diagnose.rows import far_from_stand, far_rows, level_steps, series_starts
+from echocal.diagnose.rows import far_as_a_whole, far_from_stand, far_rows, level_steps, series_starts
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
@@ -166,6 +166,8 @@ def _arrange(
 ) -> Table:
     kept = np.flatnonzero(good)
     far = far_rows(indication[kept], None if reference is None else reference[kept])
+    if reference is not None and far.any():
+        far &= ~far_as_a_whole(far, _stands(observations, reference, kept))
     reasons[kept[far]] = FAR
     kept = kept[~far]
     stands = None

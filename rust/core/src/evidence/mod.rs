@@ -5,6 +5,7 @@
 
 mod cholesky;
 mod columns;
+mod company;
 mod distinct;
 mod gram;
 mod hypothesis;

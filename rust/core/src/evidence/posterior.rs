@@ -1,5 +1,6 @@
 //! No cause, each cause, each pair, larger sets greedily, and the best of all beside a shape.
 
+use super::company::promising;
 use super::hypothesis::{Layout, Variant};
 use super::stack::{Stack, Table};
 use super::threaded::each_of;
@@ -49,8 +50,6 @@ const MOST: usize = 6;
 const BESIDE: usize = 8;
 /// Probability of a noise below which it is not carried along.
 const NEGLIGIBLE_NOISE: f64 = 1e-3;
-/// Forms of a cause that are tried in company.
-const FORMS: usize = 3;
 /// Log odds between two forms of the same causes below which neither is better.
 const UNDECIDED: f64 = 1.5;
 /// Log odds against the most probable hypothesis beyond which one is left out.
@@ -58,10 +57,10 @@ const HOPELESS: f64 = 25.0;
 /// Log odds beyond which a hypothesis is not reported: a probability below one in a million.
 const NEGLIGIBLE: f64 = 14.0;
 
-struct Candidate {
-    variants: Vec<usize>,
+pub(super) struct Candidate {
+    pub(super) variants: Vec<usize>,
     prior: f64,
-    score: f64,
+    pub(super) score: f64,
 }
 
 /// Weighs every hypothesis that competes.
@@ -104,7 +103,7 @@ pub fn posterior(
         threads,
     };
     let mut found = search.scored(search.singles(), None);
-    let promising = search.promising(&found);
+    let promising = promising(&search, &found);
     search.causes = &promising;
     found.extend(search.weigh(search.pairs(), top(&found)));
     for count in 3..=MOST {
@@ -176,10 +175,10 @@ fn plausible(
     most.iter().map(|&share| share > NEGLIGIBLE_NOISE).collect()
 }
 
-struct Search<'a> {
+pub(super) struct Search<'a> {
     table: &'a Table,
-    variants: &'a [Variant],
-    causes: &'a [Vec<usize>],
+    pub(super) variants: &'a [Variant],
+    pub(super) causes: &'a [Vec<usize>],
     /// Probability that no shape is there.
     share: f64,
     prior: &'a Prior,
@@ -187,7 +186,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn candidate(&self, variants: Vec<usize>, prior: f64) -> Candidate {
+    pub(super) fn candidate(&self, variants: Vec<usize>, prior: f64) -> Candidate {
         let weight: f64 = variants.iter().map(|&v| self.variants[v].weight).product();
         Candidate {
             variants,
@@ -206,25 +205,6 @@ impl Search<'_> {
             .into_iter()
             .chain(each)
             .collect()
-    }
-
-    /// The forms of each cause worth combining with others: the best by themselves, and the freest.
-    fn promising(&self, singles: &[Candidate]) -> Vec<Vec<usize>> {
-        let score = |v: usize| {
-            let alone = singles.iter().find(|c| c.variants == [v]);
-            alone.map_or(f64::NEG_INFINITY, |c| c.score)
-        };
-        let freedom = |v: usize| self.variants[v].free.len();
-        let best = |forms: &Vec<usize>| {
-            let mut sorted = forms.clone();
-            sorted.sort_by(|&a, &b| score(b).total_cmp(&score(a)));
-            let rest = sorted.split_off(FORMS.min(sorted.len()));
-            let most = sorted.iter().map(|&v| freedom(v)).max();
-            let freer = rest.into_iter().filter(|&v| Some(freedom(v)) > most);
-            sorted.extend(freer.take(1).collect::<Vec<_>>());
-            sorted
-        };
-        self.causes.iter().map(best).collect()
     }
 
     /// Every pair of causes.
@@ -344,7 +324,11 @@ impl Search<'_> {
     }
 
     /// Scores, minus infinity where one is hopeless beside the best so far; without one, all of them.
-    fn scored(&self, mut candidates: Vec<Candidate>, best: Option<f64>) -> Vec<Candidate> {
+    pub(super) fn scored(
+        &self,
+        mut candidates: Vec<Candidate>,
+        best: Option<f64>,
+    ) -> Vec<Candidate> {
         let scores = each_of(&candidates, self.threads, || {
             let (mut scales, mut layout) = (Scales::default(), Layout::default());
             let mut best = best;
