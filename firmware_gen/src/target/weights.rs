@@ -1,4 +1,4 @@
-//! What the steps of a function cost on each target, in tenths: fitted by `benches/costs.py`, not by hand.
+//! What the steps of a function cost on each target, in tenths: fitted by `benches/costs.py`; on AVR, scaled.
 //!
 //! Each line is one of `FEATURES`: tenths of a byte, and of a cycle (AVR) or an instruction.
 
