@@ -78,6 +78,10 @@ pub struct Reachable {
     pub maximum_distance: f64,
     /// The best candidate, in words.
     pub form: String,
+    /// Its flash as the cost model has it \[B\].
+    pub bytes: u64,
+    /// Its cycles, or instructions, as the cost model has them.
+    pub time: u64,
 }
 
 impl fmt::Display for Reachable {
@@ -88,8 +92,8 @@ impl fmt::Display for Reachable {
         let enough = (best * 1e4).ceil() / 1e4;
         write!(
             f,
-            "an error of {asked} mm up to {} m cannot be met: the best reachable is {best:.4} mm ({}); ask for {enough} mm or more",
-            self.maximum_distance, self.form
+            "an error of {asked} mm up to {} m cannot be met: the best reachable is {best:.4} mm ({}; by the cost model about {} bytes and {} cycles or instructions); ask for {enough} mm or more",
+            self.maximum_distance, self.form, self.bytes, self.time
         )
     }
 }

@@ -244,11 +244,14 @@ impl<'a> Search<'a> {
         let proven = failed
             .iter_mut()
             .find_map(|candidate| match self.prove(candidate, listen) {
-                Ok((_, proof)) => Some(Ok((proof.bounded.error, candidate.form.describe()))),
+                Ok((program, proof)) => {
+                    let cost = self.request.target.expected(&program);
+                    Some(Ok((proof.bounded.error, candidate.form.describe(), cost)))
+                }
                 Err(Error::Proof(_)) => None,
                 Err(error) => Some(Err(error)),
             });
-        let Some((best, form)) = proven.transpose()? else {
+        let Some((best, form, cost)) = proven.transpose()? else {
             return Err(Error::Request(
                 "no form computes this model within 64-bit integers".into(),
             ));
@@ -263,6 +266,8 @@ impl<'a> Search<'a> {
             best: best * 1e-6,
             maximum_distance,
             form,
+            bytes: cost.size.div_ceil(10),
+            time: cost.time.div_ceil(10),
         })))
     }
 }
