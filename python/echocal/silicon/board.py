@@ -90,9 +90,17 @@ class Board(ABC):
 
     def own(self, linked: Path) -> int:
         """Return bytes of the function and its tables, all of which are named alike."""
+        return sum(size for size, _, name in self._symbols(linked) if name.startswith("echocal_"))
+
+    def variables(self, linked: Path) -> int:
+        """Return bytes of variables; a linker's section may be longer, by what aligns its end."""
+        return sum(size for size, kind, _ in self._symbols(linked) if kind in "bBdD")
+
+    def _symbols(self, linked: Path) -> list[tuple[int, str, str]]:
+        """Size, kind and name of each symbol that has a size."""
         lines = run(self.compiler.replace("gcc", "nm"), "--print-size", linked).splitlines()
-        symbols = (line.split() for line in lines)
-        return sum(int(words[1], 16) for words in symbols if words[-1].startswith("echocal_"))
+        words = (line.split() for line in lines)
+        return [(int(word[1], 16), word[2], word[3]) for word in words if len(word) == 4]
 
     def link(self, thing: Path, *more: str | Path) -> Path:
         """Return the function with what it takes from the compiler's library, alone."""

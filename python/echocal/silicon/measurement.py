@@ -128,7 +128,7 @@ def measure(
     with tempfile.TemporaryDirectory(prefix="echocal-") as name:
         thing = board.compile(made, Path(name), options, strict=strict)
         linked = board.link(thing, *library)
-        whole, own = board.sizes(linked), board.own(linked)
+        whole, own, ram = board.sizes(linked), board.own(linked), board.variables(linked)
         calls = board.calls(thing, made, *library)
     counted = "cycles" if board.counts_cycles else "instructions"
     steps: Mapping[str, int] = {counted: calls.most, f"fewest_{counted}": calls.fewest}
@@ -139,7 +139,7 @@ def measure(
         board.simulator,
         flash_bytes=whole["text"] + whole["data"],
         own_flash_bytes=own,
-        ram_bytes=whole["data"] + whole["bss"],
+        ram_bytes=ram,
         stack_bytes=calls.stack,
         **steps,
     )

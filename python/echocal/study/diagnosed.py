@@ -84,8 +84,8 @@ QUESTIONS = (
         ("fixed_speed", "reading_quantization"),
         (),
         "The study's whole effect is one cause, named from 26 rows: one speed of sound at every "
-        "temperature. It is not exactly 343 m/s, for the speeds in Table 1 do not follow the law that"
-        " the study states.",
+        "temperature. Beside 343 m/s a little is left that many causes could be, for the speeds in Table 1 "
+        "do not follow the law that the study states.",
     ),
     Question(
         "Table 2, calculation: the device computes with 343 m/s",
