@@ -1,6 +1,6 @@
 """Candidate causes as columns: what each would add to the readings of this table."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.base import Base
 from echocal.diagnose.columns import Columns
+from echocal.diagnose.places import places
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
 
@@ -25,9 +26,6 @@ _LAW = 300e-6 / 3**0.5
 """Relative standard uncertainty of a law: Cramer 1993 states limits of 300 ppm (GUM 4.3.7)."""
 _MIDDLE = 15.0
 """Middle of the range of those limits, 0 to 30 degC: a law may be wrong by its level and by its tilt."""
-_CLOSEST = 0.5  # rows between two places at which an effect may begin
-_BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
-_FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
 
 
 @dataclass(frozen=True)
@@ -145,21 +143,6 @@ class Scene:
         firsts = np.unique(self.groups, return_index=True)[1]
         return self.relevel(self.base.model({id_: at}))[firsts]
 
-    def explained(self, effect: Effect, places: Sequence[Mapping[str, float]], of: Column) -> list[float]:
-        """Squares that the sizes of an effect explain beside a level, at each of some places."""
-        columns = self.columns()
-        sizes = [p.name for p in effect.parameters if p.role == "size"]
-        slope = columns.slope()
-        designs = [[slope, *(columns.tangent(effect.id, at, name, 1.0) for name in sizes)] for at in places]
-        residual = columns.store(of)
-        gram = columns.gram()
-
-        def squares(design: list[int]) -> float:
-            along = gram[design, residual]
-            return float(np.linalg.lstsq(gram[np.ix_(design, design)], along, rcond=1e-9)[0] @ along)
-
-        return [squares(design) for design in designs]
-
 
 def effect_candidates(found: Candidates, scene: Scene) -> None:
     """Add the columns of every effect that the data could show.
@@ -255,63 +238,8 @@ def _shapes(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]
     ]
     at = [(dict(values), 1.0) for values in product(*fixed)]
     for p in (p for p in shapes if p.tried_along):
-        at = [({**a, p.name: x}, w) for a, _ in at for x, w in _places(effect, p, a, scene)]
+        at = [({**a, p.name: x}, w) for a, _ in at for x, w in places(effect, p, a, scene)]
     return at
-
-
-def _places(
-    effect: Effect, parameter: Parameter, at: dict[str, float], scene: Scene
-) -> list[tuple[float, float]]:
-    """Places along a column at which an effect may begin, closer where it explains most.
-
-    The share of a place is the part of the rows that is nearer to it than to any other.
-    """
-    along = parameter.tried_along
-    assert along is not None
-    column = np.sort(scene.distance if along == "distance" else scene.conditions[along])
-    neutral = {p.name: p.neutral for p in effect.parameters}
-
-    first, last = _reach(column, parameter) if along == "distance" else (-np.inf, np.inf)
-
-    of = scene.residual if along == "distance" else scene.leftover
-
-    def explained(tried: Sequence[float]) -> dict[float, float]:
-        values = dict(zip(tried, _quantiles(column, tried), strict=True))
-        shown = {q: value for q, value in values.items() if first <= value <= last}
-        places = [{**neutral, **at, parameter.name: value} for value in shown.values()]
-        return dict(zip(shown, scene.explained(effect, places, of), strict=True)) if shown else {}
-
-    scores = explained(parameter.tried)
-    if not scores:
-        return []
-    step = float(np.diff(parameter.tried).min()) / 2
-    while step * len(column) > _CLOSEST:
-        best = max(scores, key=lambda q: scores[q])
-        scores |= explained((best - step, best + step))
-        step /= 2
-    places = sorted(scores)
-    middles = np.array([0.0, *(np.diff(places) / 2 + places[:-1]), 1.0])
-    values: dict[float, float] = {}
-    for value, share in zip(_quantiles(column, places), np.diff(middles).tolist(), strict=True):
-        values[value] = values.get(value, 0.0) + share
-    return list(values.items())
-
-
-def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
-    """Quantiles of a sorted column, between neighbors where none of its rows is at the place."""
-    at = np.asarray(parts) * (len(ascending) - 1)
-    before = np.floor(at).astype(np.int64)
-    low, high = ascending[before], ascending[np.minimum(before + 1, len(ascending) - 1)]
-    return [float(value) for value in low + (high - low) * (at - before)]
-
-
-def _reach(distances: Column, parameter: Parameter) -> tuple[float, float]:
-    """First and last distance at which an effect may begin: one that begins before is an offset."""
-    distinct = np.unique(distances)
-    before = max(_FEWEST_BEFORE, int(np.ceil(_BEFORE * len(distinct))))
-    if len(distinct) <= before:
-        return np.inf, -np.inf
-    return max(parameter.bounds[0], float(distinct[before - 1])), float(distinct[-2])
 
 
 def _scale(parameter: Parameter, scene: Scene) -> float:
