@@ -105,7 +105,12 @@ impl Axis {
             minimum: (low / lsb - slack).ceil() as i64,
             maximum: (high / lsb + slack).floor() as i64,
         };
-        if codes.maximum > 255 || codes.minimum > codes.maximum {
+        if codes.minimum > codes.maximum {
+            return Err(Error::Codes(format!(
+                "relative humidity {low}:{high} holds no code of LSB {lsb}"
+            )));
+        }
+        if codes.maximum > 255 {
             return Err(Error::Codes(format!(
                 "relative humidity {low}:{high} with LSB {lsb} needs codes {} .. {}, a uint8_t holds 0 .. 255: change the LSB",
                 codes.minimum, codes.maximum

@@ -47,6 +47,11 @@ class Choice:
     core: str | None
 
     @property
+    def unit(self) -> str:
+        """What `steps` counts."""
+        return "cycles" if (self.core or self.made.report["target"]) == "avr" else "instructions"
+
+    @property
     def form(self) -> str:
         """What the function is, in words."""
         return str(self.made.report["form"]["description"])
@@ -64,6 +69,7 @@ class Choice:
             "error_proven_m": self.error,
             "flash_bytes": self.flash,
             "steps": self.steps,
+            "unit": self.unit,
             "figures": self.figures,
             "core": self.core,
             "command": self.made.report["provenance"]["command"],

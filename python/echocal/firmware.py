@@ -272,7 +272,7 @@ def generate(
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": _count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
-        "threads": _count("n_threads", n_threads or os.cpu_count() or 1, _MOST_THREADS, least=1),
+        "threads": _threads(n_threads),
         "accept": [find_effect(effect).id for effect in accept],
         "assumed": air,
         "model_hash": model.hash,
@@ -323,6 +323,10 @@ def _count(name: str, value: float, most: int, *, least: int | None = None) -> i
 
 def _number(value: float) -> str:
     return f"{value:.12g}"
+
+
+def _threads(wanted: int | None) -> int:
+    return _count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
 
 def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, float]) -> str:

@@ -77,6 +77,7 @@ def test_a_bound_out_of_reach_exits_with_4_and_one_line(
     ("words", "message"),
     [
         (("--temperature-range=-20",), "give LOW:HIGH"),
+        (("--humidity-range=0:1",), "give their step with --humidity-lsb too"),
         (("--temperature-range=60:-20",), "low <= high"),
         (("--assume", "relative_humidity"), "give NAME=VALUE"),
         (("--target", "pdp11"), "unknown target 'pdp11'"),

@@ -52,6 +52,7 @@ def test_without_tools_figures_are_named_as_those_of_the_cost_model(monkeypatch:
     for one in explore(Model("cramer"), "avr", **CODES):
         assert (one.core, one.figures) == (None, "cost model")
         assert (one.flash, one.steps) == one.made.ranked_by()
+        assert one.to_dict()["unit"] == "cycles", "of the target"
 
 
 def test_a_bound_beyond_every_form_is_refused_as_ever() -> None:

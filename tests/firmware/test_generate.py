@@ -145,10 +145,18 @@ def test_what_the_law_assumes_is_stated() -> None:
         ({"temperature": (1e-3, -40.0, 60.0)}, "int16_t holds -32768 .. 32767"),
         ({"temperature": (5.0, 21.0, 24.0)}, "holds no code"),
         ({"echo": 70_000}, "outside 1 .. 65535"),
-        ({"max_error": 0.0}, "positive number"),
+        ({"max_error": 0.0}, "error bound is 0 mm: give a positive number"),
         ({"max_error": float("nan")}, "positive number"),
         ({"target": "z80"}, "unknown target 'z80'; this version has c99"),
         ({"prefer": "beauty"}, "unknown preference 'beauty'"),
+        ({"n_threads": 0}, "n_threads is 0; give a whole number of 1"),
+        ({"form": "additive"}, "of temperature and humidity, and the device measures no humidity"),
+        (
+            {"form": "square", "humidity": (0.1, 0.0, 1.0)},
+            "of the temperature alone, and the device measures",
+        ),
+        ({"form": "segments"}, "no form 'segments' computes this model for c99"),
+        ({"humidity": (0.1, 0.55, 0.56)}, "0.55:0.56 holds no code of LSB 0.1"),
         ({"form": "spline"}, "unknown form 'spline'; this version has polynomial"),
         ({"assume": {"relative_humdity": 0.5}}, "unknown influence quantity"),
     ],
@@ -181,3 +189,14 @@ def test_save_writes_the_files_of_the_interface(tmp_path: Path) -> None:
     names = {path.name for path in made.save(tmp_path / "new" / "folder")}
     assert names >= {"echocal_correction.h", "echocal_correction.c", "echocal_golden.csv", "report.json"}
     assert json.loads((tmp_path / "new" / "folder" / "report.json").read_text()) == made.report
+
+
+def test_what_is_left_out_is_told_as_far_as_the_device_hears() -> None:
+    near, far = (
+        firmware.generate(Model("cramer"), temperature=HALF_DEGREES, echo=echo) for echo in (2_000, 20_000)
+    )
+    told = [
+        float(re.search(r"relative_humidity 0: up to ([0-9.]+) mm", made.report["assumptions"][0])[1])  # type: ignore[index]
+        for made in (near, far)
+    ]
+    assert told[0] == pytest.approx(told[1] / 10, abs=0.1)

@@ -115,3 +115,15 @@ def test_humidity_is_measured_or_assumed() -> None:
     dry = firmware.generate(Model("cramer"), temperature=(1.0, 0.0, 20.0), echo=500)
     with pytest.raises(UsageError, match="takes no humidity_code"):
         dry.distance_um(1, 1, 1)
+
+
+def test_no_tables_where_none_are_allowed() -> None:
+    """Tables too large to be allowed once beat the polynomials first, and then nothing was left."""
+    effects = {"temperature_gain": {"gain": -0.018}, "amplitude_walk": {"delay": 19e-6, "threshold": 0.7}}
+    warm = firmware.TemperatureCodes(2.5, -20.0, 30.0, -273.15)
+    request: dict[str, Any] = {"temperature": warm, "humidity": (0.01, 0.2, 1.0), "echo": 12_000}
+    made = firmware.generate(
+        Model("ideal_gas", effects), "avr", max_error=1e-3, max_table_bytes=0, prefer="speed", **request
+    )
+    assert made.report["table_bytes"] == 0
+    assert made.report["error_proven_m"] <= 1e-3

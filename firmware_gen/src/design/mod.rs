@@ -4,7 +4,7 @@ mod search;
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::form::{FORMS, Form, Tail};
+use crate::form::{FORMS, Form, OF_TWO, Tail};
 use crate::ir::Program;
 use crate::prove::Proof;
 use crate::reference::Reference;
@@ -148,24 +148,16 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error>
 
 fn check(request: &Request<'_>) -> Result<(), Error> {
     for (what, value, unit) in [
-        ("error bound", request.maximum_error, "mm"),
+        ("error bound", request.maximum_error * 1e3, "mm"),
         ("largest bounded distance", request.maximum_distance, "m"),
     ] {
         if !(value.is_finite() && value > 0.0) {
             return Err(Error::Request(format!(
-                "the {what} is {value} m: give a positive number [{unit}]"
+                "the {what} is {value} {unit}: give a positive number [{unit}]"
             )));
         }
     }
-    if let Some(form) = request.form
-        && !FORMS.iter().any(|(name, _)| *name == form)
-    {
-        let known: Vec<_> = FORMS.iter().map(|(name, _)| *name).collect();
-        return Err(Error::Request(format!(
-            "unknown form '{form}'; this version has {}",
-            known.join(", ")
-        )));
-    }
+    check_form(request)?;
     if !(1..=2).contains(&request.device.conditions.len()) {
         let given = request.device.conditions.len();
         return Err(Error::Request(format!(
@@ -173,4 +165,27 @@ fn check(request: &Request<'_>) -> Result<(), Error> {
         )));
     }
     Ok(())
+}
+
+/// Whether the form asked for exists, and takes what the device measures.
+fn check_form(request: &Request<'_>) -> Result<(), Error> {
+    let Some(form) = request.form else {
+        return Ok(());
+    };
+    if !FORMS.iter().any(|(name, _)| *name == form) {
+        let known: Vec<_> = FORMS.iter().map(|(name, _)| *name).collect();
+        return Err(Error::Request(format!(
+            "unknown form '{form}'; this version has {}",
+            known.join(", ")
+        )));
+    }
+    match (OF_TWO.contains(&form), request.device.conditions.len()) {
+        (true, 1) => Err(Error::Request(format!(
+            "form '{form}' is of temperature and humidity, and the device measures no humidity: give its codes, or another form"
+        ))),
+        (false, 2) => Err(Error::Request(format!(
+            "form '{form}' is of the temperature alone, and the device measures humidity too: 'additive' joins such forms"
+        ))),
+        _ => Ok(()),
+    }
 }

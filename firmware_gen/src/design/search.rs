@@ -89,6 +89,7 @@ impl<'a> Search<'a> {
             device: self.request.device,
             picked: self.picked.clone(),
             bound: self.request.maximum_error * 1e6,
+            maximum_table: self.request.maximum_table,
             target: self
                 .lines
                 .iter()
@@ -240,6 +241,8 @@ impl<'a> Search<'a> {
                 best = best.min(candidate.screened);
             }
         }
+        // What was never screened is worse than the best, or has larger tables than allowed.
+        failed.retain(|candidate| candidate.screened.is_finite());
         failed.sort_by(|a, b| a.screened.total_cmp(&b.screened));
         let proven = failed
             .iter_mut()
@@ -252,9 +255,7 @@ impl<'a> Search<'a> {
                 Err(error) => Some(Err(error)),
             });
         let Some((best, form, cost)) = proven.transpose()? else {
-            return Err(Error::Request(
-                "no form computes this model within 64-bit integers".into(),
-            ));
+            return Err(self.nothing());
         };
         let Request {
             maximum_error: asked,
@@ -269,5 +270,20 @@ impl<'a> Search<'a> {
             bytes: cost.size.div_ceil(10),
             time: cost.time.div_ceil(10),
         })))
+    }
+
+    /// Why there is not even a candidate.
+    fn nothing(&self) -> Error {
+        let Request {
+            form,
+            target,
+            maximum_table,
+            ..
+        } = self.request;
+        let form = form.map_or("no form".into(), |form| format!("no form '{form}'"));
+        Error::Request(format!(
+            "{form} computes this model for {} in 64-bit integers and {maximum_table} bytes of tables: allow larger tables, a wider bound or every form",
+            target.name
+        ))
     }
 }

@@ -36,6 +36,8 @@ pub struct Fit<'a> {
     pub weight: Vec<f64>,
     /// The error to stay below [um].
     pub bound: f64,
+    /// Largest tables allowed, together [byte].
+    pub maximum_table: usize,
     /// Where it is to run.
     pub core: Target,
 }

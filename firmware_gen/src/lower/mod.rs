@@ -185,7 +185,9 @@ impl Lowered {
                 let at = unknown
                     .iter()
                     .fold(known, |at, quantity| afield(at, *quantity, step));
-                for far in NEARER.map(|share| share * distance) {
+                let longest = settled.distance(device.echo.value(device.echo.codes.maximum), &at);
+                // No farther than the device hears; a distance that nobody knows is no limit.
+                for far in NEARER.map(|share| share * distance.min(longest)) {
                     let time = settled.time_of_flight(far, &at);
                     for step in steps(quantity.is_some()) {
                         let there = quantity.map_or(at, |quantity| afield(at, quantity, step));

@@ -41,10 +41,9 @@ def _draw(rows: list[dict[str, Any]], path: Path) -> None:
 
 def _table(choices: list[Choice]) -> Table:
     cores = sorted({choice.core for choice in choices if choice.core})
-    unit = "cycles" if cores == ["avr"] else "instructions"
     source = f"measured on {', '.join(cores)}" if cores else "by the cost model: not measured"
     table = Table(title=f"nothing else is better in all of flash, time and error ({source})")
-    for name in ("flash [B]", unit, "error [mm]"):
+    for name in ("flash [B]", choices[0].unit, "error [mm]"):
         table.add_column(name, justify="right")
     table.add_column("form")
     for choice in choices:

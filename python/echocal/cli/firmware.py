@@ -40,7 +40,7 @@ def command(
     humidity_lsb: Annotated[
         float | None, option("Step of one humidity code [1], if humidity is measured.")
     ] = None,
-    humidity_range: Annotated[str, option("LOW:HIGH accepted [1].")] = "0:1",
+    humidity_range: Annotated[str | None, option("LOW:HIGH accepted [1]; default 0:1.")] = None,
     echo_max_us: Annotated[int, option("Longest echo time accepted [us].")] = 38_000,
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
@@ -62,9 +62,7 @@ def command(
         message = "--explore tries every form and packs none: leave out --form, --measure and --package"
         raise UsageError(message)
     low, high = _range("--temperature-range", temperature_range, "-20:60")
-    damp = None
-    if humidity_lsb is not None:
-        damp = HumidityCodes(humidity_lsb, *_range("--humidity-range", humidity_range, "0:1"))
+    damp = _damp(humidity_lsb, humidity_range)
     bar = Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -140,6 +138,15 @@ def _range(name: str, text: str, example: str) -> tuple[float, float]:
     except ValueError:
         message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
         raise UsageError(message) from None
+
+
+def _damp(lsb: float | None, codes: str | None) -> HumidityCodes | None:
+    if lsb is not None:
+        return HumidityCodes(lsb, *_range("--humidity-range", codes or "0:1", "0:1"))
+    if codes is not None:
+        message = "--humidity-range is of a hygrometer's codes: give their step with --humidity-lsb too"
+        raise UsageError(message)
+    return None
 
 
 def _assignment(text: str) -> tuple[str, float]:

@@ -56,7 +56,7 @@ def plot_choices(choices: Sequence[Mapping[str, Any]], ax: Axes | None = None) -
             )
     ax.figure.colorbar(drawn, ax=ax, label="largest error, proven [mm]")
     measured = {choice["core"] for choice in choices if choice["core"]}
-    unit = "cycles" if measured == {"avr"} else "instructions"
+    unit = choices[0]["unit"]
     whole = all(choice["core"] for choice in choices)
     source = f"measured on {', '.join(sorted(measured))}" if whole else "by the cost model, not measured"
     ax.set(xscale="log", yscale="log", xlabel="flash [byte]", ylabel=f"{unit} per call")

@@ -88,6 +88,7 @@ impl<'a> Plane<'a> {
             target,
             weight,
             bound,
+            maximum_table: self.fit.maximum_table,
             core: self.fit.core,
         }
     }

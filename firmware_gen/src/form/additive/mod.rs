@@ -93,11 +93,23 @@ fn forms(fit: &Fit<'_>) -> Vec<Priced> {
     kept.map(|(cost, form)| (*cost, form.duplicate())).collect()
 }
 
-/// What a form costs alone.
+/// A form in words, with its article.
+fn one(form: &dyn Form) -> String {
+    let words = form.describe();
+    if words.starts_with("one ") {
+        words
+    } else {
+        format!("a {words}")
+    }
+}
+
+/// What a form costs alone; `None` where its tables are larger than allowed, lest it beat what is allowed.
 fn cost(form: &dyn Form, fit: &Fit<'_>) -> Option<Cost> {
     let mut builder = Builder::over(fit.device, fit.core.least_bits, fit.picked.clone());
     let value = form.build(&mut builder);
-    Some(fit.core.cost(&builder.finish(value)?))
+    let program = builder.finish(value)?;
+    let allowed = program.table_bytes() <= fit.maximum_table;
+    allowed.then(|| fit.core.cost(&program))
 }
 
 impl Additive {
@@ -146,12 +158,12 @@ impl Form for Additive {
 
     fn describe(&self) -> String {
         let bend = self.bend.as_ref().map_or(String::new(), |(form, _)| {
-            format!(" plus its square times a {}", form.describe())
+            format!(" plus its square times {}", one(form.as_ref()))
         });
         format!(
-            "{} plus the humidity code times a {}{bend}",
+            "{} plus the humidity code times {}{bend}",
             self.base.describe(),
-            self.slope.describe()
+            one(self.slope.as_ref())
         )
     }
 
