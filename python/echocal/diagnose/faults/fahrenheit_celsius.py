@@ -19,6 +19,7 @@ Mask = NDArray[np.bool_]
 _HABIT = (18.0, 15.0)  # degC: center and spread of air that people measure in
 _HALF_WINDOW = 3  # rows on each side that vouch for a row's temperature
 _ODD = 8.0  # K, and more than the neighbors scatter, for a row to stand out
+_HOTTEST = 45.0  # degC, of air; of colder ones nothing could be surprising enough
 _EVERY_ROW = 6.0  # log Bayes factor of one row that stands out and fits its neighbors as Fahrenheit
 
 FACTS = CauseFacts(
@@ -49,6 +50,8 @@ def detect(view: View) -> Finding | None:
     rows = _single(recorded, known)
     evidence, why = min(_EVERY_ROW * float(rows.sum()), 60.0), listed(rows)
     if not rows.any() or rows.mean() > 0.4:
+        if np.fmax.reduce(recorded) <= _HOTTEST and np.fmin.reduce(recorded) > -_HOTTEST:
+            return None
         rows, why = known, "the whole column"
         evidence = _whole(recorded[known])
         if evidence < 0.0:
@@ -77,7 +80,7 @@ def _whole(recorded: Column) -> float:
     def surprise(values: Column) -> float:
         return float(3.0 * np.log1p(((values - center) / spread) ** 2 / 4).sum())
 
-    return surprise(ends) - surprise(celsius(ends)) - (0.0 if ends[1] > 45.0 else 30.0)
+    return surprise(ends) - surprise(celsius(ends)) - (0.0 if ends[1] > _HOTTEST else 30.0)
 
 
 def _single(recorded: Column, known: Mask) -> Mask:

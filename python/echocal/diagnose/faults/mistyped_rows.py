@@ -16,6 +16,7 @@ __all__ = ["FACTS", "detect"]
 
 _DECIMALS = (3, 4)  # of a typed reading in m
 _ODD = {True: 8.0, False: 4.5}  # robust standard deviations; lower where other rows are not typed
+_LEAST = 4e-3  # m, that a slip changes
 _CLOSE = 5.0  # and lower again once corrected
 _REPEATED = 3  # rows of one value that nobody types by chance
 _USUAL = "two digits swapped"
@@ -52,10 +53,15 @@ def edits(text: str) -> Iterator[tuple[str, str, float]]:
 def detect(view: View) -> Finding | None:
     """Try every single edit on every odd row that looks typed."""
     values = recorded(view) if view.observations.reading is not None else view.indication
+    least = max(min(_ODD.values()) * view.scatter, _LEAST)
+    with np.errstate(invalid="ignore"):
+        far = values[view.good & (np.abs(view.deviation) > least)] if view.farthest > least else values[:0]
+    if not any(_on_lattice(far, decimals).any() for decimals in _DECIMALS):
+        return None  # no row that is odd looks typed
     decimals = next((d for d in _DECIMALS if _on_lattice(values, d)[view.good].mean() > 0.5), 0)
     typed = _on_lattice(values, decimals or _DECIMALS[0])
     with np.errstate(invalid="ignore"):
-        odd = view.good & typed & (np.abs(view.deviation) > max(_ODD[decimals > 0] * view.scatter, 4e-3))
+        odd = view.good & typed & (np.abs(view.deviation) > max(_ODD[decimals > 0] * view.scatter, _LEAST))
     at = np.flatnonzero(odd)
     if not 0 < len(at) < _MOST or len(at) > 0.2 * view.good.sum():
         return None

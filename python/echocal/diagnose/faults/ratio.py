@@ -12,6 +12,7 @@ __all__ = ["Factor", "divided", "factor_of"]
 
 _SPREAD = 0.03  # of the log ratio: what laws, thermometers and clocks do to it
 _NEAR = 0.15  # of the log ratio, beyond which a factor is not the explanation
+_BEYOND = 1.0001 * float(np.exp(_NEAR))  # the same as a factor
 _MOST = 0.6  # part of the rows that must share the factor
 _CAP = 60.0
 
@@ -32,6 +33,9 @@ def factor_of(view: View, factors: tuple[float, ...]) -> Factor | None:
     """
     if view.reference is None:
         return None
+    low, high = view.ratios
+    if all(low > factor * _BEYOND or high < factor / _BEYOND for factor in factors):
+        return None  # no row is near any of them
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / view.reference)
     log_ratio = log_ratio[np.isfinite(log_ratio)]

@@ -18,6 +18,8 @@ Column = NDArray[np.float64]
 _SHIFTS = (1, 2, 3, -1, -2, -3)
 _NEAR = 0.05  # m, and
 _NEAR_PART = 0.06  # part of the distance: what no mean effect exceeds
+_OFF = 0.1  # m, or
+_WIDE = 10  # times the scatter: from there on a row needs an explanation
 _CAP = 0.5  # m; beyond that a row is wrong, however far
 
 FACTS = CauseFacts(
@@ -39,6 +41,8 @@ def detect(view: View) -> Finding | None:
     """Find the row from which on readings fit the references of rows before, or after."""
     if view.reference is None or view.given is not None or len(view) < 8:
         return None
+    if view.farthest < 0.999 * min(_OFF, _WIDE * view.scatter + 5e-3):
+        return None  # no row is explained by a neighbor's distance better than by its own
     usual = view.indication, view.reference
     straight = _misfit(*usual, 0)
     best: tuple[float, int, int] = (0.0, 0, 0)
@@ -82,7 +86,7 @@ def _evidence(view: View, first: int, shift: int) -> float:
     assert view.reference is not None
     near = (_NEAR + _NEAR_PART * view.reference)[first:]
     close = np.minimum(0.4 * near, 6 * view.scatter + 1e-3)
-    wide = np.minimum(np.maximum(near, 0.1), 10 * view.scatter + 5e-3)
+    wide = np.minimum(np.maximum(near, _OFF), _WIDE * view.scatter + 5e-3)
     usual = view.indication - (view.expected - view.reference)
     own, moved = (_misfit(usual, view.reference, k)[first:] for k in (0, shift))
     with np.errstate(invalid="ignore"):

@@ -9,6 +9,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.parts import Parameter
+from echocal.diagnose.quantiles import median
 from echocal.observations import Observations
 
 __all__ = ["FACTS", "detect"]
@@ -19,6 +20,8 @@ Mask = NDArray[np.bool_]
 _AROUND = 6  # rows before and after a seam that are compared
 _CANDIDATES = 12  # largest jumps that are looked at, besides the change of roughness
 _FEWEST = 30
+_ENOUGH = 20_000  # steps that tell which ones are none
+_PART = 1000  # rows of which the largest jump is looked at first
 _LEAST = 15  # rows before a seam that tell how rough the columns are
 _WILD = 8.0  # scales beyond which a step says no more
 _FITS = 3.0  # scales that the levels may differ by across the seam
@@ -70,42 +73,60 @@ def detect(view: View) -> Finding | None:
 
 def _seam(warm: Column, percent: Column) -> tuple[int, float]:
     """Row from which on the columns go on as each other, and the evidence for that."""
-    steps = np.abs(np.stack([np.diff(warm), np.diff(percent)]))
-    floor = 0.02 + 0.02 * np.median(steps, axis=1, keepdims=True)
+    steps = np.empty((2, len(warm) - 1))
+    for column, own in zip((warm, percent), steps, strict=True):
+        np.abs(np.subtract(column[1:], column[:-1], out=own), out=own)
+    some = steps[:, :: max(1, len(warm) // _ENOUGH)]
+    floor = 0.02 + 0.02 * np.median(some, axis=1, keepdims=True)
     rough = np.log(steps[0] + floor[0]) - np.log(steps[1] + floor[1])
     change = np.abs(np.cumsum(rough - rough.mean()))
     jump = steps.sum(axis=0)
     rows = {int(np.argmax(change)) + 1, *(1 + _largest(jump)).tolist()}
-    inside = [row for row in rows if _LEAST < row < len(warm) - 2]
-    until = np.cumsum(steps, axis=1)
-    scored = [(_evidence(warm, percent, steps, until, row), row) for row in inside]
+    inside = sorted(row for row in rows if _LEAST < row < len(warm) - 2)
+    until = _until(steps, inside)
+    scored = [(_evidence(warm, percent, steps, until[row], row), row) for row in inside]
     best, row = max(scored, default=(0.0, 0))
     return row, best - float(np.log(len(warm)))
+
+
+def _until(steps: Column, rows: list[int]) -> dict[int, Column]:
+    """Steps of each column summed up to the one before the one that leads to each of some rows."""
+    found, total, first = {}, np.zeros(2), 0
+    for row in rows:
+        total = total + steps[:, first : row - 1].sum(axis=1)
+        found[row], first = total, row - 1
+    return found
 
 
 def _largest(jump: Column) -> NDArray[np.int64]:
     """Positions of the largest jumps."""
     count = min(_CANDIDATES, len(jump))
-    return np.argpartition(-jump, count - 1)[:count]
+    parts = len(jump) // _PART
+    least = -np.inf
+    if parts > count:  # at least so many jumps are as large as the largest ones of some parts
+        largest = jump[: parts * _PART].reshape(parts, _PART).max(axis=1)
+        least = np.partition(largest, -count)[-count]
+    among = np.flatnonzero(jump >= least)
+    return np.asarray(among[np.argpartition(-jump[among], count - 1)[:count]])
 
 
 def _evidence(warm: Column, percent: Column, steps: Column, until: Column, row: int) -> float:
     """Log likelihood ratio of the rows from `row` on: exchanged against as they stand.
 
     Steps from row to row are Laplace distributed, with the scales of the rows before; the levels
-    across the seam must fit too. `steps` are those of both columns, and `until` their running sums.
+    across the seam must fit too. `steps` are those of both columns, and `until` their sums before.
     """
     sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
     ends = np.array([[np.median(column[side]) for side in sides] for column in (warm, percent)])
     straight, crossed = np.abs(ends[:, 1] - ends[:, 0]), np.abs(ends[::-1, 1] - ends[:, 0])
-    most = 2 * until[:, row - 2] / (row - 1)  # no median is larger than twice the mean
+    most = 2 * until / (row - 1)  # no median is larger than twice the mean
     if (crossed / _wide(most)).max() > _FITS:
         return -np.inf
-    median = np.median(steps[:, : row - 1], axis=1)
-    straight, crossed = straight / _wide(median), crossed / _wide(median)
+    usual = np.array([median(own[: row - 1]) for own in steps])
+    straight, crossed = straight / _wide(usual), crossed / _wide(usual)
     if crossed.max() > _FITS:
         return -np.inf
-    scale = _scale(median)
+    scale = _scale(usual)
     after = steps[:, row:]
     stays, changes = (float(np.minimum(after / s[:, None], _WILD).sum()) for s in (scale, scale[::-1]))
     part = min(1.0, 60.0 / max(after.shape[1], 1))  # neighbors are no independent witnesses

@@ -42,6 +42,9 @@ def detect(view: View) -> Finding | None:
     reference = observations.reference_distance
     if reference is None or observations.reading is not None or view.given is not None:
         return None
+    low, high = view.ratios
+    if low > 0.5 and high < 2.0 and view.good.mean() > 0.5:
+        return None  # as they stand they agree
     with np.errstate(all="ignore"):
         half_speed = view.indication / observations.echo_time
         straight = np.log(view.indication / reference)

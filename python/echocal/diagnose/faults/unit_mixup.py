@@ -75,6 +75,8 @@ def detect(view: View) -> Finding | None:
 
 def _some(view: View) -> Iterator[Finding]:
     """Rows that agree with the others once divided by a unit's factor: cm among m, ms among us."""
+    if _near(view):
+        return
     expected = _expected(view)
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / expected)
@@ -100,6 +102,17 @@ def _some(view: View) -> Iterator[Finding]:
         parameters = (Parameter("factor", factor, 0.0, "1"), Parameter("rows", float(count), 0.0, "1"))
         repaired = divided(view, np.where(near, factor, 1.0), "reading_m")
         yield Finding(FACTS, min(evidence, 60.0), because, parameters, near, repaired)
+
+
+def _near(view: View) -> bool:
+    """Whether no row is wild, nor anything near another unit."""
+    least = float(np.fmin.reduce(view.expected))
+    return (
+        view.reference is not None
+        and least > 0
+        and 1.01 * view.farthest < -np.expm1(-_WILD) * least
+        and _CLOSE + 5 * view.scatter / least < 0.9 * (_LEAST - _WILD)
+    )
 
 
 def _expected(view: View) -> NDArray[np.float64]:

@@ -22,6 +22,8 @@ def recorded(view: View) -> Column:
 
 def far(view: View) -> Mask:
     """Rows farther off than noise or air."""
+    if view.farthest <= _FAR * view.scatter:
+        return np.zeros(len(view), dtype=bool)
     with np.errstate(invalid="ignore"):
         limit = np.maximum(_FAR * view.scatter, _FAR_PART * np.abs(view.expected))
         return np.asarray(view.good & (np.abs(view.deviation) > limit))

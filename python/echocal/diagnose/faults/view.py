@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.base import Base
 from echocal.diagnose.lattice import find_lattice
+from echocal.diagnose.quantiles import median
 from echocal.observations import Observations
 
 __all__ = ["View"]
@@ -17,6 +18,7 @@ Mask = NDArray[np.bool_]
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
 _ENOUGH = 20_000  # rows that a robust fit needs at most
+_MANY = 100_000  # rows that tell which ones are wild
 _ROUNDS = 12  # reweightings: least absolute deviations to a part in a thousand
 _WINDOW = 13  # rows that vouch for a level where no reference is known
 _ANYHOW = 0.06  # part of a distance that no law or thermometer is wrong by
@@ -101,11 +103,25 @@ class View:
         return self.indication - self.expected
 
     @cached_property
+    def farthest(self) -> float:
+        """Largest deviation of any row that is known of [m]: it clears most tables of most faults."""
+        return float(np.fmax.reduce(np.abs(self.deviation), initial=0.0))
+
+    @cached_property
+    def ratios(self) -> tuple[float, float]:
+        """Least and largest reading over reference."""
+        assert self.reference is not None
+        with np.errstate(all="ignore"):
+            ratio = self.indication / self.reference
+        return float(np.fmin.reduce(ratio)), float(np.fmax.reduce(ratio))
+
+    @cached_property
     def scatter(self) -> float:
         """Robust standard deviation of the deviation [m]."""
-        inside = self.deviation[self.good & np.isfinite(self.deviation)]
+        judged = self.good & np.isfinite(self.deviation)
+        inside = self.deviation if judged.all() else self.deviation[judged]
         least = max(_LEAST, _PER_STEP * self.resolution)
-        return max(_MAD_TO_SD * float(np.median(np.abs(inside))), least) if len(inside) else least
+        return max(_MAD_TO_SD * median(np.abs(inside)), least) if len(inside) else least
 
     @cached_property
     def resolution(self) -> float:
@@ -123,41 +139,90 @@ class View:
     def _bulk(self) -> Column:
         """Smooth part of reading less reference that most rows share [m]."""
         assert self.reference is not None
-        columns = _basis(self.reference, self.temperature)
+        shape = _Shape.of(self.reference, self.temperature)
         error = self.indication - self.reference
-        sane = self.good & np.isfinite(columns).all(axis=0) & np.isfinite(error) & (self.reference > 0)
-        center = float(np.median(error[sane])) if sane.any() else 0.0
-        scale = float(np.median(error[sane] / self.reference[sane])) if sane.any() else 0.0
-        off = np.minimum(np.abs(error - center), np.abs(error - scale * self.reference))
-        sane &= off < _ANYHOW * self.reference + _NEAR  # no leverage for wild rows
+        sane = self.good & shape.known & np.isfinite(error) & (self.reference > 0)
+        known = np.flatnonzero(sane)
+        some = known[:: max(1, len(known) // _MANY)]  # the middle is asked for to a few percent
+        center = median(error[some]) if len(some) else 0.0
+        scale = median(error[some] / self.reference[some]) if len(some) else 0.0
+        limit = _ANYHOW * self.reference + _NEAR
+        near = np.abs(error - center) < limit
+        if not near.all():
+            near |= np.abs(error - scale * self.reference) < limit
+        sane &= near  # no leverage for wild rows
         rows = np.flatnonzero(sane)
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
-        if len(rows) < 3 * len(columns):
+        if len(rows) < 3 * len(shape):
             return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
-        return np.asarray(_least_absolute(columns[:, rows].T, error[rows]) @ columns)
+        return shape.sum(_least_absolute(shape.columns(rows), error[rows]))
 
 
-def _basis(distance: Column, temperature: Column | None) -> Column:
-    """Columns that most causes' means nearly lie in."""
-    far = distance / 2.0
-    columns = [np.ones_like(far)]
-    spread = [] if np.ptp(far[np.isfinite(far)]) == 0 else [far, far**2]
-    if temperature is not None and np.nanmax(temperature) > np.nanmin(temperature):
-        warm = temperature / 25.0
-        spread += [far * warm, far * warm**2]
-    return np.stack([*columns, *spread])
+@dataclass(frozen=True)
+class _Shape:
+    """Columns that most causes' means nearly lie in, made where they are needed.
+
+    Attributes
+    ----------
+    far : ndarray, shape (n,)
+        Distance, in units of 2 m.
+    warm : ndarray, shape (n,), or None
+        Temperature, in units of 25 K; None where it is one number.
+    bends : bool
+        Whether there is more than one distance.
+    """
+
+    far: Column
+    warm: Column | None
+    bends: bool
+
+    @classmethod
+    def of(cls, distance: Column, temperature: Column | None) -> "_Shape":
+        far = distance / 2.0
+        finite = np.isfinite(far)
+        bends = bool(np.ptp(far if finite.all() else far[finite]) > 0)
+        varies = temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature)
+        return cls(far, temperature / 25.0 if temperature is not None and varies else None, bends)
+
+    def __len__(self) -> int:
+        return 1 + 2 * self.bends + 2 * (self.warm is not None)
+
+    @property
+    def known(self) -> Mask:
+        """Rows of which every column is known."""
+        known = np.isfinite(self.far)
+        return known if self.warm is None else known & np.isfinite(self.warm)
+
+    def columns(self, rows: NDArray[np.int64]) -> Column:
+        """Every column at some rows, one per line."""
+        far = self.far[rows]
+        columns = [np.ones_like(far), *([far, far**2] if self.bends else [])]
+        if self.warm is not None:
+            warm = self.warm[rows]
+            columns += [far * warm, far * warm**2]
+        return np.stack(columns)
+
+    def sum(self, coefficients: Column) -> Column:
+        """Every column times its coefficient, in all rows."""
+        level, *rest = coefficients.tolist()
+        slope = np.full(len(self.far), rest[0]) if self.bends else np.zeros(len(self.far))
+        if self.bends:
+            slope += rest[1] * self.far
+        if self.warm is not None:
+            slope += (rest[-1] * self.warm + rest[-2]) * self.warm
+        slope *= self.far
+        slope += level
+        return slope
 
 
 def _least_absolute(columns: Column, values: Column) -> Column:
     """Coefficients of least absolute deviations, by reweighting."""
-    weight = np.ones(len(values))
-    center = np.median(values)
-    found = np.zeros(columns.shape[1])
-    found[0] = center
+    found = np.zeros(len(columns))
+    found[0] = median(values)
     for _ in range(_ROUNDS):
-        left = np.abs(values - columns @ found)
-        weight = 1 / np.maximum(left, max(1e-3 * float(np.median(left)), 1e-9))
-        weighted = columns * weight[:, None]
-        ridge = 1e-9 * np.trace(weighted.T @ columns) * np.eye(columns.shape[1])
-        found = np.linalg.solve(weighted.T @ columns + ridge, weighted.T @ values)
+        left = np.abs(values - found @ columns)
+        weighted = columns / np.maximum(left, max(1e-3 * median(left), 1e-9))
+        among = weighted @ columns.T
+        ridge = 1e-9 * np.trace(among) * np.eye(len(columns))
+        found = np.linalg.solve(among + ridge, weighted @ values)
     return found

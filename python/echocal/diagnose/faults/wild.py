@@ -13,8 +13,11 @@ _USUAL = 0.02  # part of the rows of a table with such a fault
 
 def wild_side(view: View, sign: int, least: float = 0.0) -> NDArray[np.bool_]:
     """Far rows that read too long (+1) or too short (-1), by a part of the distance at least."""
+    rows = far(view)
+    if not rows.any():
+        return rows
     with np.errstate(invalid="ignore"):
-        return np.asarray(far(view) & (sign * view.deviation > least * np.abs(view.expected)))
+        return np.asarray(rows & (sign * view.deviation > least * np.abs(view.expected)))
 
 
 def count_evidence(view: View, count: int) -> float:
