@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.observations.quantiles import Grouped, median
+
 __all__ = ["far_as_a_whole", "far_from_stand", "far_rows", "level_steps", "series_starts"]
 
 Column = NDArray[np.float64]
@@ -24,9 +26,11 @@ _STEP = 7.0  # robust standard deviations of the difference of neighboring media
 _STEP_OF_NO_AIR = 4.5  # the same, where the air cannot have made it
 
 
-def _robust_sd(values: Column) -> float:
-    center = np.nanmedian(values)
-    return float(_MAD_TO_SD * np.nanmedian(np.abs(values - center)))
+def _robust(values: Column) -> tuple[float, float]:
+    """Median and robust standard deviation."""
+    known = values if np.isfinite(values).all() else values[~np.isnan(values)]
+    center = median(known)
+    return center, _MAD_TO_SD * median(np.abs(known - center))
 
 
 def far_rows(indication: Column, expected: Column | None) -> Mask:
@@ -52,9 +56,11 @@ def far_rows(indication: Column, expected: Column | None) -> Mask:
         window = pd.Series(indication).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=1)
         expected = window.median().to_numpy()
     deviation = indication - expected
-    center = np.nanmedian(deviation)
-    limit = np.maximum(_FAR * _robust_sd(deviation), _FAR_RELATIVE * np.abs(expected))
-    return np.asarray(np.abs(deviation - center) > limit)
+    center, spread = _robust(deviation)
+    off, usual = np.abs(deviation - center), _FAR * spread
+    if np.fmax.reduce(off) <= usual:
+        return np.zeros(len(indication), dtype=bool)
+    return np.asarray(off > np.maximum(usual, _FAR_RELATIVE * np.abs(expected)))
 
 
 def far_as_a_whole(far: Mask, stands: Labels) -> Mask:
@@ -93,18 +99,18 @@ def far_from_stand(indication: Column, stands: Labels, temperature: Column | Non
     -------
     ndarray of bool, shape (n,)
     """
-    import pandas as pd  # takes long to import
-
     none = np.zeros(len(indication), dtype=bool)
     members = np.bincount(stands)
     if np.median(members[members > 0]) < _VOUCH:
         return none
-    by_stand = pd.Series(indication).groupby(stands)
-    off = np.abs(indication - by_stand.transform("median").to_numpy())
-    usual = float(_MAD_TO_SD * pd.Series(off).groupby(stands).median().median())
-    limit = np.full(len(indication), max(_OFF_STAND * usual, _CYCLES))
+    by_stand = Grouped(stands)
+    off = np.abs(indication - by_stand.median(indication)[stands])
+    least = max(_OFF_STAND * _MAD_TO_SD * float(np.nanmedian(by_stand.median(off))), _CYCLES)
+    if np.fmax.reduce(off) <= least:
+        return none
+    limit = np.full(len(indication), least)
     if temperature is not None:
-        warming = temperature - pd.Series(temperature).groupby(stands).transform("median").to_numpy()
+        warming = temperature - by_stand.median(temperature)[stands]
         limit += _PER_KELVIN * np.abs(warming * indication)
     far = (off > limit) & (members[stands] >= _VOUCH)
     first = int(far.argmax())
@@ -144,7 +150,7 @@ def level_steps(indication: Column, elapsed: Column | None, temperature: Column 
         height[near] = np.where(height[near] > air[near], height[near], 0.0)
     quiet = np.ones(len(jump), dtype=bool)  # away from steps: these must not widen what is usual
     steps: list[int] = []
-    while quiet.any() and (usual := _robust_sd(jump[quiet])) > 0.0:
+    while quiet.any() and (usual := _robust(jump[quiet])[1]) > 0.0:
         clear = height > usual * np.where(height > air, _STEP_OF_NO_AIR, _STEP)
         if not clear.any():
             break
@@ -189,8 +195,10 @@ def series_starts(elapsed: Column | None, breaks: Mask) -> Mask:
 def _gaps(elapsed: Column) -> Mask:
     """Rows before which time stands still for long, or runs backward."""
     gaps = np.zeros(len(elapsed), dtype=bool)
+    if len(elapsed) < 2:
+        return gaps
     wait = np.diff(elapsed)
-    usual = np.nanmedian(wait) if len(wait) else 0.0
+    usual = median(wait) if np.isfinite(wait).all() else float(np.nanmedian(wait))
     if usual > 0:
         gaps[1:] = ~((wait >= 0) & (wait <= _GAP * usual))
     return gaps

@@ -1,5 +1,6 @@
 """A table made ready: usable rows, their reading, level and blocks."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -141,59 +142,48 @@ def prepare(
             "or say --constant-distance where the target never moved"
         )
         raise UsageError(message)
-    reasons = observations.unusable.astype(object)
-    good = observations.usable.copy()
-    if reference is not None:
-        good &= np.isfinite(reference)
-    indication = np.full(len(observations), np.nan)
-    indication[good] = base.indication(
-        observations.echo_time[good], {k: v[good] for k, v in observations.conditions.items()}
+    usable = observations.usable
+    good = usable if reference is None else usable & np.isfinite(reference)
+    kept = np.flatnonzero(good)
+    indication = base.indication(
+        some(observations.echo_time, kept), {k: some(v, kept) for k, v in observations.conditions.items()}
     )
-    odd = good & ~np.isfinite(indication)
-    reasons[odd] = "no reading can be computed"
-    reasons[~good & (observations.unusable == "")] = "no reference distance"
-    good &= ~odd
-    return _arrange(observations, indication, reference, good, reasons, more_steps)
+    known = np.isfinite(indication)
+    left_out = Counter(observations.unusable[~usable].tolist())
+    left_out["no reference distance"] += int(usable.sum()) - len(kept)
+    left_out["no reading can be computed"] += len(kept) - int(known.sum())
+    if not known.all():
+        kept, indication = kept[known], indication[known]
+    return _arrange(observations, indication, reference, kept, left_out, more_steps)
+
+
+def some(column: Column, rows: Labels) -> Column:
+    """Some rows of a column; the column itself where that is all of them."""
+    return column if len(rows) == len(column) else column[rows]
 
 
 def _arrange(
     observations: Observations,
     indication: Column,
     reference: Column | None,
-    good: NDArray[np.bool_],
-    reasons: NDArray[np.object_],
+    kept: Labels,
+    left_out: Counter[str],
     more_steps: Sequence[int],
 ) -> Table:
-    kept = np.flatnonzero(good)
-    far = far_rows(indication[kept], None if reference is None else reference[kept])
-    if reference is not None and far.any():
-        far &= ~far_as_a_whole(far, _stands(observations, reference, kept))
-    reasons[kept[far]] = FAR
-    kept = kept[~far]
-    stands = None
-    if reference is not None:
-        temperature = observations.conditions.get("temperature")
-        stands = _stands(observations, reference, kept)
-        far = far_from_stand(indication[kept], stands, None if temperature is None else temperature[kept])
-        if far.any():
-            reasons[kept[far]] = OFF_STAND
-            kept = kept[~far]
-            stands = _stands(observations, reference, kept)
-    left_out = np.ones(len(reasons), dtype=bool)
-    left_out[kept] = False
-    names, counts = np.unique(reasons[left_out].astype(str), return_counts=True)
-    unusable = dict(zip(names.tolist(), counts.tolist(), strict=True))
+    """Leave out wild rows of those that are kept, which have these indications; find series."""
+    kept, indication, stands = _without_wild(observations, indication, reference, kept, left_out)
+    unusable = {reason: count for reason, count in sorted(left_out.items()) if count}
     if len(kept) < _FEWEST:
         why = "".join(f", {count} {reason}" for reason, count in unusable.items())
         message = (
             f"a diagnosis needs at least {_FEWEST} usable rows; of {len(observations)}, {len(kept)} are{why}"
         )
         raise DataError(message)
-    conditions = {name: column[kept] for name, column in observations.conditions.items()}
+    conditions = {name: some(column, kept) for name, column in observations.conditions.items()}
     elapsed = conditions.get("elapsed_time")
     moved = reference is None
     steps = (
-        level_steps(indication[kept], elapsed, conditions.get("temperature"))
+        level_steps(indication, elapsed, conditions.get("temperature"))
         if moved
         else np.empty(0, dtype=np.int64)
     )
@@ -205,15 +195,41 @@ def _arrange(
     breaks[1:] |= np.diff(groups) != 0
     return Table(
         row=kept,
-        indication=indication[kept],
-        reference=None if reference is None else reference[kept],
+        indication=indication,
+        reference=None if reference is None else some(reference, kept),
         conditions=conditions,
-        extra={name: column[kept] for name, column in observations.extra.items()},
+        extra={name: some(column, kept) for name, column in observations.extra.items()},
         groups=groups.astype(np.int64),
         starts=series_starts(elapsed, breaks),
         steps=kept[steps],
         unusable=unusable,
     )
+
+
+def _without_wild(
+    observations: Observations,
+    indication: Column,
+    reference: Column | None,
+    kept: Labels,
+    left_out: Counter[str],
+) -> tuple[Labels, Column, Labels | None]:
+    """Rows that are not far from what they should be, their indications and their stands."""
+    far = far_rows(indication, None if reference is None else some(reference, kept))
+    if reference is not None and far.any():
+        far &= ~far_as_a_whole(far, _stands(observations, reference, kept))
+    if far.any():
+        left_out[FAR] += int(far.sum())
+        kept, indication = kept[~far], indication[~far]
+    stands = None
+    if reference is not None:
+        temperature = observations.conditions.get("temperature")
+        stands = _stands(observations, reference, kept)
+        far = far_from_stand(indication, stands, None if temperature is None else some(temperature, kept))
+        if far.any():
+            left_out[OFF_STAND] += int(far.sum())
+            kept, indication = kept[~far], indication[~far]
+            stands = _stands(observations, reference, kept)
+    return kept, indication, stands
 
 
 def _stands(observations: Observations, reference: Column, kept: Labels) -> Labels:
@@ -224,6 +240,6 @@ def _stands(observations: Observations, reference: Column, kept: Labels) -> Labe
     import pandas as pd  # takes long to import
 
     labels = observations.labels.get("stand")
-    source = reference[kept] if labels is None else labels[kept]
+    source = some(reference, kept) if labels is None else labels[kept]
     groups = pd.factorize(source, sort=True)[0].astype(np.int64)
     return groups if 1 + groups.max() <= len(kept) // 3 else np.zeros_like(groups)

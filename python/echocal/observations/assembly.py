@@ -1,5 +1,6 @@
 """Assemble observations from the columns of a table."""
 
+from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
@@ -34,12 +35,13 @@ class Assembly:
     missing: Missing
     trusted: Collection[str]
     time_zone: str
-    unusable: NDArray[np.object_] = field(init=False)
+    reasons: list[str] = field(init=False, default_factory=lambda: [""])
+    reason: NDArray[np.int16] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
     time: clock.Instants | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        self.unusable = np.full(len(self.table), "", dtype=object)
+        self.reason = np.zeros(len(self.table), dtype=np.int16)
 
     def observations(self, reading_speed: str | float | None) -> Observations:
         """Put everything together; `reading_speed` as in `echocal.read_observations`."""
@@ -57,7 +59,7 @@ class Assembly:
             echo_time=echo_time,
             conditions={**conditions, **derived(conditions, named), **self._hour()},
             reference_distance=values.get("reference_distance"),
-            unusable=self.unusable.astype(np.str_),
+            unusable=np.array(self.reasons)[self.reason],
             reading=values.get("reading"),
             time=self.time,
             labels=named,
@@ -83,7 +85,7 @@ class Assembly:
         self.notes += notes
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
-            values = values - values[np.isfinite(values)][0]
+            values = values - values[np.isfinite(values).argmax()]
         return values
 
     def _hour(self) -> dict[str, Column]:
@@ -101,8 +103,13 @@ class Assembly:
         """Give rows a reason code; the first reason stays."""
         if source.form.quantity == "reading" and "echo_time" in self.plan.assignments:
             return  # the echo time is there without it
+        self._give(where, reason)
+
+    def _give(self, where: NDArray[np.bool_], reason: str) -> None:
         rows = np.flatnonzero(where)
-        self.unusable[rows[self.unusable[rows] == ""]] = reason
+        if len(rows):
+            self.reasons.append(reason)
+            self.reason[rows[self.reason[rows] == 0]] = len(self.reasons) - 1
 
     def _echo_time(
         self, values: dict[str, Column], conditions: dict[str, Column], reading_speed: str | float | None
@@ -120,13 +127,13 @@ class Assembly:
                     f"readings are taken to be made with the speed {speed.law}; "
                     "if the firmware used another: --reading-speed 343"
                 )
-            return speed.echo_time(reading, self.unusable == "")
+            return speed.echo_time(reading, self.reason == 0)
         if reading_speed is not None or "temperature" in conditions:
             sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])
             speed = FirmwareSpeed(reading_speed, conditions)
             apart = disagreeing(reading, echo_time, speed, sources)
             reason = f"{sources[0].column} and {sources[1].column} disagree"
-            self.unusable[apart & (self.unusable == "")] = reason
+            self._give(apart, reason)
         return echo_time
 
     def _labels(self, name: str) -> NDArray[np.int64]:
@@ -157,11 +164,14 @@ class Assembly:
                 )
 
     def _summarize(self) -> None:
-        reasons, counts = np.unique(self.unusable[self.unusable != ""].astype(str), return_counts=True)
-        if not len(reasons):
+        counts = np.bincount(self.reason, minlength=len(self.reasons)).tolist()
+        given: Counter[str] = Counter()
+        for reason, count in zip(self.reasons[1:], counts[1:], strict=True):
+            given[reason] += count
+        total = given.total()
+        if not total:
             return
-        total = int(counts.sum())
-        listed = ", ".join(f"{count} {reason}" for reason, count in zip(reasons, counts, strict=True))
+        listed = ", ".join(f"{count} {reason}" for reason, count in sorted(given.items()) if count)
         if total == len(self.table) and EVERYTHING not in self.trusted:
             message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
             raise DataError(message)

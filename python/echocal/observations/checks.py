@@ -9,6 +9,7 @@ from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
 from echocal.observations.numbers import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
+from echocal.observations.quantiles import median as middle
 from echocal.observations.units import NAMES, Form, Unit
 
 __all__ = ["impossible", "refuse_other_unit", "refuse_without_values", "si_unit", "suspected_codes"]
@@ -51,11 +52,13 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
         If the median cannot be, or is ordinary only in another unit.
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
-    known = values[np.isfinite(values)]
+    finite = np.isfinite(values)
+    known = values if finite.all() else values[finite]
     if form.label or column in trusted or EVERYTHING in trusted or not known.any():
         return
-    possible = known[~impossible(known, assignment)[0]]  # single impossible rows are another matter
-    median = float(np.median(possible if 2 * len(possible) >= len(known) else known))
+    wrong = impossible(known, assignment)[0]  # single impossible rows are another matter
+    possible = known[~wrong] if wrong.any() else known
+    median = middle(possible if 2 * len(possible) >= len(known) else known)
     if _within(unit, median, form.typical or form.physical):
         return
     others = _ordinary_as(median, form)
@@ -88,6 +91,9 @@ def impossible(values: Column, assignment: Assignment) -> tuple[Mask, list[str]]
         Values in the unit that the column's name says.
     """
     low, high = (assignment.unit.from_si(bound) for bound in assignment.form.physical)
+    least, most = _ends(values)
+    if (least > low if assignment.form.positive else least >= low) and most <= high:
+        return np.zeros(len(values), dtype=np.bool_), []
     with np.errstate(invalid="ignore"):
         below = values <= low if assignment.form.positive else values < low
         above = values > high
@@ -100,7 +106,8 @@ def impossible(values: Column, assignment: Assignment) -> tuple[Mask, list[str]]
 def suspected_codes(values: Column, assignment: Assignment) -> list[str]:
     """A sentence on each value that loggers write where they have none."""
     codes = (85.0, *_CODES) if assignment.name == "temperature_C" else _CODES  # 85: DS18B20 at power-on
-    found = {code: int((values == code).sum()) for code in codes}
+    least, most = _ends(values)
+    found = {code: int((values == code).sum()) for code in codes if least <= code <= most}
     column = assignment.column
     return [
         f'{column} holds {code:g} in {rows(count)}; if it is an error code: --missing "{column}={code:g}"'
@@ -114,6 +121,13 @@ def si_unit(quantity: str) -> str:
     own = {"echo_time": "s", "reading": "m", "reference_distance": "m"}
     unit = own.get(quantity) or QUANTITIES[quantity].unit
     return "" if unit == "1" else unit
+
+
+def _ends(values: Column) -> tuple[float, float]:
+    """Least and largest of the values that are known; most tables need no closer look."""
+    if not len(values):
+        return np.nan, np.nan
+    return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
 
 
 def _count(values: Column, mask: Mask, column: str, where: str) -> str:

@@ -1,6 +1,6 @@
 """Influence quantities that a table derives from its rows, for effects that remember earlier rows."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.in
     elapsed, temperature = conditions.get("elapsed_time"), conditions.get("temperature")
     if elapsed is not None and temperature is not None:
         found["temperature_rate"] = _rate(elapsed, temperature)
-        found |= {f"temperature_later_{rows}": _later(temperature, rows) for rows in range(1, _LATER + 1)}
+        found |= {f"temperature_later_{rows}": later for rows, later in _later(temperature)}
     if elapsed is not None and "radiation" in conditions:
         found["radiation_rate"] = _rate(elapsed, conditions["radiation"])
     if "order" in labels or "group" in labels:
@@ -55,11 +55,19 @@ def _rate(elapsed: Column, values: Column) -> Column:
     Over `_WINDOW` where rows stand closer. At either end of the table half of that is known.
     """
     rate = np.full(len(values), np.nan)
+    half = 0.5 * _WINDOW
+    wait = np.diff(elapsed)
+    if len(wait) and wait.min() >= half and np.isfinite(values).all() and np.isfinite(elapsed).all():
+        # in order and far enough apart: from neighbor to neighbor
+        before, after = np.append(0.0, wait), np.append(wait, 0.0)
+        rise = np.empty(len(values))
+        rise[1:-1] = values[2:] - values[:-2]
+        rise[0], rise[-1] = values[1] - values[0], values[-1] - values[-2]
+        return np.asarray(rise / (before + after))
     known = np.flatnonzero(np.isfinite(elapsed) & np.isfinite(values))
     order = known[np.argsort(elapsed[known], kind="stable")]
     time, value = elapsed[order], values[order]
     if len(order):
-        half = 0.5 * _WINDOW
         early = np.maximum(time - np.maximum(half, np.diff(time, prepend=time[0])), time[0])
         late = np.minimum(time + np.maximum(half, np.diff(time, append=time[-1])), time[-1])
         span = late - early
@@ -68,16 +76,23 @@ def _rate(elapsed: Column, values: Column) -> Column:
     return rate
 
 
-def _later(values: Column, rows: int) -> Column:
-    """Value that many rows further down; beyond the end, on the straight line of the last rows."""
-    later = np.full(len(values), np.nan)
-    known = values[np.isfinite(values)]
-    if len(known):
-        last = known[-_TREND:]
-        ahead = np.arange(len(last), len(last) + rows)
-        line = np.polynomial.Polynomial.fit(np.arange(len(last)), last, min(1, len(last) - 1))
-        later[np.isfinite(values)] = np.append(known, line(ahead))[rows:]
-    return later
+def _later(values: Column) -> Iterator[tuple[int, Column]]:
+    """Value so many rows further down; beyond the end, on the straight line of the last rows."""
+    finite = np.isfinite(values)
+    known = values if finite.all() else values[finite]
+    if not len(known):
+        yield from ((rows, np.full(len(values), np.nan)) for rows in range(1, _LATER + 1))
+        return
+    last = known[-_TREND:]
+    ahead = np.arange(len(last), len(last) + _LATER)
+    beyond = np.polynomial.Polynomial.fit(np.arange(len(last)), last, min(1, len(last) - 1))(ahead)
+    for rows in range(1, _LATER + 1):
+        moved = np.append(known[rows:], beyond[:rows][-len(known) :])
+        if known is not values:
+            later = np.full(len(values), np.nan)
+            later[finite] = moved
+            moved = later
+        yield rows, moved
 
 
 def _position(labels: Mapping[str, NDArray[np.int64]]) -> Column:

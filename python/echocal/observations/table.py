@@ -75,7 +75,9 @@ class Observations:
     @property
     def usable(self) -> NDArray[np.bool_]:
         """Which rows can be used, shape (n,)."""
-        return np.asarray(self.unusable == "", dtype=np.bool_)
+        codes = np.ascontiguousarray(self.unusable, dtype=np.str_)
+        # a text is empty if its first character is: no text is compared
+        return np.asarray(codes.view(np.uint32).reshape(len(codes), -1)[:, 0] == 0)
 
     @property
     def unusable_counts(self) -> dict[str, int]:

@@ -28,7 +28,11 @@ class Unit:
     def to_si(self, values: Number) -> Number:
         """Convert values of this unit to SI."""
         # two operations keep decimals exact: 73.3 cm is 0.733 m to the last bit
-        return (values - self.zero) * self.numerator / self.denominator
+        if self.zero != 0.0:
+            values = values - self.zero
+        if self.numerator != 1.0:
+            values = values * self.numerator
+        return values if self.denominator == 1.0 else values / self.denominator
 
     def from_si(self, value: float) -> float:
         """Convert a value in SI to this unit."""

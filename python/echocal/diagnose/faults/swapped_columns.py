@@ -9,8 +9,8 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.parts import Parameter
-from echocal.diagnose.quantiles import median
 from echocal.observations import Observations
+from echocal.observations.quantiles import median
 
 __all__ = ["FACTS", "detect"]
 

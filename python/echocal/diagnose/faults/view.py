@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.base import Base
 from echocal.diagnose.lattice import find_lattice
-from echocal.diagnose.quantiles import median
 from echocal.observations import Observations
+from echocal.observations.quantiles import median
 
 __all__ = ["View"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from echocal.diagnose.quantiles import median, quantiles
+from echocal.observations.quantiles import Grouped, median, quantiles
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 10, 1001, 20_000])
@@ -17,3 +17,15 @@ def test_as_numpy(count: int) -> None:
         np.testing.assert_array_equal(values, before)
         values[count // 3] = np.nan
         assert np.isnan(median(values))
+
+
+@pytest.mark.parametrize("count", [60, 20_000])
+def test_medians_of_groups(count: int) -> None:
+    random = np.random.default_rng(3)
+    labels = random.choice([0, 1, 3], count)
+    values = random.normal(size=count)
+    for some in (values, np.where(np.arange(count) % 7 == 0, np.nan, values)):
+        medians = Grouped(labels).median(some)
+        assert np.isnan(medians[2])
+        for group in (0, 1, 3):
+            assert medians[group] == np.nanmedian(some[labels == group])

@@ -9,9 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["median", "quantiles"]
+__all__ = ["Grouped", "median", "quantiles"]
 
 Column = NDArray[np.float64]
+
+_LARGE = 1000  # rows of a group that are worth a partition of their own
 
 
 def median(values: Column) -> float:
@@ -51,3 +53,39 @@ def quantiles(values: Column, parts: Sequence[float]) -> list[float]:
         # from the nearer end, as numpy does
         found.append(low + (high - low) * rest if rest < 0.5 else high - (high - low) * (1 - rest))
     return found
+
+
+class Grouped:
+    """Medians of groups of rows.
+
+    Parameters
+    ----------
+    labels : ndarray of int, shape (n,)
+        Group of each row, from 0 on.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Grouped(np.array([0, 1, 0, 1, 0])).median(np.array([1.0, 5.0, 3.0, 7.0, 2.0])).tolist()
+    [2.0, 6.0]
+    """
+
+    def __init__(self, labels: NDArray[np.int64]) -> None:
+        self._labels = labels
+        self._members = np.bincount(labels)
+        self._order: NDArray[np.int64] | None = None
+        groups = len(self._members)
+        if groups * _LARGE < len(labels) and groups < 1 << 16:
+            self._order = np.argsort(labels.astype(np.uint16), kind="stable")  # 16 bits: by radix
+
+    def median(self, values: Column) -> Column:
+        """Median of each group's values that are not NaN, shape (groups,); NaN where there are none."""
+        if self._order is not None:
+            parts = np.split(values[self._order], np.cumsum(self._members)[:-1])
+            medians = np.array([median(part) if len(part) else np.nan for part in parts])
+            if not np.isnan(medians).any():
+                return medians
+        import pandas as pd  # takes long to import
+
+        found = pd.Series(values).groupby(self._labels).median()
+        return np.asarray(found.reindex(range(len(self._members))), dtype=np.float64)
