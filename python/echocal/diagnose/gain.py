@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +82,7 @@ class Folds:
         return self.known[key]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HeldOut:
     """Errors of one model on every row that some fold held out.
 
@@ -94,10 +95,18 @@ class HeldOut:
 
     error: Column
 
-    @property
+    @cached_property
+    def known(self) -> Mask:
+        """Rows that were held out and have a level."""
+        return np.isfinite(self.error)
+
+    @cached_property
     def rms(self) -> float:
         """Root mean square [m]."""
-        return float(np.sqrt(np.nanmean(self.error**2)))
+        total = float(np.einsum("i,i->", self.error, self.error))  # one pass, where every row is known
+        if not np.isfinite(total):
+            return float(np.sqrt(np.nanmean(self.error**2)))
+        return float(np.sqrt(total / len(self.error)))
 
 
 def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> HeldOut:
@@ -141,33 +150,25 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
     error = np.full(len(table), np.nan)
     for held in folds.held:
         test = folds.rows(held)
+        if table.reference is not None:
+            usual = (speed.sum() - speed[test].sum()) / (len(speed) - len(speed[test]))
+            error[test] = table.indication[test] / speed[test] * usual - table.reference[test]
+            continue
         others = _others(test, len(table))
         reading = table.indication / speed * speed[others].mean()
-        level = table.reference
-        if level is None:
-            level = levels(reading, table.groups, others, np.mean)
-        error[test] = (reading - level)[test]
-    return float(np.sqrt(np.nanmean(error**2)))
-
-
-def _pieces(judged: Mask) -> Labels:
-    """Contiguous pieces of the judged rows, -1 elsewhere."""
-    count = int(judged.sum())
-    pieces = np.full(len(judged), -1)
-    pieces[judged] = np.arange(count) * min(_PIECES, count) // max(count, 1)
-    return pieces
-
-
-def _by_piece(values: Column, pieces: Labels) -> Column:
-    return np.asarray(np.bincount(pieces[pieces >= 0], weights=values[pieces >= 0]), dtype=np.float64)
+        error[test] = (reading - levels(reading, table.groups, others, np.mean))[test]
+    return HeldOut(error).rms
 
 
 def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
     """95 % interval of the drop in RMS [m], from resampled contiguous pieces of rows."""
-    judged = np.isfinite(before.error) & np.isfinite(after.error)
-    pieces = _pieces(judged)
-    rows = np.bincount(pieces[judged])
-    squares = [_by_piece(held.error**2, pieces) for held in (before, after)]
+    judged = before.known & after.known
+    count = int(judged.sum())
+    pieces = min(_PIECES, count)
+    firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
+    rows = np.diff(firsts)
+    errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
+    squares = [np.add.reduceat(error**2, firsts[:-1]) for error in errors]
     drawn = np.random.default_rng(seed).integers(len(rows), size=(_RESAMPLES, len(rows)))
     total = rows[drawn].sum(axis=1)
     rms = [np.sqrt(square[drawn].sum(axis=1) / total) for square in squares]
@@ -177,6 +178,8 @@ def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
     """Whether rows never fitted speak against a cause: with it, they are further off."""
+    if with_cause.known.all() and without.known.all():
+        return with_cause.rms > without.rms
     loss = with_cause.error**2 - without.error**2
     return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
 
@@ -201,7 +204,7 @@ def summarize(
     seed: int,
 ) -> Gain:
     """Put the figures together."""
-    judged = int((np.isfinite(before.error) & np.isfinite(after.error)).sum())
+    judged = int((before.known & after.known).sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
     worth = reachable > 0.02 * before.rms**2  # below, there is nothing to gain

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from echocal.diagnose.rows import far_as_a_whole, far_from_stand, far_rows, leve
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.quantiles import median
 from echocal.observations.units import NAMES
 
 __all__ = ["Table", "prepare"]
@@ -77,7 +79,7 @@ class Table:
             corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
         )
 
-    def correct(self, model: Model, rows: NDArray[np.bool_] | slice | None = None) -> Column:
+    def correct(self, model: Model, rows: NDArray[Any] | slice | None = None) -> Column:
         """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
         reads = model.reads
         needed = {name: column for name, column in self.conditions.items() if name in reads}
@@ -89,7 +91,7 @@ class Table:
     def air(self) -> dict[str, float]:
         """Median of each recorded quantity of the air but the temperature, which every device has."""
         recorded = self.conditions.keys() & {"relative_humidity", "pressure", "co2_mole_fraction"}
-        medians = {name: float(np.median(self.conditions[name])) for name in sorted(recorded)}
+        medians = {name: median(self.conditions[name]) for name in sorted(recorded)}
         return {name: float(f"{value:.6g}") for name, value in medians.items()}  # 63.4 % is 0.634
 
     def against(self) -> dict[str, Column]:

@@ -19,7 +19,7 @@ from echocal.model import Model
 __all__ = ["shifted"]
 
 Column = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+Labels = NDArray[np.int64]
 
 _ALONG = ("distance", "temperature", "relative_humidity")
 _INNER = (0.2, 0.8)  # part of the rows, by the column, that a model is fitted to
@@ -47,22 +47,28 @@ def shifted(case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: No
         return ()
     hypothesis = without(hypothesis, UNKNOWN)  # a shape holds where it was seen
     found = []
-    recorded = case.table.against()
+    recorded, seen = case.table.against(), _seen(case)
     for name in (name for name in _ALONG if name in recorded):
-        one = _along(case, hypothesis, causes, noise, name, recorded[name])
+        one = _along(case, hypothesis, causes, noise, name, recorded[name][seen], seen)
         if one is not None:
             found.append(one)
     return tuple(found)
 
 
 def _along(
-    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, name: str, column: Column
+    case: Case,
+    hypothesis: Hypothesis,
+    causes: Sequence[str],
+    noise: Noise,
+    name: str,
+    column: Column,
+    seen: Labels,
 ) -> Shifted | None:
-    seen = _seen(case)
-    low, high = np.quantile(column[seen], _INNER)
-    inside = seen & (low <= column) & (column <= high)
-    outside = seen & ~inside
-    if len(np.unique(column[seen])) < _PLACES or min(inside.sum(), outside.sum()) < _FEWEST:
+    """Fit to the middle of a column, which is given at the rows that are looked at."""
+    low, high = np.quantile(column, _INNER)
+    middle = (low <= column) & (column <= high)
+    inside, outside = seen[middle], seen[~middle]
+    if min(len(inside), len(outside)) < _FEWEST or len(np.unique(column)) < _PLACES:
         return None
     effects = _fit(case, hypothesis, causes, noise, inside)
     before, after = (
@@ -70,21 +76,23 @@ def _along(
     )
     if not np.isfinite(before) or not np.isfinite(after):
         return None  # no level of the rows outside is known inside
-    return Shifted(name, float(low), float(high), int(outside.sum()), before, after)
+    return Shifted(name, float(low), float(high), len(outside), before, after)
 
 
-def _seen(case: Case) -> Mask:
+def _seen(case: Case) -> Labels:
     """Rows that a fit may see; of very many, evenly spread runs."""
-    seen = case.folds.fit[case.folds.blocks]
-    runs = np.arange(len(seen)) // _RUN
-    return np.asarray(seen & (runs % (1 + len(seen) // _MOST) == 0))
+    count = len(case.table)
+    firsts = np.arange(0, count, _RUN * (1 + count // _MOST))
+    rows = (firsts[:, None] + np.arange(_RUN)).ravel()
+    rows = rows[: np.searchsorted(rows, count)]
+    return np.asarray(rows[case.folds.fit[case.folds.blocks[rows]]])
 
 
 def _fit(
-    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, rows: Mask
+    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, at: Labels
 ) -> dict[str, dict[str, float]]:
     """Sizes of the causes, from some rows."""
-    table, at = case.table, np.flatnonzero(rows)
+    table = case.table
     used = [0, *sorted({c for v in hypothesis.variants for c in v.columns}), len(case.found.columns) - 1]
     given = {name: column[at] for name, column in table.conditions.items()}
     columns = Columns(case.base.model(), np.ones(len(at)), given, None)
@@ -107,11 +115,13 @@ def _moved(variant: Variant, used: Sequence[int]) -> Variant:
     return replace(variant, offset=offset, free=tuple(used.index(column) for column in variant.free))
 
 
-def _rms(case: Case, model: Model, inside: Mask, outside: Mask) -> float:
+def _rms(case: Case, model: Model, inside: Labels, outside: Labels) -> float:
     table = case.table
     if table.reference is not None:
         error = table.correct(model, outside) - table.reference[outside]
     else:
-        error = errors(table, model, inside)[outside]
+        level_from = np.zeros(len(table), dtype=bool)
+        level_from[inside] = True
+        error = errors(table, model, level_from)[outside]
     known = np.isfinite(error)
     return float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else np.nan
