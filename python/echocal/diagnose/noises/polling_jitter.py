@@ -12,6 +12,7 @@ Column = NDArray[np.float64]
 
 _LATE = np.geomspace(0.2, 0.98, 9)  # part of the standard deviation that the tail makes
 _KERNEL = np.geomspace(0.7, 1.4, 5)  # of the normal part, around what the rest of the variance leaves
+_WORTH = 2.0  # standard errors of the skewness from which on the name is tried; a mean alone has others
 
 FACTS = CauseFacts(
     id="polling_jitter",
@@ -31,7 +32,8 @@ def fit(trace: Trace) -> Likelihood | None:
     second = float(np.mean(left**2)) if not trace.free_mean else float(np.var(left))
     spread = float(np.std(left))
     skew = float(np.mean((left - left.mean()) ** 3)) / max(spread, 1e-12) ** 3
-    if skew <= 0 or not trace.skewed:
+    chance = np.sqrt(6 / len(left))  # standard error of a skewness of nothing
+    if skew < _WORTH * chance:
         return None
     logs, tails = [], []
     for part in _LATE:
@@ -43,7 +45,7 @@ def fit(trace: Trace) -> Likelihood | None:
             tails.append(tail)
     total = np.array(logs)
     if not trace.free_mean:  # without a level, the mean itself says how late
-        tail = max(float(left.mean()), 1e-6)
+        tail = max(float(left.mean()), spread * np.cbrt(0.5 * _WORTH * chance))  # shorter ones never show
         for factor in _KERNEL:
             width = factor * np.sqrt(max(second - 2 * tail**2, 1e-2 * second))
             total = np.append(total, float(_density(left, tail, width).sum()))

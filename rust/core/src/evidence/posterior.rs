@@ -65,6 +65,9 @@ pub(super) struct Candidate {
 
 /// Weighs every hypothesis that competes.
 ///
+/// The search carries the plausible noises along; where its best hypotheses allow others, it is made
+/// again with these.
+///
 /// Returns the hypotheses that are not hopeless, most probable first, with the noises that were
 /// carried along, and the number of linear systems solved under these.
 #[must_use]
@@ -85,39 +88,40 @@ pub fn posterior(
         });
         causes[at].push(v);
     }
-    let mut table = Table::of(stack, &vec![true; stack.log_weight.len()]);
-    let noises = plausible(&table, variants, &causes, &shapes, threads);
-    if noises.contains(&false) {
-        table = Table::of(stack, &noises);
-    }
-    let mut search = Search {
-        table: &table,
-        variants,
-        causes: &causes,
-        share: if shapes.is_empty() {
-            1.0
-        } else {
-            1.0 - prior.shape
-        },
-        prior,
-        threads,
+    let every = Table::of(stack, &vec![true; stack.log_weight.len()]);
+    let share = if shapes.is_empty() {
+        1.0
+    } else {
+        1.0 - prior.shape
     };
-    let mut found = search.scored(search.singles(), None);
-    let promising = promising(&search, &found);
-    search.causes = &promising;
-    found.extend(search.weigh(search.pairs(), top(&found)));
-    for count in 3..=MOST {
-        let extended = search.extended(&search.distinct(&found), count);
-        let before = top(&found);
-        found.extend(search.weigh(extended, before));
-        if top(&found) <= before {
-            break;
+    let mut noises = plausible(&every, variants, &causes, &shapes, threads);
+    let mut solved = 0;
+    loop {
+        let table = Table::of(stack, &noises);
+        let search = Search {
+            table: &table,
+            variants,
+            causes: &causes,
+            share,
+            prior,
+            threads,
+        };
+        let found = search.found(&shapes);
+        let best = search.distinct(&found).into_iter().take(BESIDE);
+        let allowed = allowed(&every, variants, best.map(|c| c.variants.clone()), threads);
+        let complete = allowed
+            .iter()
+            .zip(&noises)
+            .all(|(more, held)| *held || !more);
+        if complete {
+            let outcomes = search.outcomes(found);
+            return (outcomes, noises, solved + table.solved.into_inner());
+        }
+        solved += table.solved.into_inner();
+        for (held, more) in noises.iter_mut().zip(allowed) {
+            *held |= more;
         }
     }
-    let beside = search.beside(&search.distinct(&found), &shapes);
-    found.extend(search.weigh(beside, top(&found)));
-    let outcomes = search.outcomes(found);
-    (outcomes, noises, table.solved.into_inner())
 }
 
 fn top(found: &[Candidate]) -> f64 {
@@ -127,10 +131,10 @@ fn top(found: &[Candidate]) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Noises worth carrying along: those that some simple or some very free hypothesis allows.
+/// Noises worth carrying along at first: those that some simple or some very free hypothesis allows.
 ///
-/// The free ones have every cause at once, beside one shape: what they leave is noise if anything
-/// is.
+/// The free ones have every cause at once, beside one shape: what they leave is mostly noise, but
+/// of a cause with a place (a step, an edge) they have only one.
 fn plausible(
     table: &Table,
     variants: &[Variant],
@@ -158,6 +162,16 @@ fn plausible(
         .into_iter()
         .chain(simple)
         .chain(beside);
+    allowed(table, variants, tried, threads)
+}
+
+/// Noises that are not negligible beside at least one of some hypotheses.
+fn allowed(
+    table: &Table,
+    variants: &[Variant],
+    tried: impl Iterator<Item = Vec<usize>>,
+    threads: usize,
+) -> Vec<bool> {
     let tried: Vec<Vec<usize>> = tried.collect();
     let shares = each_of(&tried, threads, || {
         let (mut scales, mut layout) = (Scales::default(), Layout::default());
@@ -186,6 +200,28 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Every hypothesis that is not hopeless under the noises carried along.
+    fn found(&self, shapes: &[usize]) -> Vec<Candidate> {
+        let mut found = self.scored(self.singles(), None);
+        let promising = promising(self, &found);
+        let search = Search {
+            causes: &promising,
+            ..*self
+        };
+        found.extend(search.weigh(search.pairs(), top(&found)));
+        for count in 3..=MOST {
+            let extended = search.extended(&search.distinct(&found), count);
+            let before = top(&found);
+            found.extend(search.weigh(extended, before));
+            if top(&found) <= before {
+                break;
+            }
+        }
+        let beside = search.beside(&search.distinct(&found), shapes);
+        found.extend(search.weigh(beside, top(&found)));
+        found
+    }
+
     pub(super) fn candidate(&self, variants: Vec<usize>, prior: f64) -> Candidate {
         let weight: f64 = variants.iter().map(|&v| self.variants[v].weight).product();
         Candidate {
