@@ -48,21 +48,31 @@ class Geometry:
         """Signal over noise, summed over rows: ``snr sqrt(n)``."""
         return float(np.sqrt(np.maximum(signal @ self.products @ signal, 0.0)))
 
-    def mimic(self, signal: Matrix, variants: Sequence[Variant]) -> tuple[float, float]:
+    def mimic(self, signal: Matrix, variants: Sequence[Variant], beside: Matrix) -> tuple[float, float]:
         """How well another cause imitates a signal.
+
+        Parameters
+        ----------
+        signal : ndarray, shape (k,)
+        variants : sequence of Variant
+            Forms of the other cause.
+        beside : ndarray, shape (k,)
+            What causes that stay add, whose sizes may change: what two causes make together may be
+            made by one of them and a third, though no two of them look alike.
 
         Returns
         -------
         float
             Log odds that remain against the best imitation; small: no telling apart.
         float
-            Size that the imitation needs, in prior standard deviations.
+            Size that the imitation needs, in prior standard deviations; also of what stays, where
+            that becomes larger than it was.
         """
-        return min((self._mimic(signal, v) for v in variants), default=(np.inf, np.inf))
+        return min((self._mimic(signal, v, beside) for v in variants), default=(np.inf, np.inf))
 
-    def _mimic(self, signal: Matrix, variant: Variant) -> tuple[float, float]:
+    def _mimic(self, signal: Matrix, variant: Variant, beside: Matrix) -> tuple[float, float]:
         rest = signal if variant.offset is None else signal - self.signal(variant)
-        free = list(variant.free)
+        free = [*variant.free, *np.flatnonzero(beside).tolist()]
         if not free:
             return 0.5 * self.visibility(rest) ** 2, 1.0
         along = self.products[free] @ rest
@@ -72,18 +82,21 @@ class Geometry:
         else:
             size = np.linalg.lstsq(self.products[np.ix_(free, free)], along, rcond=1e-12)[0]
         rest = rest - self._place(free, size)
-        return 0.5 * self.visibility(rest) ** 2, float(np.abs(size).max())
+        own = len(variant.free)
+        stays = beside[free[own:]]
+        grown = np.where(np.abs(stays + size[own:]) > np.abs(stays), stays + size[own:], 0.0)
+        return 0.5 * self.visibility(rest) ** 2, float(np.abs([*size[:own], *grown]).max())
 
     def _place(self, free: list[int], size: Matrix) -> Matrix:
         placed = np.zeros(len(self.products))
         placed[free] = size
         return placed
 
-    def rivals(self, signal: Matrix, others: dict[str, list[Variant]]) -> list[str]:
-        """Causes of a plausible size that these data cannot tell from a signal."""
+    def rivals(self, signal: Matrix, others: dict[str, list[Variant]], beside: Matrix) -> list[str]:
+        """Causes of a plausible size that these data cannot tell from a signal, beside what stays."""
         rivals = []
         for cause, variants in others.items():
-            odds, size = self.mimic(signal, variants)
+            odds, size = self.mimic(signal, variants, beside)
             if odds < ENOUGH and size <= _PLAUSIBLE:
                 rivals.append(cause)
         return rivals

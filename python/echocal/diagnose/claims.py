@@ -148,31 +148,26 @@ def claims(ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry) 
     """Claim the causes of a hypothesis, each with its class."""
     others = _by_cause(found.variants)
     made = []
-    first = 0
     chosen = set(effects_named(best.hypothesis))
-    for variant in best.hypothesis.variants:
-        last = first + len(variant.free)
-        mean = best.mean[first:last]
-        deviation = np.sqrt(np.diag(best.covariance)[first:last])
-        first = last
-        if variant.cause == UNKNOWN:
-            continue
-        signal = shape.signal(variant, mean)
-        rivals = shape.rivals(signal, {c: v for c, v in others.items() if c not in chosen})
+    deviation = np.sqrt(np.diag(best.covariance))
+    known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
+    for variant, place in known:
+        signal = shape.signal(variant, best.mean[place])
+        beside = np.zeros(len(signal))
+        for other, own in known:
+            if other is not variant:
+                beside[list(other.free)] = best.mean[own]
+        rivals = shape.rivals(signal, {c: v for c, v in others.items() if c not in chosen}, beside)
         probability = ranking.of([variant.cause, *rivals])
-        made.append(Claim(variant, mean, deviation, tuple(sorted(rivals)), probability))
+        made.append(Claim(variant, best.mean[place], deviation[place], tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
 
 
 def sizes(weighed: Weighed) -> dict[str, tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]]:
     """Coefficients of each cause of a hypothesis, and their standard deviations."""
-    found, first = {}, 0
     deviation = np.sqrt(np.diag(weighed.covariance))
-    for variant in weighed.hypothesis.variants:
-        last = first + len(variant.free)
-        found[variant.cause] = (weighed.mean[first:last], deviation[first:last])
-        first = last
-    return found
+    placed = weighed.hypothesis.placed
+    return {variant.cause: (weighed.mean[place], deviation[place]) for variant, place in placed}
 
 
 def resized(made: Sequence[Claim], weighed: Weighed) -> list[Claim]:
@@ -246,26 +241,21 @@ def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
 
 def effects_of(weighed: Weighed, only: Sequence[str] | None = None) -> Parameters:
     """Parameters of a model that has these causes (all of the hypothesis by default)."""
-    effects: Parameters = {}
-    first = 0
-    for variant in weighed.hypothesis.variants:
-        last = first + len(variant.free)
-        if variant.cause != UNKNOWN and (only is None or variant.cause in only):
-            effects[variant.cause] = parameters(variant, weighed.mean[first:last])
-        first = last
-    return effects
+    return {
+        variant.cause: parameters(variant, weighed.mean[place])
+        for variant, place in weighed.hypothesis.placed
+        if variant.cause != UNKNOWN and (only is None or variant.cause in only)
+    }
 
 
 def covariance_of(weighed: Weighed, names: Sequence[str]) -> NDArray[np.float64]:
     """Covariance of a model's parameters; zero where theory fixes one."""
     entries: list[tuple[int, int, float]] = []  # parameter of the model, coefficient, scale
-    first = 0
-    for variant in weighed.hypothesis.variants:
-        for offset, (name, scale) in enumerate(zip(variant.names, variant.scales, strict=True)):
+    for variant, place in weighed.hypothesis.placed:
+        for at, (name, scale) in enumerate(zip(variant.names, variant.scales, strict=True), place.start):
             full = f"{variant.cause}.{name}"
             if full in names:
-                entries.append((list(names).index(full), first + offset, scale))
-        first += len(variant.free)
+                entries.append((list(names).index(full), at, scale))
     covariance = np.zeros((len(names), len(names)))
     for i, a, scale_a in entries:
         for j, b, scale_b in entries:

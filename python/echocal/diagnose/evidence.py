@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,13 @@ class Hypothesis:
     def columns(self) -> tuple[int, ...]:
         """Every column that it uses."""
         return tuple(column for variant in self.variants for column in variant.columns)
+
+    @property
+    def placed(self) -> list[tuple[Variant, slice]]:
+        """Each variant, and where its coefficients stand among those of the hypothesis."""
+        ends = list(accumulate((len(variant.free) for variant in self.variants), initial=0))
+        places = (slice(first, last) for first, last in pairwise(ends))
+        return list(zip(self.variants, places, strict=True))
 
     @property
     def shape(self) -> str:

@@ -40,13 +40,10 @@ def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
         return None
     against = max(shapes, key=lambda name: shapes[name])
     for weighed in ranking.weighed:
-        first = 0
-        for variant in weighed.hypothesis.variants:
-            last = first + len(variant.free)
+        for variant, place in weighed.hypothesis.placed:
             if variant.cause == UNKNOWN and variant.against == against:
-                signal = case.signal(variant, weighed.mean[first:last])
+                signal = case.signal(variant, weighed.mean[place])
                 return _described(case, against, signal, total)
-            first = last
     return None
 
 

@@ -69,14 +69,11 @@ def hidden(weighed: Weighed) -> dict[str, float]:
     """Part of each cause's prior at which it would not show beside the others of its set."""
     parts: dict[str, float] = {}
     variance = np.diag(weighed.covariance)
-    first = 0
-    for variant in weighed.hypothesis.variants:
-        last = first + len(variant.free)
-        if variant.cause != UNKNOWN and variant.offset is None and last > first:
-            information = 1 / variance[first:last].min() - 1 / (_WIDTHS**2).mean()
+    for variant, place in weighed.hypothesis.placed:
+        if variant.cause != UNKNOWN and variant.offset is None and variant.free:
+            information = 1 / variance[place].min() - 1 / (_WIDTHS**2).mean()
             signal = float(np.sqrt(max(information, 0.0)))  # of one prior standard deviation
             reach = _VISIBLE / np.maximum(signal * _WIDTHS, 1e-12)
             inside = [math.erf(limit / math.sqrt(2)) for limit in reach.tolist()]
             parts[variant.cause] = sum(inside) / len(inside)
-        first = last
     return parts

@@ -1,5 +1,7 @@
 """Rows that cannot be what they seem, and stretches of constant level."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ _MAD_TO_SD = 1.4826  # of a normal distribution
 _HALF_WINDOW = 6  # rows on each side that vouch for a level
 _FAR = 20.0  # robust standard deviations that no sensor's noise reaches
 _FAR_RELATIVE = 0.02  # and part of the reading, below which a deviation may be physics
+_EXCEPTIONS = 5  # rows that may stand alone
 _PER_KELVIN = 0.002  # part of the reading that a kelvin changes where nobody compensates
 _ANYHOW = 0.005  # and what else the air may do across a gap
 _GAP = 5.0  # usual intervals between rows
@@ -33,7 +36,7 @@ def _robust(values: Column) -> tuple[float, float]:
     return center, _MAD_TO_SD * median(np.abs(known - center))
 
 
-def far_rows(indication: Column, expected: Column | None) -> Mask:
+def far_rows(indication: Column, expected: Column | None, orders: Callable[[], Sequence[Column]]) -> Mask:
     """Find rows far outside anything that noise or the air could do.
 
     Parameters
@@ -43,10 +46,13 @@ def far_rows(indication: Column, expected: Column | None) -> Mask:
     expected : ndarray, shape (n,), or None
         Readings that the base simulation predicts [m]; None where the distance is not known, and
         the neighbors are the only witnesses.
+    orders : callable
+        ``orders()`` are columns, shape (n,), that a deviation may be a function of.
 
     Returns
     -------
     ndarray of bool, shape (n,)
+        Also rows that physics might reach, where none of the neighbors does.
     """
     if len(indication) <= 2 * _HALF_WINDOW:
         return np.zeros(len(indication), dtype=bool)
@@ -60,7 +66,27 @@ def far_rows(indication: Column, expected: Column | None) -> Mask:
     off, usual = np.abs(deviation - center), _FAR * spread
     if np.fmax.reduce(off) <= usual:
         return np.zeros(len(indication), dtype=bool)
-    return np.asarray(off > np.maximum(usual, _FAR_RELATIVE * np.abs(expected)))
+    far = np.asarray(off > np.maximum(usual, _FAR_RELATIVE * np.abs(expected)))
+    limit = max(usual, _CYCLES)
+    odd = np.flatnonzero((off > limit) & ~far)
+    if 0 < len(odd) <= _EXCEPTIONS:  # more of them have a cause
+        far[odd[_alone(deviation, odd, orders(), limit)]] = True
+    return far
+
+
+def _alone(deviation: Column, odd: NDArray[np.intp], orders: Sequence[Column], limit: float) -> Mask:
+    """Whether rows deviate as none of their neighbors does, in whichever order one looks.
+
+    Whatever a cause is a function of, rows alike in it deviate alike: a row that stands alone in
+    time, by distance and by temperature is a wild one, also where physics could reach as far.
+    """
+    alone = np.zeros(len(odd), dtype=bool)
+    for i, row in enumerate(odd):
+        others = np.delete(deviation, row)
+        apart = (np.abs(np.delete(order, row) - order[row]) for order in orders)
+        near = (np.argpartition(gap, _HALF_WINDOW)[:_HALF_WINDOW] for gap in apart)
+        alone[i] = all(abs(deviation[row] - np.median(others[rows])) > limit for rows in near)
+    return alone
 
 
 def far_as_a_whole(far: Mask, stands: Labels) -> Mask:
@@ -114,7 +140,8 @@ def far_from_stand(indication: Column, stands: Labels, temperature: Column | Non
         limit += _PER_KELVIN * np.abs(warming * indication)
     far = (off > limit) & (members[stands] >= _VOUCH)
     first = int(far.argmax())
-    return none if far.any() and far[first:].mean() > _AS_A_WHOLE else np.asarray(far)
+    is_step = len(far) - first >= _VOUCH and far[first:].mean() > _AS_A_WHOLE
+    return none if far.any() and is_step else np.asarray(far)
 
 
 def level_steps(indication: Column, elapsed: Column | None, temperature: Column | None) -> NDArray[np.int64]:

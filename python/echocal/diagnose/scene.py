@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
 from echocal.diagnose.base import Base
-from echocal.diagnose.rows import far_as_a_whole, far_from_stand, far_rows, level_steps, series_starts
+from echocal.diagnose.rows import (
+    far_as_a_whole,
+    far_from_stand,
+    far_rows,
+    level_steps,
+    series_starts,
+)
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
@@ -216,7 +222,8 @@ def _without_wild(
     left_out: Counter[str],
 ) -> tuple[Labels, Column, Labels | None]:
     """Rows that are not far from what they should be, their indications and their stands."""
-    far = far_rows(indication, None if reference is None else some(reference, kept))
+    expected = None if reference is None else some(reference, kept)
+    far = far_rows(indication, expected, lambda: _orders(observations, reference, kept))
     if reference is not None and far.any():
         far &= ~far_as_a_whole(far, _stands(observations, reference, kept))
     if far.any():
@@ -232,6 +239,12 @@ def _without_wild(
             kept, indication = kept[~far], indication[~far]
             stands = _stands(observations, reference, kept)
     return kept, indication, stands
+
+
+def _orders(observations: Observations, reference: Column | None, kept: Labels) -> list[Column]:
+    """Columns that neighbors are sought by: the row, and what a cause is most likely a function of."""
+    columns = (reference, observations.conditions.get("temperature"))
+    return [kept.astype(np.float64), *(some(column, kept) for column in columns if column is not None)]
 
 
 def _stands(observations: Observations, reference: Column, kept: Labels) -> Labels:

@@ -142,9 +142,12 @@ def _told(claim: Claim, sizes: Sequence[Size]) -> str:
 
 def _shape(best: Weighed) -> dict[int, float]:
     """Columns of the shape without a cause, and their coefficients."""
-    columns = [column for variant in best.hypothesis.variants for column in variant.free]
-    unknown = [v.cause == UNKNOWN for v in best.hypothesis.variants for _ in v.free]
-    return {c: float(m) for c, m, is_shape in zip(columns, best.mean, unknown, strict=True) if is_shape}
+    shapes = ((v, place) for v, place in best.hypothesis.placed if v.cause == UNKNOWN)
+    return {
+        column: float(size)
+        for variant, place in shapes
+        for column, size in zip(variant.free, best.mean[place], strict=True)
+    }
 
 
 def _fits(families: Sequence[Family], claims: Sequence[Claim], noise: Noise) -> list[list[Weighed]]:
@@ -183,10 +186,7 @@ def _sizes(claim: Claim, fits: Sequence[Weighed]) -> list[Size]:
         return []
     sizes = []
     for weighed in fits:
-        causes = weighed.hypothesis.causes
-        before = weighed.hypothesis.variants[: causes.index(claim.cause)]
-        first = sum(len(v.free) for v in before)
-        own = slice(first, first + len(claim.variant.free))
+        (own,) = (place for v, place in weighed.hypothesis.placed if v.cause == claim.cause)
         covariance = weighed.covariance[own, own]
         if np.diag(covariance).max() < 1.0:  # of a prior standard deviation: it has something to say
             sizes.append((weighed.mean[own], covariance))
