@@ -21,6 +21,7 @@ Column = NDArray[np.float64]
 Matrix = NDArray[np.floating[Any]]
 
 _CLOSEST = 0.5  # rows between two places at which an effect may begin
+_ENDS = 5  # rows at either end of a table: what begins there is a wild row rather than an effect
 _BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
 _FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
 _ROUNDING = 1e-9  # part of a sum of products that arithmetic leaves
@@ -31,40 +32,48 @@ def places(
 ) -> list[tuple[float, float]]:
     """Places at which an effect may begin, each with its share of the prior.
 
-    The share of a place is the part of the rows that is nearer to it than to any other. Where a
-    place explains most, the distance to the next one is halved until it is half a row.
+    The share of a place is the part of the rows that is nearer to it than to any other. What begins
+    in time is sought in what a scale and the temperature leave; and, where distances follow each
+    other, so that these two take up what a step does, in all that is there.
     """
     along = parameter.tried_along
     assert along is not None
     column = scene.distance if along == "distance" else scene.conditions[along]
     ordered = bool((column[1:] >= column[:-1]).all())
     ascending = column if ordered else np.sort(column)
-    first, last = _reach(ascending, parameter) if along == "distance" else (-np.inf, np.inf)
-    look = _Look(
-        effect,
-        {**{p.name: p.neutral for p in effect.parameters}, **at},
-        parameter.name,
-        scene,
-        scene.residual if along == "distance" else scene.leftover,
-        ascending if ordered and scene.groups is None else None,
-    )
+    inner = ascending[:_ENDS][-1], ascending[-_ENDS:][0]
+    reach = _reach(ascending, parameter) if along == "distance" else inner
+    found: set[float] = set()
+    for of in [scene.residual] if along == "distance" else [scene.leftover, scene.residual]:
+        look = _Look(
+            effect,
+            {**{p.name: p.neutral for p in effect.parameters}, **at},
+            parameter.name,
+            scene,
+            of,
+            ascending if ordered and scene.groups is None else None,
+        )
+        found |= _closer(look, parameter, ascending, reach)
+    return _shares(ascending, sorted(found)) if found else []
+
+
+def _closer(look: _Look, parameter: Parameter, ascending: Column, reach: tuple[float, float]) -> set[float]:
+    """Where a place explains most, halve the distance to the next one until it is half a row."""
 
     def explained(tried: Sequence[float], around: Sequence[float] = ()) -> dict[float, float]:
         values = dict(zip(tried, _quantiles(ascending, tried), strict=True))
-        shown = {q: value for q, value in values.items() if first <= value <= last}
+        shown = {q: value for q, value in values.items() if reach[0] <= value <= reach[1]}
         look.at(list(shown.values()), _quantiles(ascending, around))
         return {q: look.squares(value) for q, value in shown.items()}
 
     scores = explained(parameter.tried)
-    if not scores:
-        return []
     step = float(np.diff(parameter.tried).min()) / 2
-    while step * len(column) > _CLOSEST:
+    while scores and step * len(ascending) > _CLOSEST:
         best = max(scores, key=lambda q: scores[q])
         ends = [min(max(best + far * step, 0.0), 1.0) for far in (-2, 0, 2)]
         scores |= explained((best - step, best + step), ends)
         step /= 2
-    return _shares(ascending, sorted(scores))
+    return set(scores)
 
 
 def _shares(ascending: Column, quantiles: Sequence[float]) -> list[tuple[float, float]]:
