@@ -35,5 +35,42 @@ def test_a_stand_that_is_far_as_a_whole_is_kept() -> None:
     table = {"reading_m": reading, "distance_m": distance, "temperature_C": celsius}
     diagnosis = echocal.diagnose(table)
     assert diagnosis.rows["used"] == len(distance) - 1
-    weighed = {id_ for ids, p in diagnosis.posterior for id_ in ids if p > 0.5}
-    assert weighed >= {"beam_edge"}  # one stand alone cannot vouch for it: held out, it may be refuted
+    assert [cause.id for cause in diagnosis.causes if cause.in_model] == ["beam_edge"]
+    assert not diagnosis.refuted  # the other stands know nothing of it, for or against
+    (note,) = [note for note in diagnosis.notes if note.startswith("beam_edge shows in too few")]
+    assert "says nothing about it" in note
+
+
+def test_white_noise_is_reckoned_with_beside_two_causes() -> None:
+    """Beside either cause alone, what the other does looks like noise that remembers."""
+    random = np.random.default_rng()
+    rows = 3000
+    distance, celsius = random.uniform(0.3, 4.0, rows), random.uniform(5.0, 25.0, rows)
+    first = int(random.integers(600, 2400))
+    reading = distance + 0.5 * (331.4 + 0.6 * celsius) * 35e-6 + random.normal(0.0, 1.5e-3, rows)
+    reading[first:] -= 6e-3
+    table = {
+        "reading_m": reading,
+        "distance_m": distance,
+        "temperature_C": celsius,
+        "time_s": 300.0 * np.arange(rows),
+    }
+    diagnosis = echocal.diagnose(table)
+    found = {cause.id for cause in diagnosis.causes}
+    assert "step_change" in found
+    assert found & {"fixed_delay", "zero_error"}
+    assert "correlated_noise" not in found
+    assert diagnosis.noise["autoregression"] < 0.5
+
+
+def test_a_cause_that_may_be_two_others_says_so() -> None:
+    """A slope and a scale make what a clock that warms and a scale make, of other sizes."""
+    random = np.random.default_rng()
+    rows = 400
+    distance = np.repeat(np.linspace(0.4, 3.8, 5), rows // 5)
+    celsius = np.tile(np.linspace(4.0, 44.0, rows // 5), 5)
+    reading = distance * (1 + 20e-6 * (celsius - 25.0) + 5e-3) + random.normal(0.0, 1e-3, rows)
+    diagnosis = echocal.diagnose({"reading_m": reading, "distance_m": distance, "temperature_C": celsius})
+    alike = {"speed_slope", "temperature_gain", "clock_temperature_coefficient"}
+    warm = [c for c in diagnosis.causes if c.in_model and alike & {c.id, *c.indistinguishable_from}]
+    assert any(alike <= {c.id, *c.indistinguishable_from} for c in warm)

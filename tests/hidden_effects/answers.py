@@ -3,6 +3,7 @@
 import time
 import warnings
 from dataclasses import asdict
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,7 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
         "top": list(top),
         "top_probability": posterior[top],
         "truth_probability": sum(posterior.get(ids, 0.0) for ids in truth),
-        "nothing_probability": posterior.get((), 0.0),
+        "no_effect_probability": sum(p for ids, p in posterior.items() if not _mean_causes() & set(ids)),
         "strict": top in truth,
         "class": _class_right(case, top),
         "covered": bool(credible & truth),
@@ -95,6 +96,11 @@ def acceptable(case: Case) -> set[tuple[str, ...]]:
     extra = _NOISY.get(case.spec.noise, ())
     extra = (("reference_error",),) if case.spec.tape else extra
     return {names} | {labels([*case.spec.causes, *also]) for also in extra}
+
+
+@cache
+def _mean_causes() -> frozenset[str]:
+    return frozenset((*(name for effect in echocal.effects() for name in labels([effect.id])), "unknown"))
 
 
 def _catalogue() -> frozenset[str]:

@@ -48,7 +48,7 @@ def _ranged(records: Sequence[Record], low: float, high: float) -> list[Record]:
 
 
 def _doubts_nothing(record: Record) -> bool:
-    return bool(record["nothing_probability"] < 0.5)
+    return bool(record["no_effect_probability"] < 0.5)
 
 
 def _at_strength(records: Sequence[Record], stratum: str) -> list[Record]:
@@ -83,12 +83,12 @@ TARGETS = (
     Target("power at snr sqrt(N) = 5", _power("power5"), dict.fromkeys("abc", (0.90, None))),
     Target("power at snr sqrt(N) = 8", _power("power8"), dict.fromkeys("abc", (0.99, None))),
     Target(
-        "false alarms, were P(nothing) < 0.5 the rule",
+        "false alarms, were P(no effect) < 0.5 the rule",
         lambda rs: part(of(rs, "null"), _doubts_nothing),
         dict.fromkeys("abc", (None, None)),
     ),
     Target(
-        "power at 5, were P(nothing) < 0.5 the rule",
+        "power at 5, were P(no effect) < 0.5 the rule",
         lambda rs: part(_at_strength(rs, "power5"), _doubts_nothing),
         dict.fromkeys("abc", (None, None)),
     ),

@@ -13,7 +13,17 @@ from echocal.diagnose.parts import Gain, Ladder
 from echocal.diagnose.scene import Table, levels
 from echocal.model import Model
 
-__all__ = ["Folds", "HeldOut", "errors", "fixed_speed_rms", "floor", "measure", "summarize", "worse"]
+__all__ = [
+    "Folds",
+    "HeldOut",
+    "errors",
+    "fixed_speed_rms",
+    "floor",
+    "measure",
+    "silent",
+    "summarize",
+    "worse",
+]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -23,6 +33,7 @@ Rows = Mask | slice
 _FOLDS = 5
 _PIECES = 40  # contiguous pieces of the held-out rows that are resampled
 _RESAMPLES = 2000
+_AUDIBLE = 0.1  # part of a cause's own signal that rows never fitted must see of it to judge it
 
 
 @dataclass(frozen=True)
@@ -182,6 +193,23 @@ def worse(with_cause: HeldOut, without: HeldOut) -> bool:
         return with_cause.rms > without.rms
     loss = with_cause.error**2 - without.error**2
     return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
+
+
+def silent(with_cause: HeldOut, without: HeldOut, signal: Column) -> bool:
+    """Whether rows never fitted can say nothing on a cause: with it they are as without it.
+
+    A cause that shows in one stand alone cannot be learned from the others, and changes none of
+    them; what is left of a difference is chance.
+
+    Parameters
+    ----------
+    with_cause, without : HeldOut
+    signal : ndarray, shape (n,)
+        What the cause adds to every reading [m].
+    """
+    differs = with_cause.error - without.error
+    judged = np.isfinite(differs)
+    return bool(np.mean(differs[judged] ** 2) < _AUDIBLE**2 * np.mean(signal[judged] ** 2))
 
 
 def floor(sums: Sums, held: Mask, variance: float) -> float:

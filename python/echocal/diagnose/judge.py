@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim, covariance_of, effects_of, without
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.gain import HeldOut, fixed_speed_rms, floor, measure, summarize, worse
+from echocal.diagnose.gain import HeldOut, fixed_speed_rms, floor, measure, silent, summarize, worse
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.parts import Gain, Ladder, Refuted
 from echocal.diagnose.shifted import shifted
@@ -33,6 +33,8 @@ class Judgment:
     model : Model
         Base extended by the kept causes, with the median of the recorded air.
     gain : Gain
+    unheard : tuple of str
+        Kept causes that no held-out row could speak for or against.
     """
 
     kept: tuple[Claim, ...]
@@ -40,6 +42,7 @@ class Judgment:
     weighed: Weighed
     model: Model
     gain: Gain
+    unheard: tuple[str, ...] = ()
 
 
 def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> Judgment:
@@ -52,11 +55,14 @@ def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> 
     before = measure(case.table, case.folds, lambda _: case.base.model())
     trials = _Trials(case, noise)
     after = trials.of(hypothesis, kept)
+    unheard = []
     for claim in sorted(claimed, key=lambda c: c.probability):
         fewer = [c for c in kept if c is not claim]
         lesser = without(hypothesis, claim.cause)
         spared = trials.of(lesser, fewer)
-        if worse(after, spared):
+        if silent(after, spared, case.signal(claim.variant, claim.mean)):
+            unheard.append(claim.cause)
+        elif worse(after, spared):
             refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
             hypothesis, kept, after = lesser, fewer, spared
     weighed = _fit(case, hypothesis, case.folds.fit, noise)
@@ -72,7 +78,7 @@ def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> 
     )
     gain = replace(gain, shifted=shifted(case, hypothesis, [c.cause for c in kept], noise))
     model = _extended(case, weighed, kept, gain)
-    return Judgment(tuple(kept), tuple(refuted), weighed, model, gain)
+    return Judgment(tuple(kept), tuple(refuted), weighed, model, gain, tuple(unheard))
 
 
 def _extended(case: Case, weighed: Weighed, kept: Sequence[Claim], gain: Gain) -> Model:

@@ -67,6 +67,11 @@ def notes(case: Case, observations: Observations, judgment: Judgment, stack: Sta
             f"rows never fitted worse ({1e3 * refuted.rms_without_m:.2f} mm without it, "
             f"{1e3 * refuted.rms_with_m:.2f} mm with it): not claimed"
         )
+    for cause in judgment.unheard:
+        said.append(
+            f"{cause} shows in too few stands or stretches to be learned from the others: the gain on rows "
+            "never fitted says nothing about it"
+        )
     if len(case.table.steps):
         steps = steps_of(case.table, observations)
         at = "; ".join(str(step) for step in steps[:8])

@@ -45,6 +45,7 @@ from echocal.registry import find_effect
 __all__ = ["conclude"]
 
 _CREDIBLE = 0.95
+_IN_DOUBT = 0.4  # probability of no effect below which some effect is told, though each may be unlikely
 
 
 def conclude(
@@ -126,7 +127,8 @@ def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, lis
     """Claims of the best hypothesis.
 
     Causes that these data cannot tell apart share what probability their class has: a set of causes,
-    or nothing, wins over one cause more only if it wins over the whole class of that cause.
+    or nothing, wins over one cause more only if it wins over the whole class of that cause; and
+    nothing, only where it is not in doubt.
     """
     best = ranking.best()
     if best is None:
@@ -137,7 +139,7 @@ def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, lis
         ids = effects_named(best.hypothesis)
         (more,) = (claim for claim in instead if claim.cause not in ids)
         alone, beside = ranking.more(ids, (more.cause, *more.rivals))
-        if beside <= alone:
+        if beside <= alone and (ids or alone >= _IN_DOUBT):
             break
         best, claimed = grown, instead
     return best, claimed
