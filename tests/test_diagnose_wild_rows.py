@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.rows import isolated_rows
+from echocal.diagnose.rows import far_rows
 from echocal.diagnose.scene import FAR
 
 ROWS = 400
@@ -36,13 +36,16 @@ def test_one_wild_row_is_no_step(row: int) -> None:
 
 
 def test_rows_alike_vouch_for_each_other() -> None:
-    random = np.random.default_rng()
-    table = bench(random)
-    deviation = table["reading_m"] - table["distance_m"]
-    orders = [np.arange(ROWS, dtype=float), table["distance_m"], table["temperature_C"]]
-    warmest = np.argsort(table["temperature_C"])[-5:]
-    deviation[warmest] += 0.06  # five rows, one in each stand, but the five warmest
-    assert not isolated_rows(deviation, orders).any()
-    deviation[warmest] -= 0.06
-    deviation[warmest[0]] += 0.06
-    assert np.flatnonzero(isolated_rows(deviation, orders)).tolist() == [warmest[0]]
+    table = bench(np.random.default_rng())
+    reading, distance, celsius = (table[name] for name in ("reading_m", "distance_m", "temperature_C"))
+
+    def far(rows: np.ndarray) -> list[int]:
+        shifted = reading.copy()
+        shifted[rows] += 0.005 + 0.012 * distance[rows]  # below what is far anyhow
+        orders = [np.arange(ROWS, dtype=float), distance, celsius]
+        return np.flatnonzero(far_rows(shifted, distance, lambda: orders)).tolist()
+
+    warmest = np.argsort(celsius)[-5:]
+    assert far(warmest) == []
+    farthest = warmest[[np.argmax(distance[warmest])]]
+    assert far(farthest) == farthest.tolist()
