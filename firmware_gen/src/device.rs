@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::ir::{IntegerType, Range};
+use crate::output::Output;
 use serde::Serialize;
 
 /// One argument of the generated function: an integer code and the quantity it stands for, `value = zero + lsb * code`.
@@ -24,49 +25,73 @@ pub struct Axis {
     pub ty: IntegerType,
 }
 
+/// The nearest code counts as inside: 0.1 degC is no binary fraction, and -20 degC must still be code -200.
+const SLACK: f64 = 1e-9;
+
 impl Axis {
-    /// Echo times of 0 to `maximum_us` microseconds, one code each.
+    /// Echo times of 0 to `longest` \[us\], in ticks of `lsb` \[us\].
     ///
     /// # Errors
-    /// If the longest time is not in 1..=65535 us.
-    pub fn echo(maximum_us: i64) -> Result<Self, Error> {
-        if !(1..=65_535).contains(&maximum_us) {
+    /// If the tick is not positive, or the longest time is not 1 ..= 65535 ticks.
+    pub fn echo(lsb: f64, longest: f64) -> Result<Self, Error> {
+        if !(lsb.is_finite() && lsb > 0.0) {
             return Err(Error::Codes(format!(
-                "echo max {maximum_us} us is outside 1 .. 65535, what a uint16_t holds"
+                "echo LSB {lsb} us is no tick of a timer: give a positive number [us]"
             )));
         }
+        let last = (longest / lsb + SLACK).floor();
+        if !(1.0..=65_535.0).contains(&last) {
+            let code = if lsb == 1.0 {
+                String::new()
+            } else {
+                format!(" is code {last} of LSB {lsb} us: it")
+            };
+            return Err(Error::Codes(format!(
+                "echo max {longest} us{code} is outside 1 .. 65535, what a uint16_t holds"
+            )));
+        }
+        let name = if lsb == 1.0 { "echo_us" } else { "echo_code" };
         Ok(Self {
-            name: "echo_us".into(),
+            name: name.into(),
             quantity: "time_of_flight".into(),
             unit: "s".into(),
-            lsb: 1e-6,
+            lsb: lsb * 1e-6,
             zero: 0.0,
             codes: Range {
                 minimum: 0,
-                maximum: maximum_us,
+                maximum: last as i64,
             },
             ty: IntegerType::U16,
         })
     }
 
-    /// Air temperatures from `low` to `high` [degC] in steps of `lsb` [degC], code 0 standing for `zero` [degC].
+    /// Air temperatures from `low` to `high` [degC] in steps of `lsb` [degC], code 0 standing for `zero` [degC]; of a
+    /// thermometer whose codes fall as it gets warmer, `lsb` is negative.
     ///
     /// # Errors
-    /// If the range is empty, not finite, or needs codes outside `int16_t`.
+    /// If the range is empty, not finite, or needs codes outside both `int16_t` and `uint16_t`.
     pub fn temperature(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
         let finite = [lsb, low, high, zero].iter().all(|value| value.is_finite());
-        if !finite || lsb <= 0.0 || low > high {
+        if !finite || lsb == 0.0 || low > high {
             return Err(Error::Codes(format!(
-                "temperature {low}:{high} degC with LSB {lsb} degC is not a range of codes: give low <= high and LSB > 0"
+                "temperature {low}:{high} degC with LSB {lsb} degC is not a range of codes: give low <= high and an LSB other than 0"
             )));
         }
-        // The nearest code counts as inside: 0.1 degC is no binary fraction, and -20 degC must still be code -200.
-        let slack = 1e-9;
-        let first = ((low - zero) / lsb - slack).ceil();
-        let last = ((high - zero) / lsb + slack).floor();
-        if first < -32_768.0 || last > 32_767.0 {
+        let (start, end) = if lsb > 0.0 { (low, high) } else { (high, low) };
+        let first = ((start - zero) / lsb - SLACK).ceil() + 0.0; // no -0 in a message
+        let last = ((end - zero) / lsb + SLACK).floor();
+        let ty = if first >= 0.0 && last > 32_767.0 {
+            IntegerType::U16
+        } else {
+            IntegerType::I16
+        };
+        let held = ty.range();
+        if first < held.minimum as f64 || last > held.maximum as f64 {
             return Err(Error::Codes(format!(
-                "temperature {low}:{high} degC with LSB {lsb} degC needs codes {first} .. {last}, an int16_t holds -32768 .. 32767: use a coarser LSB"
+                "temperature {low}:{high} degC with LSB {lsb} degC needs codes {first} .. {last}, and {} holds {} .. {}: use a coarser LSB",
+                ty.c_name(),
+                held.minimum,
+                held.maximum
             )));
         }
         if first > last {
@@ -85,32 +110,31 @@ impl Axis {
             lsb,
             zero,
             codes,
-            ty: IntegerType::I16,
+            ty,
         })
     }
 
-    /// Relative humidities from `low` to `high` in steps of `lsb` \[1\], code 0 standing for dry air.
+    /// Relative humidities from `low` to `high` in steps of `lsb` \[1\], code 0 standing for `zero` \[1\].
     ///
     /// # Errors
     /// If the range is empty, leaves 0 .. 1, or needs codes outside `uint8_t`.
-    pub fn humidity(lsb: f64, low: f64, high: f64) -> Result<Self, Error> {
-        let inside = lsb > 0.0 && 0.0 <= low && low <= high && high <= 1.0;
+    pub fn humidity(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
+        let inside = lsb > 0.0 && 0.0 <= low && low <= high && high <= 1.0 && zero.is_finite();
         if !inside {
             return Err(Error::Codes(format!(
                 "relative humidity {low}:{high} with LSB {lsb} is not a range of codes: give 0 <= low <= high <= 1 and LSB > 0"
             )));
         }
-        let slack = 1e-9;
         let codes = Range {
-            minimum: (low / lsb - slack).ceil() as i64,
-            maximum: (high / lsb + slack).floor() as i64,
+            minimum: ((low - zero) / lsb - SLACK).ceil() as i64,
+            maximum: ((high - zero) / lsb + SLACK).floor() as i64,
         };
         if codes.minimum > codes.maximum {
             return Err(Error::Codes(format!(
                 "relative humidity {low}:{high} holds no code of LSB {lsb}"
             )));
         }
-        if codes.maximum > 255 {
+        if codes.minimum < 0 || codes.maximum > 255 {
             return Err(Error::Codes(format!(
                 "relative humidity {low}:{high} with LSB {lsb} needs codes {} .. {}, a uint8_t holds 0 .. 255: change the LSB",
                 codes.minimum, codes.maximum
@@ -121,7 +145,7 @@ impl Axis {
             quantity: "relative_humidity".into(),
             unit: "1".into(),
             lsb,
-            zero: 0.0,
+            zero,
             codes,
             ty: IntegerType::U8,
         })
@@ -162,6 +186,8 @@ pub struct Device {
     pub echo: Axis,
     /// The conditions that the device measures; each combination of their codes is one row of the proof.
     pub conditions: Vec<Axis>,
+    /// What the function returns.
+    pub output: Output,
 }
 
 impl Device {

@@ -3,7 +3,8 @@
 //! `design` searches the cheapest form that meets the error bound, the bit-exact twin in `ir` evaluates it, `prove`
 //! checks it on every input, `emit` writes it as C. Text and twin are made from one [`ir::Program`].
 //!
-//! Units inside the search are micrometers and echo codes; at the border distances are m.
+//! Inside the search `[unit]` is the unit of the output, micrometers unless another is asked for, and times are echo
+//! codes; at the border distances are m.
 
 pub mod affine;
 pub mod design;
@@ -14,6 +15,7 @@ pub mod form;
 pub mod ir;
 pub mod lower;
 pub mod minimax;
+pub mod output;
 pub mod prove;
 pub mod reference;
 pub mod target;
@@ -22,4 +24,5 @@ pub use design::{Design, Progress, Reachable, Request, design};
 pub use device::{Axis, Device};
 pub use emit::{Measurement, Package, Provenance, emit};
 pub use error::Error;
+pub use output::Output;
 pub use target::{Prefer, Target};

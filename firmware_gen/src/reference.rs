@@ -18,29 +18,36 @@ impl<F: Fn(&[f64], f64) -> f64 + Sync> Reference for F {
     }
 }
 
+/// Most echo codes sampled at either end of a line.
+const MOST_SAMPLES: i64 = 64;
+
 /// The model at one combination of conditions: nearly a straight line in the echo time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Growth of the distance per echo code [um], between echo code 0 and `reach`.
+    /// Growth of the distance per echo code \[unit\], between echo code 0 and `reach`.
     pub slope: f64,
-    /// Distance at echo code 0 [um].
+    /// Distance at echo code 0 \[unit\].
     pub start: f64,
-    /// Distance halfway [um].
+    /// Distance halfway \[unit\].
     pub middle: f64,
     /// Last echo code whose distance is within the bounded domain.
     pub reach: i64,
 }
 
 impl Line {
-    /// Distance at the end of the reach [um].
+    /// Distance at the end of the reach \[unit\].
     #[must_use]
     pub fn end(&self) -> f64 {
         self.slope.mul_add(self.reach as f64, self.start)
     }
 
-    /// Echo codes and distances [um] at the start, halfway, and the last few of the reach, where cut-off bits differ.
+    /// Echo codes and distances \[unit\] at the start, halfway, and the last few of the reach, where cut-off bits differ.
     pub fn samples(&self) -> impl Iterator<Item = (i64, f64)> {
-        let last = (0..4.min(self.reach)).map(|back| {
+        // As many codes as make a step of the output, at either end: somewhere among them it is cut off most.
+        let step = (self.slope.recip().ceil() as i64).clamp(1, MOST_SAMPLES);
+        let first = (1..step.min(self.reach))
+            .map(|echo| (echo, self.slope.mul_add(echo as f64, self.start)));
+        let last = (0..step.max(4).min(self.reach)).map(|back| {
             (
                 self.reach - back,
                 self.slope.mul_add(-(back as f64), self.end()),
@@ -48,6 +55,7 @@ impl Line {
         });
         [(0, self.start), (self.reach / 2, self.middle)]
             .into_iter()
+            .chain(first)
             .chain(last)
     }
 }
@@ -76,7 +84,7 @@ fn line(
     let at = |code: i64| {
         let mut distance = [0.0];
         reference.distances(&conditions, &[device.echo.value(code)], &mut distance);
-        distance[0] * 1e6
+        distance[0] * device.output.per_meter
     };
     let last = device.echo.codes.maximum;
     let (start, end) = (at(0), at(last));
@@ -88,12 +96,15 @@ fn line(
     }
     if end <= start {
         return Err(Error::Model(format!(
-            "the model's distance does not grow with the echo time at {}: {start:.0} um at echo code 0, {end:.0} um at {last}",
-            place(device, row, last)
+            "the model's distance does not grow with the echo time at {}: {start:.0} {unit} at echo code 0, {end:.0} {unit} at {last}",
+            place(device, row, last),
+            unit = device.output.unit
         )));
     }
     let chord = (end - start) / last as f64;
-    let reach = ((maximum_distance.mul_add(1e6, -start) / chord).floor() as i64).clamp(1, last);
+    let reach = ((maximum_distance.mul_add(device.output.per_meter, -start) / chord).floor()
+        as i64)
+        .clamp(1, last);
     Ok(Line {
         slope: (at(reach) - start) / reach as f64,
         start,

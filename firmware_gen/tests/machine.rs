@@ -2,7 +2,7 @@
 //! text writes out. Where the claims hold, exact and wrapping arithmetic agree on every input.
 
 use echocal_firmware::ir::{Block, Builder, IntegerType, Operation, Program, Value};
-use echocal_firmware::{Axis, Device};
+use echocal_firmware::{Axis, Device, Output};
 use proptest::prelude::*;
 
 /// `value` as a C cast to `ty` leaves it on a machine of two's complement.
@@ -85,8 +85,9 @@ fn random(device: &Device, steps: &[Step], table: &[i64]) -> Option<Program> {
 fn device() -> Device {
     let temperature = Axis::temperature(0.5, -3.0, 4.0, 0.0).unwrap();
     Device {
-        echo: Axis::echo(700).unwrap(),
+        echo: Axis::echo(1.0, 700.0).unwrap(),
         conditions: vec![temperature],
+        output: Output::MICROMETERS,
     }
 }
 

@@ -3,13 +3,14 @@
 use echocal_firmware::ir::{Builder, Program, Value};
 use echocal_firmware::prove::{Claim, Proof, prove};
 use echocal_firmware::reference::Reference;
-use echocal_firmware::{Axis, Device, Error};
+use echocal_firmware::{Axis, Device, Error, Output};
 
 fn device() -> Device {
     let temperature = Axis::temperature(1.0, 0.0, 20.0, 0.0).unwrap();
     Device {
-        echo: Axis::echo(5000).unwrap(),
+        echo: Axis::echo(1.0, 5000.0).unwrap(),
         conditions: vec![temperature],
+        output: Output::MICROMETERS,
     }
 }
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core, silicon
+from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes
 from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import DomainWarning, UsageError
@@ -22,49 +23,13 @@ from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.registry import find_effect
 
-__all__ = ["Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
+__all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
 
 Progress = Callable[[str, int, int], object]
 
 _ABSOLUTE_ZERO = -273.15  # degC
 _MOST_THREADS = 65_535
-
-
-@dataclass(frozen=True)
-class TemperatureCodes:
-    """Integer codes of a thermometer: temperature = zero + lsb * code.
-
-    Parameters
-    ----------
-    lsb : float
-        Step of one code [degC]; 0.0625 for a DS18B20.
-    low, high : float
-        Range that the firmware accepts [degC].
-    zero : float
-        Temperature of code 0 [degC].
-    """
-
-    lsb: float = 0.0625
-    low: float = -20.0
-    high: float = 60.0
-    zero: float = 0.0
-
-
-@dataclass(frozen=True)
-class HumidityCodes:
-    """Integer codes of a hygrometer: relative humidity = lsb * code.
-
-    Parameters
-    ----------
-    lsb : float
-        Step of one code [1]; 0.01 for whole percents.
-    low, high : float
-        Range that the firmware accepts [1].
-    """
-
-    lsb: float = 0.01
-    low: float = 0.0
-    high: float = 1.0
+_DS18B20 = TemperatureCodes()
 
 
 @dataclass(frozen=True)
@@ -84,32 +49,38 @@ class Firmware:
     report: dict[str, Any]
     _twin: _core.Firmware = field(repr=False)
 
-    def distance_um(
-        self, echo_us: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
+    @property
+    def unit(self) -> str:
+        """Unit of what the function returns."""
+        return str(self.report["device"]["output"]["unit"])
+
+    def outputs(
+        self, echo: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
     ) -> NDArray[np.int32]:
-        """Return what the C function returns, bit for bit [um].
+        """Return what the C function returns, bit for bit, in its `unit`.
 
         Parameters
         ----------
-        echo_us : array_like of int, shape (...)
-            Echo time codes [us].
+        echo : array_like of int, shape (...)
+            Echo time codes [us], or ticks of the timer where these are no microseconds.
         temperature_code : array_like of int, shape (...)
-            Temperature codes, broadcast against `echo_us`.
+            Temperature codes, broadcast against `echo`.
         humidity_code : array_like of int, shape (...), optional
             Humidity codes, where the function takes them.
 
         Returns
         -------
         ndarray of int32, shape (...)
-            Distance [um]; the smallest ``int32`` for codes out of range.
+            Distance; the smallest ``int32`` for codes out of range.
 
         Raises
         ------
         UsageError
             If codes are no integers or do not broadcast, or humidity codes are missing or too many.
         """
-        given = {"echo_us": np.asarray(echo_us), "temperature_code": np.asarray(temperature_code)}
-        takes = len(self.report["device"]["conditions"]) == 2
+        device = self.report["device"]
+        given = {device["echo"]["name"]: np.asarray(echo), "temperature_code": np.asarray(temperature_code)}
+        takes = len(device["conditions"]) == 2
         if takes != (humidity_code is not None):
             message = f"this function takes {'a' if takes else 'no'} humidity_code"
             raise UsageError(message)
@@ -127,6 +98,26 @@ class Firmware:
             raise UsageError(message) from None
         flat = [np.ascontiguousarray(code).reshape(-1) for code in codes]
         return self._twin.evaluate(flat).reshape(codes[0].shape)
+
+    def distance_um(
+        self, echo_us: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
+    ) -> NDArray[np.int32]:
+        """Return what a function of micrometers returns [um], as `outputs` does.
+
+        Returns
+        -------
+        ndarray of int32, shape (...)
+            Distance [um]; the smallest ``int32`` for codes out of range.
+
+        Raises
+        ------
+        UsageError
+            If the function returns another unit, and for what `outputs` refuses.
+        """
+        if self.unit != "um":
+            message = f"this function returns {self.unit}: take outputs(...)"
+            raise UsageError(message)
+        return self.outputs(echo_us, temperature_code, humidity_code)
 
     def ranked_by(self) -> tuple[int, int]:
         """Return bytes and cycles as the search's cost model has them; no measurement, never in a report.
@@ -167,9 +158,10 @@ def generate(
     model: Model,
     target: str = "c99",
     *,
-    temperature: TemperatureCodes | tuple[float, float, float] = TemperatureCodes(),
+    temperature: TemperatureCodes | tuple[float, float, float] = _DS18B20,
     humidity: HumidityCodes | tuple[float, float, float] | None = None,
-    echo: int = 38_000,
+    echo: float | EchoCodes | tuple[float, float] = 38_000,
+    output_unit: str = "um",
     max_error: float = 0.5e-3,
     max_distance: float = 4.0,
     prefer: str = "size",
@@ -196,8 +188,10 @@ def generate(
         Codes of the thermometer [degC].
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
         Codes of the hygrometer [1]; default: the device has none.
-    echo : int
-        Longest echo time that is accepted [us].
+    echo : float, EchoCodes or tuple of (lsb, longest)
+        Longest echo time that is accepted [us], in ticks of 1 us or of `lsb` [us].
+    output_unit : {"um", "mm", "cm"}
+        What the function counts, and the end of its name: ``echocal_distance_um``.
     max_error : float
         Largest error against the model at distances up to `max_distance` [m].
     max_distance : float
@@ -267,8 +261,9 @@ def generate(
         "prefer": prefer,
         "form": form,
         "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
-        "humidity": None if damp is None else (float(damp.lsb), float(damp.low), float(damp.high)),
-        "echo_max_us": _count("echo", echo, 2**31 - 1),
+        "humidity": None if damp is None else tuple(map(float, (damp.lsb, damp.low, damp.high, damp.zero))),
+        "echo": _echo(echo),
+        "output_unit": output_unit,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": _count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
@@ -310,8 +305,16 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     return [float(value[0]) for value in values]
 
 
+def _echo(wish: float | EchoCodes | tuple[float, float]) -> tuple[float, float]:
+    """Tick and longest echo time [us]; what range makes sense, the core says."""
+    if isinstance(wish, EchoCodes | tuple):
+        codes = wish if isinstance(wish, EchoCodes) else EchoCodes(*wish)
+        return float(codes.lsb), float(codes.longest)
+    return 1.0, float(_count("echo", wish, 2**31 - 1))
+
+
 def _count(name: str, value: float, most: int, *, least: int | None = None) -> int:
-    """Return a whole number; what range makes sense for an echo, the core says."""
+    """Return a whole number."""
     whole = isinstance(value, Real) and float(value).is_integer()
     if not whole or abs(value) > most or (least is not None and value < least):
         message = f"{name} is {value!r}; give a whole number" + (
@@ -336,14 +339,13 @@ def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, floa
     words += [f"--temperature-range={_number(low)}:{_number(high)}"]
     words += [f"--temperature-zero={_number(zero)}"] if zero else []
     if wish["humidity"]:
-        lsb, low, high = wish["humidity"]
+        lsb, low, high, zero = wish["humidity"]
         words += ["--humidity-lsb", _number(lsb), f"--humidity-range={_number(low)}:{_number(high)}"]
-    words += [
-        "--echo-max-us",
-        str(wish["echo_max_us"]),
-        "--max-error-mm",
-        _number(wish["maximum_error"] * 1e3),
-    ]
+        words += [f"--humidity-zero={_number(zero)}"] if zero else []
+    tick, longest = wish["echo"]
+    words += ["--echo-lsb-us", _number(tick)] if tick != 1.0 else []
+    words += ["--echo-max-us", _number(longest), "--max-error-mm", _number(wish["maximum_error"] * 1e3)]
+    words += ["--output-unit", wish["output_unit"]] if wish["output_unit"] != "um" else []
     words += ["--max-distance-m", _number(wish["maximum_distance"]), "--prefer", wish["prefer"]]
     words += ["--form", wish["form"]] if wish["form"] else []
     words += ["--max-table-bytes", str(wish["maximum_table"])]

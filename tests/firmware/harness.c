@@ -8,10 +8,25 @@
 
 #include "echocal_correction.h"
 
-#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
-#define CALL(echo, code, damp) echocal_distance_um((uint16_t)(echo), (int16_t)(code), (uint8_t)(damp))
+/* The function's name and the type of its temperature, where they are others than most. */
+#ifndef DISTANCE
+#define DISTANCE echocal_distance_um
+#endif
+#ifndef CODE
+#define CODE int16_t
+#endif
+#ifdef ECHOCAL_ECHO_US_LAST
+#define ECHO_FIRST ECHOCAL_ECHO_US_FIRST
+#define ECHO_LAST ECHOCAL_ECHO_US_LAST
 #else
-#define CALL(echo, code, damp) echocal_distance_um((uint16_t)(echo), (int16_t)(code))
+#define ECHO_FIRST ECHOCAL_ECHO_CODE_FIRST
+#define ECHO_LAST ECHOCAL_ECHO_CODE_LAST
+#endif
+
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define CALL(echo, code, damp) DISTANCE((uint16_t)(echo), (CODE)(code), (uint8_t)(damp))
+#else
+#define CALL(echo, code, damp) DISTANCE((uint16_t)(echo), (CODE)(code))
 #endif
 
 static uint32_t fold(uint32_t hash, uint32_t word)
@@ -31,7 +46,7 @@ static uint32_t hash_of_all(void)
 #endif
         {
             uint32_t row = UINT32_C(2166136261);
-            for (echo = ECHOCAL_ECHO_US_FIRST; echo <= ECHOCAL_ECHO_US_LAST; echo++) {
+            for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {
                 row = fold(row, (uint32_t)CALL(echo, code, damp));
             }
             all = fold(all, row);

@@ -50,8 +50,9 @@ def test_the_recorded_command_makes_the_same_files(
     model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     options = ("--temperature-zero", "0.25", "--assume", "pressure=90000", "--prefer", "speed", "--quiet")
-    options += ("--package", "arduino")
-    assert run(monkeypatch, str(model), *FAST, *options, "--max-error-mm", "0.3", "-o", "first") == 0
+    options += ("--package", "arduino", "--echo-lsb-us", "0.5", "--output-unit", "mm")
+    options += ("--humidity-lsb", "0.1", "--humidity-range=0:0.9", "--humidity-zero=-0.05")
+    assert run(monkeypatch, str(model), *FAST, *options, "--max-error-mm", "2", "-o", "first") == 0
     assert capsys.readouterr() == ("", ""), "--quiet is quiet"
     report = json.loads(Path("first/report.json").read_text())
     command = shlex.split(report["provenance"]["command"])

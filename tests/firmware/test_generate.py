@@ -141,7 +141,7 @@ def test_what_the_law_assumes_is_stated() -> None:
     ("request_", "message"),
     [
         ({"temperature": (0.0625, 60.0, -20.0)}, "low <= high"),
-        ({"temperature": (0.0, -20.0, 60.0)}, "LSB > 0"),
+        ({"temperature": (0.0, -20.0, 60.0)}, "an LSB other than 0"),
         ({"temperature": (1e-3, -40.0, 60.0)}, "int16_t holds -32768 .. 32767"),
         ({"temperature": (5.0, 21.0, 24.0)}, "holds no code"),
         ({"echo": 70_000}, "outside 1 .. 65535"),

@@ -121,7 +121,7 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error>
     let mut candidates = search.candidates();
     candidates.reverse(); // of equals, the one proposed first comes first
     candidates.sort_by_key(key);
-    let bound = request.maximum_error * 1e6;
+    let bound = request.maximum_error * request.device.output.per_meter;
     let mut failed = Vec::new();
     while let Some(mut candidate) = candidates.pop() {
         if candidate.screened == f64::INFINITY

@@ -12,17 +12,19 @@ use crate::target::Cost;
 pub(super) struct Candidate {
     form: Box<dyn Form>,
     tail: Tail,
-    /// Error that the tail leaves whatever the form does \[um\].
+    /// Error that the tail leaves whatever the form does \[unit\].
     rest: f64,
-    /// Error found at a few echo times of every row \[um\]; infinite until refined.
+    /// Error that rounding to a whole unit adds in any case \[unit\].
+    rounding: f64,
+    /// Error found at a few echo times of every row \[unit\]; infinite until refined.
     pub(super) screened: f64,
     pub(super) cost: Cost,
 }
 
 impl Candidate {
-    /// The error that it cannot undercut \[um\].
+    /// The error that it cannot undercut \[unit\].
     pub(super) fn floor(&self) -> f64 {
-        self.form.floor().max(self.rest)
+        self.form.floor().max(self.rest) + self.rounding
     }
 
     pub(super) fn proven(self, program: Program, proof: Proof) -> Design {
@@ -66,7 +68,7 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn candidates(&self) -> Vec<Candidate> {
-        let tails = Tail::propose(&self.lines, self.request.device);
+        let tails = self.tails();
         let of_tail = |tail: &Tail| {
             let fit = self.fit(tail);
             let two = self.request.device.conditions.len() == 2;
@@ -83,12 +85,36 @@ impl<'a> Search<'a> {
         tails.iter().flat_map(of_tail).collect()
     }
 
+    /// What rounding leaves of the bound \[unit\].
+    fn room(&self, tail: &Tail) -> f64 {
+        let rounding = self.rounding(tail);
+        (self.bound() - rounding).max(rounding / 50.0)
+    }
+
+    /// What the way in which a tail rounds adds in any case \[unit\].
+    fn rounding(&self, tail: &Tail) -> f64 {
+        self.request.device.output.rounding(tail.rounded)
+    }
+
+    /// The bound \[unit\].
+    fn bound(&self) -> f64 {
+        self.request.maximum_error * self.request.device.output.per_meter
+    }
+
+    /// The formats that could meet the bound; where none can, all, for the best of them to be told.
+    fn tails(&self) -> Vec<Tail> {
+        let all = Tail::propose(&self.lines, self.request.device, self.request.target);
+        let able = |tail: &&Tail| self.rounding(tail) < self.bound();
+        let kept: Vec<Tail> = all.iter().filter(able).copied().collect();
+        if kept.is_empty() { all } else { kept }
+    }
+
     fn fit(&self, tail: &Tail) -> Fit<'a> {
         let unit = f64::from(tail.scale_bits).exp2();
         Fit {
             device: self.request.device,
             picked: self.picked.clone(),
-            bound: self.request.maximum_error * 1e6,
+            bound: self.room(tail),
             maximum_table: self.request.maximum_table,
             target: self
                 .lines
@@ -113,6 +139,7 @@ impl<'a> Search<'a> {
                 form,
                 tail,
                 rest,
+                rounding: self.rounding(&tail),
                 screened: f64::INFINITY,
             });
         }
@@ -131,6 +158,7 @@ impl<'a> Search<'a> {
             form,
             tail,
             rest,
+            rounding: self.rounding(&tail),
             screened: f64::INFINITY,
             cost,
         })
@@ -264,7 +292,7 @@ impl<'a> Search<'a> {
         } = self.request;
         Err(Error::Bound(Box::new(Reachable {
             asked,
-            best: best * 1e-6,
+            best: best * self.request.device.output.lsb,
             maximum_distance,
             form,
             bytes: cost.size.div_ceil(10),

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Codes of each axis that are spread evenly over its range.
 const SPREAD: i64 = 15;
 
-/// `echo_us,temperature_code,distance_um`: a grid over the accepted codes, its edges and the codes next to them
+/// `echo_us,temperature_code,distance_um`, the last in the unit of the output: a grid over the accepted codes, its edges and the codes next to them
 /// outside, and the two inputs with the largest errors.
 pub fn golden(design: &Design, device: &Device) -> String {
     let axes: Vec<_> = device.axes().collect();
@@ -27,7 +27,7 @@ pub fn golden(design: &Design, device: &Device) -> String {
         inputs.insert([&[worst.echo][..], &device.codes(worst.row)].concat());
     }
     let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
-    let mut text = format!("{},distance_um\n", names.join(","));
+    let mut text = format!("{},distance_{}\n", names.join(","), device.output.unit);
     for input in inputs {
         let output = design.output(device, &input);
         for code in &input {

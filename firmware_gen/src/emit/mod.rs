@@ -179,6 +179,9 @@ fn function_text(design: &Design, device: &Device) -> minijinja::Value {
         table_bytes => design.program.table_bytes(),
         program_memory => design.program.tables.iter().any(|table| table.program_memory),
         form => design.form.describe(),
+        name => format!("echocal_distance_{}", device.output.unit),
+        unit => device.output.unit,
+        unit_lsb => device.output.lsb,
     }
 }
 
@@ -188,9 +191,9 @@ fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value 
     let input = |worst: Worst| place(device, worst.row, worst.echo);
     context! {
         asked_mm => (asked * 1e12).round() / 1e9,
-        proven_mm => millimeters(proof.bounded.error),
+        proven_mm => millimeters(proof.bounded.error, device),
         worst => input(proof.bounded),
-        overall_mm => millimeters(proof.overall.error),
+        overall_mm => millimeters(proof.overall.error, device),
         overall_worst => input(proof.overall),
         inputs => grouped(proof.inputs),
         bounded_inputs => grouped(proof.bounded_inputs),
@@ -199,8 +202,9 @@ fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value 
 }
 
 /// An error in mm to four places, rounded up: what is stated must hold.
-fn millimeters(micrometers: f64) -> String {
-    format!("{:.4}", (micrometers * 10.0).ceil() / 1e4)
+fn millimeters(error: f64, device: &Device) -> String {
+    let tenths_of_micrometers = error * (1e7 / device.output.per_meter);
+    format!("{:.4}", tenths_of_micrometers.ceil() / 1e4)
 }
 
 /// A count with commas between thousands.

@@ -156,6 +156,7 @@ fn environment() -> Result<Environment<'static>, Error> {
     environment.add_filter("comment", comment);
     environment.add_filter("docstring", docstring);
     environment.add_filter("micro", |value: f64| (value * 1e6).round() as i64);
+    environment.add_filter("nano", |value: f64| (value * 1e9).round() as i64);
     for (name, text) in TEMPLATES {
         environment
             .add_template(name, text)

@@ -44,7 +44,7 @@ pub fn columns<'a>(design: &Design, device: &'a Device) -> (Vec<Column<'a>>, usi
     let outputs = vectors
         .iter()
         .map(|vector| i64::from(design.output(device, vector)));
-    columns.push(column("distance_um", IntegerType::I32, outputs.collect()));
+    columns.push(column("distance", IntegerType::I32, outputs.collect()));
     (columns, vectors.len())
 }
 

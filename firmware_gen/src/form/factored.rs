@@ -67,7 +67,7 @@ impl Sample {
         }
     }
 
-    /// Coefficients of the best polynomial beside `settled`, and the error that it leaves \[um\].
+    /// Coefficients of the best polynomial beside `settled`, and the error that it leaves \[unit\].
     fn solve(&self, settled: impl Fn(f64) -> f64, degree: usize) -> (Vec<f64>, f64) {
         let rest = |(code, target): (&f64, &f64)| target - settled(*code);
         let y: Vec<f64> = self.codes.iter().zip(&self.target).map(rest).collect();
@@ -181,7 +181,7 @@ impl Factored {
         builder.name(twice, "lean_twice", "twice that")
     }
 
-    /// The largest error \[um\], the base set to what suits the lines best.
+    /// The largest error \[unit\], the base set to what suits the lines best.
     fn settle(&mut self, fit: &Fit<'_>) -> f64 {
         let parts: Vec<i64> = (0..fit.target.len() as i64).map(|u| self.part(u)).collect();
         let settled: Vec<f64> = parts.iter().map(|part| *part as f64).collect();

@@ -87,7 +87,7 @@ impl Grid {
         (index, share(warm, self.bits.0), share(damp, self.bits.1))
     }
 
-    /// Move each entry by the middle of the errors in the cells around it; the first error \[um\].
+    /// Move each entry by the middle of the errors in the cells around it; the first error \[unit\].
     fn relax(&self, fit: &Fit<'_>, plane: &Plane<'_>, values: &mut [f64]) -> f64 {
         let mut first = 0.0_f64;
         for pass in 0..PASSES {

@@ -34,7 +34,7 @@ fn extend(target: &[f64], index: usize) -> f64 {
     slope.mul_add((index - last) as f64, target[last])
 }
 
-/// How far the target bulges from the chord of a cell: the middle of the deviations, and half their spread [um].
+/// How far the target bulges from the chord of a cell: the middle of the deviations, and half their spread \[unit\].
 fn sag(fit: &Fit<'_>, entries: &[f64], left: usize, step: usize) -> (f64, f64) {
     let (mut low, mut high, mut weight) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for within in 0..step.min(fit.target.len() - left * step) {

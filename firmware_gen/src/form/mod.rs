@@ -32,9 +32,9 @@ pub struct Fit<'a> {
     pub picked: Vec<usize>,
     /// Ideal speed factors, in units of the last binary place of the format.
     pub target: Vec<f64>,
-    /// Error of the distance at the far end of the bounded domain [um], per unit of `target`.
+    /// Error of the distance at the far end of the bounded domain \[unit\], per unit of `target`.
     pub weight: Vec<f64>,
-    /// The error to stay below [um].
+    /// The error to stay below \[unit\].
     pub bound: f64,
     /// Largest tables allowed, together [byte].
     pub maximum_table: usize,
@@ -43,7 +43,7 @@ pub struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    /// The largest error that factors `given` would cause [um].
+    /// The largest error that factors `given` would cause \[unit\].
     #[must_use]
     pub fn error(&self, given: &[i64]) -> f64 {
         let errors = given.iter().zip(&self.target).zip(&self.weight);
@@ -64,7 +64,7 @@ pub trait Form: Debug + Send + Sync {
     /// The integers that define it, for the report.
     fn parameters(&self) -> serde_json::Value;
 
-    /// The error [um] that no rounding of this form can undercut.
+    /// The error \[unit\] that no rounding of this form can undercut.
     fn floor(&self) -> f64;
 
     /// What it costs, where that is known without building a program.

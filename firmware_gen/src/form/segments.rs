@@ -54,7 +54,7 @@ impl Segments {
         within * self.steady + ((within * slope) >> BITS)
     }
 
-    /// The start that suits a slope best over the codes from `first`, and the error that is left [um].
+    /// The start that suits a slope best over the codes from `first`, and the error that is left \[unit\].
     fn center(&self, fit: &Fit<'_>, first: usize, slope: i64) -> (f64, i64) {
         let last = (first + CODES).min(fit.target.len());
         let rests =

@@ -6,20 +6,21 @@
 use crate::device::Device;
 use crate::ir::{Builder, Value};
 use crate::reference::Line;
+use crate::target::Target;
 use serde::Serialize;
 
 /// `distance = (((echo << time_bits) - delay) * factor + rounding) >> (scale_bits + time_bits) - offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tail {
-    /// Binary places of the speed factor [um per echo code].
+    /// Binary places of the speed factor \[unit per echo code\].
     pub scale_bits: u32,
     /// Binary places of the echo time within this function.
     pub time_bits: u32,
     /// Delay in echo codes, with `time_bits` binary places.
     pub delay: i64,
-    /// What is taken off the distance [um].
+    /// What is taken off the distance \[unit\].
     pub offset: f64,
-    /// Whether the result is rounded to nearest rather than down, and the offset kept to a fraction of 1 um.
+    /// Whether the result is rounded to nearest rather than down, and the offset kept to a fraction of the unit.
     pub rounded: bool,
 }
 
@@ -44,8 +45,9 @@ impl Tail {
     }
 
     /// The formats worth trying: a 16-bit factor, a 32-bit product, a 64-bit product, each with and without the delay.
+    /// Of a coarse unit, each also rounded to nearest, and one that shifts whole bytes where the core likes that.
     #[must_use]
-    pub fn propose(lines: &[Line], device: &Device) -> Vec<Self> {
+    pub fn propose(lines: &[Line], device: &Device, target: Target) -> Vec<Self> {
         let largest = lines.iter().map(|line| line.slope).fold(0.0, f64::max);
         let longest = device.echo.codes.maximum as f64;
         let places =
@@ -56,8 +58,15 @@ impl Tail {
             let product = if with_delay { 31.0 } else { 32.0 };
             let narrow = places(16.0, largest * (1.0 + 1e-4));
             let word = places(product, largest * longest * (1.0 + 1e-4));
-            for scale_bits in [narrow.min(word), word] {
-                tails.push(Self::fit(lines, scale_bits, 0, with_delay));
+            for scale_bits in widths(narrow.min(word), word, device, target) {
+                let plain = Self::fit(lines, scale_bits, 0, with_delay);
+                tails.push(plain);
+                if device.output.is_coarse() {
+                    tails.push(Self {
+                        rounded: true,
+                        ..plain
+                    });
+                }
             }
             for time_bits in if with_delay { 0..2 } else { 0..1 } {
                 let wide = Self {
@@ -76,17 +85,17 @@ impl Tail {
         kept
     }
 
-    /// The error that this delay and offset leave at the shortest echo times [um], whatever the factor.
+    /// The error that this delay and offset leave at the shortest echo times \[unit\], whatever the factor.
     #[must_use]
     pub fn rest(&self, lines: &[Line]) -> f64 {
         let (low, high) = rests(lines, self.delay, self.time_bits);
         (high - low) / 2.0
     }
 
-    /// The factor [um per echo code] that brings `line` to its distance at the end of its reach.
+    /// The factor \[unit per echo code\] that brings `line` to its distance at the end of its reach.
     #[must_use]
     pub fn factor(&self, line: &Line) -> f64 {
-        // Rounding down takes half a micrometer off on average; the factor gives it back at the far end.
+        // Rounding down takes half a unit off on average; the factor gives it back at the far end.
         let cut_off = if self.rounded { 0.0 } else { 0.5 };
         (line.end() + self.offset + cut_off) / self.lever(line)
     }
@@ -97,10 +106,11 @@ impl Tail {
         (line.reach as f64 - self.delay as f64 / f64::from(self.time_bits).exp2()).max(1.0)
     }
 
-    /// Add the steps from the speed `factor` to the distance [um].
+    /// Add the steps from the speed `factor` to the distance \[unit\].
     pub fn build(&self, builder: &mut Builder<'_>, factor: Value) -> Value {
+        let unit = builder.device().output.unit;
         let note = format!(
-            "half the speed of sound, 2^-{} um per echo code",
+            "half the speed of sound, 2^-{} {unit} per echo code",
             self.scale_bits
         );
         let factor = builder.name(factor, "speed", note);
@@ -124,9 +134,9 @@ impl Tail {
             distance,
             "distance",
             if lift + whole == 0 {
-                "[um]".into()
+                format!("[{unit}]")
             } else {
-                format!("[um], {} too long", lift + whole)
+                format!("[{unit}], {} too long", lift + whole)
             },
         );
         plus(builder, distance, -(lift + whole))
@@ -153,6 +163,13 @@ impl Tail {
     }
 }
 
+/// Binary places of a factor of 16 bits and of a product of 32.
+fn widths(narrow: u32, word: u32, device: &Device, target: Target) -> Vec<u32> {
+    let bytes = device.output.is_coarse() && target.byte_shifts;
+    let whole = bytes.then_some(narrow / 8 * 8);
+    [narrow, word].into_iter().chain(whole).collect()
+}
+
 /// `value + constant`, written as a subtraction where the constant is negative and left out where it is zero.
 pub(super) fn plus(builder: &mut Builder<'_>, value: Value, constant: i64) -> Value {
     match constant {
@@ -177,7 +194,7 @@ pub(super) fn floor_shift(builder: &mut Builder<'_>, value: Value, bits: u32) ->
     plus(builder, shifted, -lift)
 }
 
-/// The least and the largest offset [um] that single lines would want beside this delay.
+/// The least and the largest offset \[unit\] that single lines would want beside this delay.
 fn rests(lines: &[Line], delay: i64, time_bits: u32) -> (f64, f64) {
     let delay = delay as f64 / f64::from(time_bits).exp2();
     let rests = lines

@@ -63,6 +63,7 @@ mod tests {
     use super::*;
     use crate::device::{Axis, Device};
     use crate::lower::lower;
+    use crate::output::Output;
     use echocal_core::{Law, Model};
 
     /// The slow way, which serves models that bend, gives what the straight line gives, and what the core gives.
@@ -70,8 +71,9 @@ mod tests {
     fn newton_and_the_line_agree() {
         let temperature = Axis::temperature(1.0, -20.0, 60.0, 0.0).unwrap();
         let device = Device {
-            echo: Axis::echo(30_000).unwrap(),
+            echo: Axis::echo(1.0, 30_000.0).unwrap(),
             conditions: vec![temperature],
+            output: Output::MICROMETERS,
         };
         let model = Model::new(Law::parse("cramer").unwrap())
             .with("fixed_delay", &[("delay", 31e-6)])

@@ -9,7 +9,7 @@ use crate::reference::place;
 /// What holds for the echo times of one combination of conditions.
 pub(super) struct Row {
     row: usize,
-    /// End of the bounded domain \[um\].
+    /// End of the bounded domain \[unit\].
     far: f64,
     pub(super) bounded: Worst,
     pub(super) overall: Worst,
@@ -50,7 +50,8 @@ impl<'a> Checker<'a> {
         self.claim
             .reference
             .distances(&values, &self.times, &mut self.truth);
-        self.truth.iter_mut().for_each(|truth| *truth *= 1e6);
+        let per_meter = device.output.per_meter;
+        self.truth.iter_mut().for_each(|truth| *truth *= per_meter);
         let codes = device.codes(row);
         let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
         let straight = Straight::of(self.program, &codes, ends).map_err(overflow)?;
@@ -58,7 +59,7 @@ impl<'a> Checker<'a> {
             self.block.set_conditions(&codes).map_err(overflow)?;
         }
         let mut lanes = [0_i32; LANES];
-        let mut result = Row::new(row, self.claim.maximum_distance * 1e6);
+        let mut result = Row::new(row, self.claim.maximum_distance * per_meter);
         let mut before = i32::MIN;
         for (index, truth) in self.truth.chunks(LANES).enumerate() {
             let first = ends.0 + (index * LANES) as i64;
@@ -86,7 +87,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// |output - truth| \[um\].
+/// |output - truth| \[unit\].
 fn error(output: i32, truth: f64) -> f64 {
     (f64::from(output) - truth).abs()
 }
@@ -104,7 +105,7 @@ impl Row {
         }
     }
 
-    /// Take in one block of outputs and truths \[um\] that starts at the echo code `first`; `false` if a truth is not
+    /// Take in one block of outputs and truths \[unit\] that starts at the echo code `first`; `false` if a truth is not
     /// finite.
     fn take(&mut self, outputs: &[i32], truth: &[f64], first: i64) -> bool {
         self.hash = outputs

@@ -18,7 +18,7 @@ const TICK: Duration = Duration::from_millis(50);
 /// The input at which the error is largest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
-    /// |output - model| \[um\].
+    /// |output - model| \[unit\].
     pub error: f64,
     /// Combination of conditions, as [`Device::codes`] counts them.
     pub row: usize,

@@ -21,7 +21,7 @@ from rich.table import Table
 from echocal import silicon
 from echocal.cli import _explore
 from echocal.errors import DomainWarning, UsageError
-from echocal.firmware import Firmware, HumidityCodes, TemperatureCodes, generate
+from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
 
 
@@ -33,7 +33,7 @@ def option(description: str, *names: str, metavar: str | None = None) -> Any:
 def command(
     model: Annotated[Path, typer.Argument(help="Model file, as from diagnose.", metavar="MODEL.json")],
     out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
-    target: Annotated[str, option("avr, cortex-m0, cortex-m3, rv32 or c99.")] = "c99",
+    target: Annotated[str, option("avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.")] = "c99",
     temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
     temperature_range: Annotated[str, option("LOW:HIGH accepted [degC].")] = "-20:60",
     temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,
@@ -41,7 +41,10 @@ def command(
         float | None, option("Step of one humidity code [1], if humidity is measured.")
     ] = None,
     humidity_range: Annotated[str | None, option("LOW:HIGH accepted [1]; default 0:1.")] = None,
-    echo_max_us: Annotated[int, option("Longest echo time accepted [us].")] = 38_000,
+    humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
+    echo_lsb_us: Annotated[float, option("Tick of the timer [us].")] = 1.0,
+    echo_max_us: Annotated[float, option("Longest echo time accepted [us].")] = 38_000,
+    output_unit: Annotated[str, option("What the function counts: um, mm or cm.")] = "um",
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
     prefer: Annotated[str, option("What to save: size or speed.")] = "size",
@@ -62,7 +65,7 @@ def command(
         message = "--explore tries every form and packs none: leave out --form, --measure and --package"
         raise UsageError(message)
     low, high = _range("--temperature-range", temperature_range, "-20:60")
-    damp = _damp(humidity_lsb, humidity_range)
+    damp = _damp(humidity_lsb, humidity_range, humidity_zero)
     bar = Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -81,7 +84,8 @@ def command(
         }
         request: dict[str, Any] = {
             **codes,
-            "echo": echo_max_us,
+            "echo": echo_max_us if echo_lsb_us == 1.0 else EchoCodes(echo_lsb_us, echo_max_us),
+            "output_unit": output_unit,
             "max_error": max_error_mm * 1e-3,
             "max_distance": max_distance_m,
             "accept": accept or (),
@@ -140,11 +144,12 @@ def _range(name: str, text: str, example: str) -> tuple[float, float]:
         raise UsageError(message) from None
 
 
-def _damp(lsb: float | None, codes: str | None) -> HumidityCodes | None:
+def _damp(lsb: float | None, codes: str | None, zero: float) -> HumidityCodes | None:
     if lsb is not None:
-        return HumidityCodes(lsb, *_range("--humidity-range", codes or "0:1", "0:1"))
-    if codes is not None:
-        message = "--humidity-range is of a hygrometer's codes: give their step with --humidity-lsb too"
+        return HumidityCodes(lsb, *_range("--humidity-range", codes or "0:1", "0:1"), zero)
+    if codes is not None or zero:
+        option = "--humidity-zero" if codes is None else "--humidity-range"
+        message = f"{option} is of a hygrometer's codes: give their step with --humidity-lsb too"
         raise UsageError(message)
     return None
 
@@ -179,7 +184,9 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
         "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (asked for {asked:g} mm)"
     )
     damp = f", relative humidity {worst['relative_humidity']:g}" if "relative_humidity" in worst else ""
-    table.add_row("worst at", f"echo {worst['echo_us']} us, {worst['temperature']:g} degC{damp}")
+    axis = report["device"]["echo"]
+    echo = worst[axis["name"]] * axis["lsb"] * 1e6
+    table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{damp}")
     table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
     table.add_row("", "no overflow; never falls as the echo time grows")
     for found in report["measured"]:

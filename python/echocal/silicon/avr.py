@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from echocal.errors import EchocalError
-from echocal.silicon.board import HERE, Board, Calls, Generated, axes
+from echocal.silicon.board import HERE, Board, Calls, Generated, axes, function
 from echocal.silicon.tools import run
 
 HEADERS = Path("/usr/include/simavr/sim_avr.h")
@@ -40,11 +40,12 @@ class Avr(Board):
         text = HEADERS.with_name("sim_core_config.h").read_text(encoding="utf-8")
         return f"simavr {text.split('CONFIG_SIMAVR_VERSION')[1].split()[0].strip(chr(34))}"
 
-    def driver(self, thing: Path, *library: str) -> tuple[Path, Path]:
+    def driver(self, thing: Path, name: str, *library: str) -> tuple[Path, Path]:
         """Return the program that makes the calls, and the chip's."""
         chip, driver = thing.with_name("avr-call.elf"), thing.with_name("avr-driver")
         bare = ("-nostartfiles", "-Wl,--gc-sections,-e,once")
-        run(self.compiler, *self.flags, HERE / "avr_stub.S", thing, *bare, *library, "-o", chip)
+        stub = (f"-DDISTANCE={name}", HERE / "avr_stub.S")
+        run(self.compiler, *self.flags, *stub, thing, *bare, *library, "-o", chip)
         run("gcc", "-O2", "-Wall", "-Wextra", "-Werror", HERE / "avr_driver.c", "-o", driver, *LIBRARY)
         return driver, chip
 
@@ -52,7 +53,7 @@ class Avr(Board):
         self, thing: Path, made: Generated, step: int, damp_step: int = 1, *library: str
     ) -> tuple[list[int], list[Calls]]:
         """Return the hashes of the rows, and for each process the cost of its calls."""
-        driver, chip = self.driver(thing, *library)
+        driver, chip = self.driver(thing, function(made), *library)
         (_, echo), (first, last), *damp = axes(made)
         length = ROWS_EACH * step
         spans = [(low, min(last, low + length - step)) for low in range(first, last + 1, length)]

@@ -2,5 +2,5 @@
 .section .vectors, "ax"
 .global once
 once:
-    call echocal_distance_um
+    call DISTANCE
     sleep

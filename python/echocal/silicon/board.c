@@ -7,14 +7,29 @@
 #include "echocal_selftest.h"
 #endif
 
-#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
-#define ARGUMENTS uint16_t echo, int16_t code, uint8_t damp
-#define TYPES uint16_t, int16_t, uint8_t
-#define GIVEN(echo, code, damp) (uint16_t)(echo), (int16_t)(code), (uint8_t)(damp)
+/* The function's name and the type of its temperature, where they are others than most. */
+#ifndef DISTANCE
+#define DISTANCE echocal_distance_um
+#endif
+#ifndef CODE
+#define CODE int16_t
+#endif
+#ifdef ECHOCAL_ECHO_US_LAST
+#define ECHO_FIRST ECHOCAL_ECHO_US_FIRST
+#define ECHO_LAST ECHOCAL_ECHO_US_LAST
 #else
-#define ARGUMENTS uint16_t echo, int16_t code
-#define TYPES uint16_t, int16_t
-#define GIVEN(echo, code, damp) (uint16_t)(echo), (int16_t)(code)
+#define ECHO_FIRST ECHOCAL_ECHO_CODE_FIRST
+#define ECHO_LAST ECHOCAL_ECHO_CODE_LAST
+#endif
+
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define ARGUMENTS uint16_t echo, CODE code, uint8_t damp
+#define TYPES uint16_t, CODE, uint8_t
+#define GIVEN(echo, code, damp) (uint16_t)(echo), (CODE)(code), (uint8_t)(damp)
+#else
+#define ARGUMENTS uint16_t echo, CODE code
+#define TYPES uint16_t, CODE
+#define GIVEN(echo, code, damp) (uint16_t)(echo), (CODE)(code)
 #define ECHOCAL_HUMIDITY_CODE_FIRST 0
 #define ECHOCAL_HUMIDITY_CODE_LAST 0
 #endif
@@ -92,8 +107,8 @@ static uint32_t hash_of_all(void)
         int32_t damp;
         for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp++) {
             uint32_t row = SEED;
-            for (echo = ECHOCAL_ECHO_US_FIRST; echo <= ECHOCAL_ECHO_US_LAST; echo++) {
-                row = fold(row, (uint32_t)echocal_distance_um(GIVEN(echo, code, damp)));
+            for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {
+                row = fold(row, (uint32_t)DISTANCE(GIVEN(echo, code, damp)));
             }
             all = fold(all, row);
         }
@@ -123,7 +138,7 @@ static uint32_t __attribute__((noinline)) stack_of(int32_t (*volatile function)(
     for (place = here - DEEP; place < here; place++) {
         *(volatile uint8_t *)place = PAINT;
     }
-    sink = function(GIVEN(ECHOCAL_ECHO_US_LAST, ECHOCAL_TEMPERATURE_CODE_FIRST, ECHOCAL_HUMIDITY_CODE_LAST));
+    sink = function(GIVEN(ECHO_LAST, ECHOCAL_TEMPERATURE_CODE_FIRST, ECHOCAL_HUMIDITY_CODE_LAST));
     for (place = here - DEEP; place < here && *(volatile uint8_t *)place == PAINT; place++) { }
     return (uint32_t)(here - place);
 }
@@ -132,14 +147,14 @@ static uint32_t __attribute__((noinline)) stack_of(int32_t (*volatile function)(
 static void count_all(void)
 {
     int32_t echo, code, damp;
-    print(stack_of(echocal_distance_um));
+    print(stack_of(DISTANCE));
     (void)time_of(nothing, 0, 0, 0);
     print(time_of(nothing, 0, 0, 0));
     for (echo = 0; echo < 4; echo++) {
         for (code = 0; code < 3; code++) {
             for (damp = 0; damp < 2; damp++) {
-                print(time_of(echocal_distance_um,
-                    ECHOCAL_ECHO_US_FIRST + (ECHOCAL_ECHO_US_LAST - ECHOCAL_ECHO_US_FIRST) / 3 * echo,
+                print(time_of(DISTANCE,
+                    ECHO_FIRST + (ECHO_LAST - ECHO_FIRST) / 3 * echo,
                     ECHOCAL_TEMPERATURE_CODE_FIRST
                         + (ECHOCAL_TEMPERATURE_CODE_LAST - ECHOCAL_TEMPERATURE_CODE_FIRST) / 2 * code,
                     damp ? ECHOCAL_HUMIDITY_CODE_LAST : ECHOCAL_HUMIDITY_CODE_FIRST));

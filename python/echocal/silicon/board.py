@@ -102,10 +102,10 @@ class Board(ABC):
         words = (line.split() for line in lines)
         return [(int(word[1], 16), word[2], word[3]) for word in words if len(word) == 4]
 
-    def link(self, thing: Path, *more: str | Path) -> Path:
-        """Return the function with what it takes from the compiler's library, alone."""
+    def link(self, thing: Path, name: str, *more: str | Path) -> Path:
+        """Return the function of this name with what it takes from the compiler's library, alone."""
         out = thing.with_suffix(".elf")
-        entry = ("-nostdlib", "-Wl,--gc-sections,-e,echocal_distance_um,-u,echocal_distance_um")
+        entry = ("-nostdlib", f"-Wl,--gc-sections,-e,{name},-u,{name}")
         run(self.compiler, *self.flags, thing, *entry, *more, "-lgcc", "-o", out)
         return out
 
@@ -115,6 +115,17 @@ def axes(made: Generated) -> list[tuple[int, int]]:
     device = made.report["device"]
     codes = [axis["codes"] for axis in (device["echo"], *device["conditions"])]
     return [(axis["minimum"], axis["maximum"]) for axis in codes]
+
+
+def function(made: Generated) -> str:
+    """Return the name of the function."""
+    return f"echocal_distance_{made.report['device'].get('output', {'unit': 'um'})['unit']}"
+
+
+def definitions(made: Generated) -> tuple[str, str]:
+    """Return the macros by which a program for the board knows the function and its temperature."""
+    warm = made.report["device"]["conditions"][0].get("type", "i16")
+    return f"-DDISTANCE={function(made)}", f"-DCODE={'uint16_t' if warm == 'u16' else 'int16_t'}"
 
 
 def lines_of_numbers(text: str) -> list[list[int]]:

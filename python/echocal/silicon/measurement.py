@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.errors import UsageError
-from echocal.silicon.board import Board, Generated
+from echocal.silicon.board import Board, Generated, function
 from echocal.silicon.cores import CORES
 
 __all__ = ["Measurement", "measure", "missing", "output_hash"]
@@ -127,7 +127,7 @@ def measure(
         return None
     with tempfile.TemporaryDirectory(prefix="echocal-") as name:
         thing = board.compile(made, Path(name), options, strict=strict)
-        linked = board.link(thing, *library)
+        linked = board.link(thing, function(made), *library)
         whole, own, ram = board.sizes(linked), board.own(linked), board.variables(linked)
         calls = board.calls(thing, made, *library)
     counted = "cycles" if board.counts_cycles else "instructions"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from echocal.silicon.board import HERE, Board, Calls, Generated
+from echocal.silicon.board import HERE, Board, Calls, Generated, definitions
 from echocal.silicon.tools import run
 
 CALLS = 2000  # of each input, as in board.c
@@ -34,23 +34,22 @@ class Qemu(Board):
         return f"QEMU {run(self.machine[0], '--version').split()[3]}"
 
     def play(self, thing: Path, *flags: str, library: tuple[str, ...] = ()) -> str:
-        """Return what the board prints."""
+        """Return what the board prints; counting takes a clock that counts instructions."""
         out = thing.with_name(f"{self.name}-board.elf")
         place = ("-T", HERE / "board.ld", f"-Wl,--defsym,FLASH={self.flash},--defsym,RAM={self.ram}")
         parts = (HERE / "board.c", HERE / self.start, thing)
         files: tuple[str | Path, ...] = (*parts, *place, *library, "-lgcc", "-o", out)
         run(self.compiler, *self.flags, *BARE, f"-I{thing.parent}", *flags, *files)
-        counting = ("-icount", "shift=0") if flags else ()
+        counting = ("-icount", "shift=0") if "-DCOUNT" in flags else ()
         return run(*self.machine, *SPEAKING, *SEMIHOSTING, *counting, "-kernel", out)
 
     def calls(self, thing: Path, made: Generated, *library: str) -> Calls:
         """Instructions of a call with its return, over a grid of inputs, and the stack it touches."""
-        del made  # the header names the codes
-        stack, idle, *busy = (int(line, 16) for line in self.play(thing, "-DCOUNT", library=library).split())
+        said = self.play(thing, "-DCOUNT", *definitions(made), library=library)
+        stack, idle, *busy = (int(line, 16) for line in said.split())
         steps = [round((count - idle) * self.tick / CALLS) + 1 for count in busy]
         return Calls(min(steps), max(steps), stack)
 
     def output_hash(self, thing: Path, made: Generated) -> str:
         """Hash over every accepted input, computed on the board."""
-        del made
-        return self.play(thing).strip()
+        return self.play(thing, *definitions(made)).strip()

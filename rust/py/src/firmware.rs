@@ -4,8 +4,8 @@ use echocal_core::Conditions;
 use echocal_firmware::lower::{describe, lower};
 use echocal_firmware::target;
 use echocal_firmware::{
-    Axis, Design, Device, Error, Measurement, Package, Prefer, Progress, Provenance, Request,
-    Target, design, emit,
+    Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
+    Request, Target, design, emit,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -46,7 +46,7 @@ impl CoreFirmware {
         target::FEATURES.into_iter().zip(counts).collect()
     }
 
-    /// Outputs \[um\] of the twin for columns of codes of equal length, the echo time first.
+    /// Outputs of the twin for columns of codes of equal length, the echo time first.
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -107,8 +107,9 @@ pub struct Wish {
     prefer: String,
     form: Option<String>,
     temperature: (f64, f64, f64, f64),
-    humidity: Option<(f64, f64, f64)>,
-    echo_max_us: i64,
+    humidity: Option<(f64, f64, f64, f64)>,
+    echo: (f64, f64),
+    output_unit: String,
     maximum_error: f64,
     maximum_distance: f64,
     maximum_table: usize,
@@ -151,11 +152,13 @@ fn fulfil(
     Package::parse(&wish.package)?; // before the proof, which may take a minute
     let (lsb, low, high, zero) = wish.temperature;
     let mut device = Device {
-        echo: Axis::echo(wish.echo_max_us)?,
+        echo: Axis::echo(wish.echo.0, wish.echo.1)?,
         conditions: vec![Axis::temperature(lsb, low, high, zero)?],
+        output: Output::parse(&wish.output_unit)?,
     };
-    if let Some((lsb, low, high)) = wish.humidity {
-        device.conditions.push(Axis::humidity(lsb, low, high)?);
+    if let Some((lsb, low, high, zero)) = wish.humidity {
+        let humidity = Axis::humidity(lsb, low, high, zero)?;
+        device.conditions.push(humidity);
     }
     let assumed = Conditions::new(core::array::from_fn(|quantity| wish.assumed[quantity]));
     let lowered = lower(

@@ -22,7 +22,7 @@ pub(in crate::form) struct Plane<'a> {
     damp: Vec<f64>,
 }
 
-/// Coefficients in powers of the second condition's code, and the error left \[um\], at each temperature.
+/// Coefficients in powers of the second condition's code, and the error left \[unit\], at each temperature.
 pub(in crate::form) type Lines = Vec<(Vec<f64>, f64)>;
 
 impl<'a> Plane<'a> {
@@ -174,7 +174,7 @@ fn values(form: &dyn Form, fit: &Fit<'_>) -> Vec<f64> {
 }
 
 impl Plane<'_> {
-    /// The largest error \[um\] of a base and what comes on top of it.
+    /// The largest error \[unit\] of a base and what comes on top of it.
     fn error(&self, base: &[f64], part: impl Fn(usize, usize) -> f64) -> f64 {
         let mut worst = 0.0_f64;
         for (index, base) in base.iter().enumerate() {

@@ -36,7 +36,7 @@ impl<'a> Remaining<'a> {
         }
     }
 
-    /// Coefficients in powers of the code, and the error that they leave [um].
+    /// Coefficients in powers of the code, and the error that they leave \[unit\].
     pub(super) fn solve(&self, degree: usize) -> (Vec<f64>, f64) {
         let codes = self.settled.len();
         let span = (codes - 1).max(1);

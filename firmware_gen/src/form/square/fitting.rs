@@ -129,7 +129,7 @@ impl Ideal {
 }
 
 impl Square {
-    /// The largest error \[um\], the outermost constant set to what suits the others best.
+    /// The largest error \[unit\], the outermost constant set to what suits the others best.
     fn settle(&mut self, fit: &Fit<'_>) -> f64 {
         let last = self.layers.len() - 1;
         self.layers[last].constant = 0;

@@ -32,8 +32,8 @@ static const int16_t vector_temperature_code[VECTORS] PROGMEM = {
     40
 };
 
-/** distance_um of each vector */
-static const int32_t vector_distance_um[VECTORS] PROGMEM = {
+/** distance of each vector */
+static const int32_t vector_distance[VECTORS] PROGMEM = {
     0, 0, 0, 0, 0, 2020820, 2123880, 2221992, 2316888, INT32_MIN, INT32_MIN, INT32_MIN,
     INT32_MIN, 3998564, 4041800, 4247928, 4444160, 4633959, 6518015, 6062781, 6371976, 6666328, 6951031, INT32_MIN,
     INT32_MIN
@@ -46,8 +46,8 @@ uint16_t echocal_selftest(void)
     for (vector = 0U; (vector < VECTORS) && (wrong == 0U); vector++) {
         const uint16_t echo_us = (uint16_t)pgm_read_word(&vector_echo_us[vector]);
         const int16_t temperature_code = (int16_t)pgm_read_word(&vector_temperature_code[vector]);
-        const int32_t distance_um = (int32_t)pgm_read_dword(&vector_distance_um[vector]);
-        if (echocal_distance_um(echo_us, temperature_code) != distance_um) {
+        const int32_t distance = (int32_t)pgm_read_dword(&vector_distance[vector]);
+        if (echocal_distance_um(echo_us, temperature_code) != distance) {
             wrong = (uint16_t)(vector + 1U);
         }
     }

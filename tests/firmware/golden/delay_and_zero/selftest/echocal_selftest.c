@@ -24,8 +24,8 @@ static const int16_t vector_temperature_code[VECTORS] = {
     40
 };
 
-/** distance_um of each vector */
-static const int32_t vector_distance_um[VECTORS] = {
+/** distance of each vector */
+static const int32_t vector_distance[VECTORS] = {
     -944, -1197, -1321, -1437, -1672, 2019035, 2121843, 2219912, 2315563, INT32_MIN, INT32_MIN, INT32_MIN,
     INT32_MIN, 3996753, 4039174, 4245050, 4441437, 4632981, 6058357, 6059313, 6368256, 6662961, 6950398, INT32_MIN,
     INT32_MIN
@@ -38,8 +38,8 @@ uint16_t echocal_selftest(void)
     for (vector = 0U; (vector < VECTORS) && (wrong == 0U); vector++) {
         const uint16_t echo_us = vector_echo_us[vector];
         const int16_t temperature_code = vector_temperature_code[vector];
-        const int32_t distance_um = vector_distance_um[vector];
-        if (echocal_distance_um(echo_us, temperature_code) != distance_um) {
+        const int32_t distance = vector_distance[vector];
+        if (echocal_distance_um(echo_us, temperature_code) != distance) {
             wrong = (uint16_t)(vector + 1U);
         }
     }

@@ -24,8 +24,8 @@ static const int16_t vector_temperature_code[VECTORS] = {
     40
 };
 
-/** distance_um of each vector */
-static const int32_t vector_distance_um[VECTORS] = {
+/** distance of each vector */
+static const int32_t vector_distance[VECTORS] = {
     0, 0, 0, 0, 0, 2020820, 2123830, 2221992, 2316937, INT32_MIN, INT32_MIN, INT32_MIN,
     INT32_MIN, 3994180, 4041800, 4247829, 4444160, 4634058, 6247168, 6062781, 6371828, 6666328, 6951179, INT32_MIN,
     INT32_MIN
@@ -38,8 +38,8 @@ uint16_t echocal_selftest(void)
     for (vector = 0U; (vector < VECTORS) && (wrong == 0U); vector++) {
         const uint16_t echo_us = vector_echo_us[vector];
         const int16_t temperature_code = vector_temperature_code[vector];
-        const int32_t distance_um = vector_distance_um[vector];
-        if (echocal_distance_um(echo_us, temperature_code) != distance_um) {
+        const int32_t distance = vector_distance[vector];
+        if (echocal_distance_um(echo_us, temperature_code) != distance) {
             wrong = (uint16_t)(vector + 1U);
         }
     }

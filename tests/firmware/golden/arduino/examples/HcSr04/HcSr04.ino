@@ -9,7 +9,7 @@
  * can know. Timer1 notes the time of an edge in hardware, to 0.5 us, whatever else the processor does.
  * On a board without it the sketch holds the interrupts while it counts; millis() then loses the length of the echo.
  *
- * Every line of output: the codes, then the distance in micrometers.
+ * Every line of output: the codes, then the distance [um].
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -31,7 +31,10 @@ static const uint8_t ECHO_PIN = 8; /* ICP1 */
 #endif
 
 /* Timer1 counts an eighth of the processor's clock. */
-static const uint32_t TICKS_PER_US = F_CPU / 8000000UL;
+static uint32_t nanoseconds(uint32_t ticks)
+{
+    return (uint32_t)(ticks * 8000000000ULL / F_CPU);
+}
 
 /* Wait for an edge at the capture pin, and tell when it was, in ticks. */
 static bool edge(uint8_t rising, uint32_t since, uint16_t &ticks)
@@ -47,7 +50,7 @@ static bool edge(uint8_t rising, uint32_t since, uint16_t &ticks)
     return true;
 }
 
-/* Length of the echo pulse [us]; false if there was none. */
+/* Length of the echo pulse [ns]; false if there was none. */
 static bool echo_pulse(uint32_t &length)
 {
     uint16_t rise;
@@ -62,36 +65,39 @@ static bool echo_pulse(uint32_t &length)
         return false;
     }
     /* The timer starts again every 65536 ticks; how often it did, the coarser clock knows. */
-    const uint32_t about = (micros() - risen) * TICKS_PER_US;
+    const uint32_t about = (micros() - risen) * (F_CPU / 8000UL) / 1000UL;
     uint32_t ticks = (uint16_t)(fall - rise);
     while (ticks + 32768UL < about) {
         ticks += 65536UL;
     }
-    length = (ticks + TICKS_PER_US / 2) / TICKS_PER_US;
+    length = nanoseconds(ticks);
     return true;
 }
 #else
 static const uint8_t ECHO_PIN = 8;
 
-/* Length of the echo pulse [us]; false if there was none. */
+/* Length of the echo pulse [ns]; false if there was none. */
 static bool echo_pulse(uint32_t &length)
 {
     noInterrupts();
-    length = pulseIn(ECHO_PIN, HIGH, PATIENCE);
+    length = 1000UL * pulseIn(ECHO_PIN, HIGH, PATIENCE);
     interrupts();
     return length != 0;
 }
 #endif
 
+/* Time_of_flight = echo_us * 0.000001 s; false if there was no echo. */
 static bool echo_time(uint16_t &echo_us)
 {
+    const uint32_t lsb = 1000; /* [ns] */
     uint32_t length = 0;
     digitalWrite(TRIGGER_PIN, HIGH);
     delayMicroseconds(10);
     digitalWrite(TRIGGER_PIN, LOW);
-    const bool heard = echo_pulse(length) && length <= 65535UL;
-    echo_us = (uint16_t)length;
-    return heard;
+    const bool heard = echo_pulse(length);
+    const uint32_t code = (length + lsb / 2) / lsb;
+    echo_us = (uint16_t)code;
+    return heard && code <= 65535UL;
 }
 
 static int32_t millivolts(uint8_t pin)
@@ -104,7 +110,7 @@ static int16_t temperature_code()
 {
     const int32_t lsb = 500000; /* 1e-6 degC */
     const int32_t above = (millivolts(A0) - 500) * 100000 - (0);
-    return (int16_t)((above + (above < 0 ? -lsb : lsb) / 2) / lsb);
+    return (int16_t)((above + (above < 0 ? -abs(lsb) : abs(lsb)) / 2) / lsb);
 }
 
 void setup()
