@@ -13,7 +13,7 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "errors"},
-    {"domain"},
+    {"domain", "codes"},
     {"conditions", "air", "registry"},
     {"model"},
     {"observations"},

@@ -1,4 +1,4 @@
-"""Codes of every kind: ticks of a timer, thermometers that fall or count past 32,767, other units of output."""
+"""Codes of every kind: ticks of a timer, thermometers that fall or count past 32,767; other units."""
 
 import runpy
 import sys
