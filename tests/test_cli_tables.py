@@ -173,3 +173,17 @@ def test_mistakes_are_one_clear_line(run: Run, words: str, code: int, line: str)
     assert line in err
     assert out == ""
     assert "Traceback" not in err
+
+
+def test_what_belongs_to_one_campaign_is_told_and_left_out(run: Run) -> None:
+    echocal.Model("linear", {"step_change": {"offset": 5e-3, "time": 30.0}}).save("model.json")
+    table = {"time_s": [0.0, 60.0], "temperature_C": [20.0, 20.0], "reading_m": [1.0, 1.0]}
+    pd.DataFrame(table).to_csv("log.csv", index=False)
+    words = ("correct", "log.csv", "--model", "model.json", "--reading-speed", "linear", "-o", "out.csv")
+    _, _, told = run(*words)
+    assert "step_change" in " ".join(told.split())
+    assert "--transferable" in told
+    assert pd.read_csv("out.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 0.995])
+    _, _, told = run(*words[:-1], "lasting.csv", "--transferable")
+    assert "step_change" not in told
+    assert pd.read_csv("lasting.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 1.0])

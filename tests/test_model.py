@@ -152,3 +152,18 @@ def test_an_effect_holds_where_the_law_that_it_calls_holds(
 ) -> None:
     with pytest.warns(echocal.DomainWarning, match="water_vapor_mole_fraction"):
         echocal.Model("linear", effects).indicate(2.0, temperature=45.0, **conditions)
+
+
+def test_what_belongs_to_one_campaign_stays_there() -> None:
+    effects = {"drift": {"rate": 1e-8}, "zero_error": {"offset": 2e-3}, "step_change": {"offset": 5e-3}}
+    names = echocal.Model("linear", effects).parameter_names
+    spread = {name: 1.0 + i for i, name in enumerate(names)}
+    model = echocal.Model("linear", effects, covariance=np.diag([spread[name] ** 2 for name in names]))
+    assert set(model.campaign_effects) == {"drift", "step_change"}
+    lasting = model.transferable()
+    assert lasting.campaign_effects == ()
+    assert lasting.effects == {"zero_error": {"offset": 2e-3}}
+    assert lasting.standard_uncertainties == {"zero_error.offset": spread["zero_error.offset"]}
+    assert lasting.correct(1.0, temperature=20.0) == echocal.Model(
+        "linear", {"zero_error": {"offset": 2e-3}}
+    ).correct(1.0, temperature=20.0)

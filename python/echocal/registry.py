@@ -87,6 +87,8 @@ class Effect:
         In the order of `Model.parameter_names`.
     edges : bool
         Whether its formula has edges, where a derivative jumps.
+    recurs : bool
+        Whether another campaign meets it again: what grew or began in the course of one does not.
     domain, check : str
         Where it holds, and the measurement that confirms or refutes it.
     firmware : {"folded", "needs", "refused"}
@@ -108,6 +110,7 @@ class Effect:
     extends: tuple[str, ...]
     parameters: tuple[Parameter, ...]
     edges: bool
+    recurs: bool
     domain: str
     check: str
     firmware: Literal["folded", "needs", "refused"]

@@ -163,7 +163,8 @@ def _gains(case: Case, model: echocal.Model) -> Record:
         table, reference = campaign
         seen = echocal.read_observations(table, reading_speed="linear")
         reading = table["reading_m"].to_numpy()
-        corrected = model.correct(reading, **seen.conditions)
+        used = model if where == "same" else model.transferable()
+        corrected = used.correct(reading, **seen.conditions)
         before = float(np.mean((reading - reference) ** 2))
         gains[where] = [before, float(np.mean((np.asarray(corrected) - reference) ** 2))]
     return gains

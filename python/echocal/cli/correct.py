@@ -39,6 +39,12 @@ def command(
         str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
     ] = None,
     effect: Effects = None,
+    transferable: Annotated[
+        bool,
+        typer.Option(
+            "--transferable", help="Leave out what belongs to the campaign that the model was found in."
+        ),
+    ] = False,
     column: Columns = None,
     missing: Missing = None,
     trust: Trust = None,
@@ -53,6 +59,8 @@ def command(
     """Append corrected_distance_m and a reason code; same rows, same order."""
     options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
     correction = model_of(law, model, effect)
+    if transferable:
+        correction = correction.transferable()
     with noted(quiet):
         if data.is_dir():
             done = _folder(data, out, correction, quiet, options)
@@ -61,6 +69,13 @@ def command(
             done = {out: correct_file(data, out, correction, layout=layout, **options)}
     for result in done.values():
         notes(result.notes, quiet)
+    if correction.campaign_effects:
+        named = ", ".join(correction.campaign_effects)
+        told = (
+            f"the model has {named}, counted from the first row of the campaign that it was found in: if "
+            "this is another one, say --transferable to leave it out"
+        )
+        notes([told], quiet)
     if correction.air:
         air = ", ".join(f"{name} = {value:g}" for name, value in correction.air.items())
         notes([f"where the table does not give them, the model's own values are used: {air}"], quiet)

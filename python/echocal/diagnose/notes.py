@@ -72,6 +72,11 @@ def notes(case: Case, observations: Observations, judgment: Judgment, stack: Sta
             f"{cause} shows in too few stands or stretches to be learned from the others: the gain on rows "
             "never fitted says nothing about it"
         )
+    if passing := ", ".join(judgment.model.campaign_effects):
+        said.append(
+            f"{passing} belongs to this campaign: for another, leave it out (Model.transferable, echocal "
+            "correct --transferable)"
+        )
     if len(case.table.steps):
         steps = steps_of(case.table, observations)
         at = "; ".join(str(step) for step in steps[:8])

@@ -276,6 +276,30 @@ class Model:
         """The same model without the term that nobody explains."""
         return self.with_shape(None)
 
+    @property
+    def campaign_effects(self) -> tuple[str, ...]:
+        """Effects that belong to the campaign they were found in, such as ``drift``."""
+        return tuple(id_ for id_ in self.effects if not find_effect(id_).recurs)
+
+    def transferable(self) -> "Model":
+        """The model for another campaign: without effects that began or grew in the course of one.
+
+        Examples
+        --------
+        >>> model = Model("linear", {"fixed_delay": {"delay": 3e-5}, "drift": {"rate": 1e-8}})
+        >>> model.campaign_effects
+        ('drift',)
+        >>> list(model.transferable().effects)
+        ['fixed_delay']
+        """
+        left_out = self.campaign_effects
+        effects = {id_: own for id_, own in self.effects.items() if id_ not in left_out}
+        kept = [i for i, name in enumerate(self.parameter_names) if name.partition(".")[0] in effects]
+        same = Model(self.law, effects, air=self.air, provenance=self.provenance, shape=self.shape)
+        if self.covariance is not None:
+            same.covariance = self.covariance[np.ix_(kept, kept)]
+        return same
+
     def refuse_shape(self, what: str) -> None:
         """Raise `ModelError` where `what` would leave a shape out in silence."""
         if self.shape is not None:

@@ -48,6 +48,7 @@ impl Effect for Drift {
                 ..ParameterFacts::USUAL
             },
         ],
+        recurs: false,
         domain: "one campaign: it tells nothing about another",
         check: "measure the first point again at the end",
         firmware: Firmware::Refused("it belongs to one campaign: fasten the mount and calibrate again"),

@@ -119,6 +119,8 @@ pub struct Facts {
     pub parameters: &'static [ParameterFacts],
     /// Whether its formula has edges, where a derivative jumps.
     pub edges: bool,
+    /// Whether another campaign meets it again: what grew or began in the course of one does not.
+    pub recurs: bool,
     /// Where it holds, in words.
     pub domain: &'static str,
     /// The measurement that confirms or refutes it.
@@ -144,6 +146,7 @@ impl Facts {
         extends: &[],
         parameters: &[],
         edges: false,
+        recurs: true,
         domain: "any distance and air",
         check: "",
         firmware: Firmware::Folded,

@@ -38,6 +38,7 @@ impl Effect for StepChange {
             },
         ],
         edges: true,
+        recurs: false,
         domain: "one campaign, one step",
         check: "the log book; measure the first point again",
         firmware: Firmware::Refused("it belongs to one campaign: calibrate again after the step"),
