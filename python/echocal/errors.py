@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 __all__ = [
     "BoundError",
@@ -43,6 +44,7 @@ class BoundError(EchocalError, ValueError):
     """A bound that cannot be met; the text gives the best that can be reached."""
 
     exit_code = 4
+    best: Any = None  # what reaches it, where there is such a thing
 
 
 class DataWarning(UserWarning):

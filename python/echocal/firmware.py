@@ -18,7 +18,7 @@ from echocal import _core, silicon
 from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes
 from echocal.conditions import columns
 from echocal.domain import describe
-from echocal.errors import DomainWarning, UsageError
+from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.registry import find_effect
@@ -231,7 +231,7 @@ def generate(
     Raises
     ------
     BoundError
-        If no form meets `max_error`; the message gives the best reachable.
+        If no form meets `max_error`; the message gives the best reachable, and its cost.
     UsageError
         If an effect needs an input that the device lacks, or the codes make no sense.
 
@@ -276,7 +276,12 @@ def generate(
         message = "measure compiles C, and the package micropython holds none: measure another package"
         raise UsageError(message)
     wish["command"] = _command(wish, model_name, assume or {}) + (" --measure" if measure else "")
-    core = _core.design_firmware(model._core, wish, progress)
+    try:
+        core = _core.design_firmware(model._core, wish, progress)
+    except BoundError as error:
+        cost = _cost(_firmware(error.best, []), target, measure=measure)
+        message = f"{error}; that function takes {cost}"
+        raise BoundError(message) from None
     damps = (air[1],) if damp is None else (damp.low, damp.high)
     for end, wet in itertools.product((codes.low, codes.high), dict.fromkeys(damps)):  # limits are monotone
         where = "in the assumed air" if damp is None else f"and relative humidity {wet:g}"
@@ -293,6 +298,19 @@ def generate(
 def _firmware(core: _core.Firmware, measured: list[dict[str, Any]]) -> Firmware:
     files = dict(core.files(measured))
     return Firmware(files, json.loads(files["report.json"]), core)
+
+
+def _cost(made: Firmware, target: str, *, measure: bool) -> str:
+    """Flash and time in words, and where these figures come from."""
+    able = (name for name in silicon.cores_of(target) if measure and not silicon.missing(name))
+    core = next(able, None)
+    found = None if core is None else silicon.measure(made, core)
+    if found is None:
+        flash, steps = made.ranked_by()
+        unit = "cycles" if target == "avr" else "instructions"
+        return f"about {flash} bytes of flash and {steps} {unit}, by the cost model"
+    unit = "instructions" if found.cycles is None else "cycles"
+    return f"{found.flash_bytes} bytes of flash and {found.steps} {unit}, measured on {found.core}"
 
 
 def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:

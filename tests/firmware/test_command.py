@@ -1,14 +1,16 @@
 """``echocal firmware``: files, report, exit codes, one clear line for a mistake."""
 
 import json
+import re
 import shlex
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from toolchain import build, hash_of_all
 
-from echocal import Model, firmware
+from echocal import Model, firmware, silicon
 from echocal.cli import main
 from echocal.firmware import Firmware
 
@@ -72,6 +74,35 @@ def test_a_bound_out_of_reach_exits_with_4_and_one_line(
     assert len(lines) == 1, lines
     assert "the best reachable is 0.00" in lines[0]
     assert not Path("made").exists()
+
+
+def test_the_best_reachable_is_measured_where_that_is_wanted(
+    model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = (
+        str(model),
+        *FAST,
+        "--target",
+        "avr",
+        "--form",
+        "polynomial",
+        "--max-error-mm",
+        "0.0001",
+        "-o",
+        "made",
+    )
+    told = []
+    for more in ((), ("--measure",)):
+        assert run(monkeypatch, *words, *more) == 4
+        told.append(" ".join(capsys.readouterr().err.split()))
+    assert re.search(r"takes about \d+ bytes of flash and \d+ cycles, by the cost model", told[0])
+    enough = re.search(r"ask for ([0-9.]+) mm", told[1])
+    assert enough is not None
+    request: dict[str, Any] = {"temperature": (0.5, -20.0, 60.0), "echo": 30_000, "form": "polynomial"}
+    made = firmware.generate(Model.load(model), "avr", max_error=float(enough[1]) * 1e-3, **request)
+    found = silicon.measure(made, "avr")
+    assert found is not None
+    assert f"takes {found.flash_bytes} bytes of flash and {found.cycles} cycles, measured on avr" in told[1]
 
 
 @pytest.mark.parametrize(

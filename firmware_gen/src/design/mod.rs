@@ -11,6 +11,7 @@ use crate::reference::Reference;
 use crate::target::{Prefer, Target};
 use search::Search;
 use std::fmt;
+use std::sync::Arc;
 
 /// What is asked for.
 #[derive(Clone, Copy)]
@@ -68,7 +69,7 @@ impl Design {
 }
 
 /// The best that can be had when the bound cannot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Reachable {
     /// The bound that was asked for \[m\].
     pub asked: f64,
@@ -76,12 +77,8 @@ pub struct Reachable {
     pub best: f64,
     /// Where distances are bounded \[m\].
     pub maximum_distance: f64,
-    /// The best candidate, in words.
-    pub form: String,
-    /// Its flash as the cost model has it \[B\].
-    pub bytes: u64,
-    /// Its cycles, or instructions, as the cost model has them.
-    pub time: u64,
+    /// The best candidate.
+    pub design: Arc<Design>,
 }
 
 impl fmt::Display for Reachable {
@@ -92,8 +89,9 @@ impl fmt::Display for Reachable {
         let enough = (best * 1e4).ceil() / 1e4;
         write!(
             f,
-            "an error of {asked} mm up to {} m cannot be met: the best reachable is {best:.4} mm ({}; by the cost model about {} bytes and {} cycles or instructions); ask for {enough} mm or more",
-            self.maximum_distance, self.form, self.bytes, self.time
+            "an error of {asked} mm up to {} m cannot be met: the best reachable is {best:.4} mm ({}); ask for {enough} mm or more",
+            self.maximum_distance,
+            self.design.form.describe()
         )
     }
 }

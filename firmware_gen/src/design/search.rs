@@ -7,6 +7,7 @@ use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
 use crate::reference::{Line, sample};
 use crate::target::Cost;
+use std::sync::Arc;
 
 /// One form in one format.
 pub(super) struct Candidate {
@@ -272,32 +273,20 @@ impl<'a> Search<'a> {
         // What was never screened is worse than the best, or has larger tables than allowed.
         failed.retain(|candidate| candidate.screened.is_finite());
         failed.sort_by(|a, b| a.screened.total_cmp(&b.screened));
-        let proven = failed
-            .iter_mut()
-            .find_map(|candidate| match self.prove(candidate, listen) {
-                Ok((program, proof)) => {
-                    let cost = self.request.target.expected(&program);
-                    Some(Ok((proof.bounded.error, candidate.form.describe(), cost)))
-                }
-                Err(Error::Proof(_)) => None,
-                Err(error) => Some(Err(error)),
-            });
-        let Some((best, form, cost)) = proven.transpose()? else {
-            return Err(self.nothing());
-        };
-        let Request {
-            maximum_error: asked,
-            maximum_distance,
-            ..
-        } = self.request;
-        Err(Error::Bound(Box::new(Reachable {
-            asked,
-            best: best * self.request.device.output.lsb,
-            maximum_distance,
-            form,
-            bytes: cost.size.div_ceil(10),
-            time: cost.time.div_ceil(10),
-        })))
+        for candidate in failed {
+            let (program, proof) = match self.prove(&candidate, listen) {
+                Ok(found) => found,
+                Err(Error::Proof(_)) => continue,
+                Err(error) => return Err(error),
+            };
+            return Err(Error::Bound(Box::new(Reachable {
+                asked: self.request.maximum_error,
+                best: proof.bounded.error * self.request.device.output.lsb,
+                maximum_distance: self.request.maximum_distance,
+                design: Arc::new(candidate.proven(program, proof)),
+            })));
+        }
+        Err(self.nothing())
     }
 
     /// Why there is not even a candidate.

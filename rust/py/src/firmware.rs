@@ -9,6 +9,7 @@ use echocal_firmware::{
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
+use std::sync::Arc;
 
 use crate::errors::raise;
 use crate::model::CoreModel;
@@ -19,7 +20,7 @@ type Files = Vec<(String, String)>;
 /// A proven design, its texts and its twin.
 #[pyclass(name = "Firmware", module = "echocal._core", frozen)]
 pub struct CoreFirmware {
-    design: Design,
+    design: Arc<Design>,
     provenance: Provenance,
     device: Device,
 }
@@ -141,14 +142,36 @@ pub fn design_firmware(
             interrupted.is_none()
         })
     });
-    interrupted.map_or_else(|| result.map_err(|error| to_python(&error)), Err)
+    interrupted.map_or_else(|| result.map_err(|failure| failure.raise(py)), Err)
+}
+
+/// Why no firmware came out, and the best that could be had where it was the bound.
+struct Failure {
+    error: Error,
+    best: Option<Box<CoreFirmware>>,
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self { error, best: None }
+    }
+}
+
+impl Failure {
+    fn raise(self, py: Python<'_>) -> PyErr {
+        let raised = to_python(&self.error);
+        let told = self
+            .best
+            .map_or(Ok(()), |best| raised.value(py).setattr("best", *best));
+        told.err().unwrap_or(raised)
+    }
 }
 
 fn fulfil(
     model: &echocal_core::Model,
     wish: &Wish,
     progress: &mut dyn FnMut(&str, u64, u64) -> bool,
-) -> Result<CoreFirmware, Error> {
+) -> Result<CoreFirmware, Failure> {
     Package::parse(&wish.package)?; // before the proof, which may take a minute
     let (lsb, low, high, zero) = wish.temperature;
     let mut device = Device {
@@ -180,13 +203,13 @@ fn fulfil(
         threads: wish.threads,
     };
     let mut form = String::new();
-    let design = design(request, &mut |event| match event {
+    let found = design(request, &mut |event| match event {
         Progress::Candidate(candidate) => {
             candidate.clone_into(&mut form);
             progress(&form, 0, device.inputs())
         }
         Progress::Checked(checked) => progress(&form, checked, device.inputs()),
-    })?;
+    });
     let provenance = Provenance {
         version: env!("CARGO_PKG_VERSION").into(),
         command: wish.command.clone(),
@@ -199,11 +222,20 @@ fn fulfil(
         maximum_error: wish.maximum_error,
         maximum_distance: wish.maximum_distance,
     };
-    Ok(CoreFirmware {
+    let firmware = |design| CoreFirmware {
         design,
         provenance,
         device,
-    })
+    };
+    match found {
+        Ok(design) => Ok(firmware(Arc::new(design))),
+        Err(Error::Bound(reachable)) => {
+            let best = Some(Box::new(firmware(Arc::clone(&reachable.design))));
+            let error = Error::Bound(reachable);
+            Err(Failure { error, best })
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 fn to_python(error: &Error) -> PyErr {
