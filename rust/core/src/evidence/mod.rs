@@ -11,6 +11,7 @@ mod gram;
 mod hypothesis;
 mod lanes;
 mod legendre;
+mod moments;
 mod noises;
 mod normal;
 mod posterior;

@@ -2,10 +2,9 @@
 #![allow(unsafe_code)]
 
 use super::hypothesis::Layout;
-use super::lanes::{LANES, Lane, backward, factor, forward};
+use super::lanes::{LANES, Lane, backward, factor, forward, invert, on_widest};
 use super::normal::between;
 use super::stack::{Noises, Table};
-use crate::simd::{InstructionSet, active};
 
 /// Part of a sum of squares that arithmetic leaves behind.
 const ROUNDING: f64 = 1e-12;
@@ -39,36 +38,6 @@ pub(super) struct System {
     half: Vec<Lane>,
     solved: Vec<Lane>,
     unit: Vec<Lane>,
-}
-
-/// Makes a method run with the widest registers that this machine has.
-macro_rules! on_widest {
-    ($(#[$doc:meta])* $name:ident $wide:ident $wider:ident $inner:ident ($($given:ident: $type:ty),*) -> $made:ty) => {
-        $(#[$doc])*
-        pub fn $name(&mut self, $($given: $type),*) -> $made {
-            match active() {
-                #[cfg(target_arch = "x86_64")]
-                // SAFETY: the instruction set is available.
-                InstructionSet::Avx512 => unsafe { self.$wider($($given),*) },
-                #[cfg(target_arch = "x86_64")]
-                // SAFETY: as above.
-                InstructionSet::Avx2 => unsafe { self.$wide($($given),*) },
-                _ => self.$inner($($given),*),
-            }
-        }
-
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx2")]
-        unsafe fn $wide(&mut self, $($given: $type),*) -> $made {
-            self.$inner($($given),*)
-        }
-
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
-        unsafe fn $wider(&mut self, $($given: $type),*) -> $made {
-            self.$inner($($given),*)
-        }
-    };
 }
 
 impl System {
@@ -157,7 +126,7 @@ impl System {
         let floor = (Lane::all(ROUNDING) * square).max(degrees * Lane::all(self.finest));
         let left = (square - self.explained()).max(floor);
         Part {
-            score: Lane::all(-0.5) * (degrees * left.map(f64::ln) + self.log_determinant_ratio()),
+            score: Lane::all(-0.5) * (degrees * left.ln() + self.log_determinant_ratio()),
             variance: left / degrees,
         }
     }
@@ -198,7 +167,7 @@ impl System {
                 let pivot = self.lower[i * self.order + i];
                 product = product * (pivot * pivot / precision);
             }
-            sum = sum + product.map(f64::ln);
+            sum = sum + product.ln();
         }
         sum
     }
@@ -221,15 +190,10 @@ impl System {
 
     #[inline(always)]
     fn inverted(&mut self, into: &mut Vec<Lane>) {
-        let order = self.order;
         into.clear();
-        into.resize(order * order, Lane::all(0.0));
-        for column in 0..order {
-            let line = &mut into[column * order..(column + 1) * order];
-            line[column] = Lane::all(1.0);
-            forward(&self.lower, order, line, column);
-            backward(&self.lower, order, line);
-        }
+        into.resize(self.order * self.order, Lane::all(0.0));
+        self.unit.resize(self.order * self.order, Lane::all(0.0));
+        invert(&self.lower, self.order, &mut self.unit, into);
         into.reverse(); // the last coefficient came first, in lines and columns
     }
 }

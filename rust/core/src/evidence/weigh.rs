@@ -8,6 +8,7 @@
 
 use super::hypothesis::Layout;
 use super::lanes::{LANES, Lane};
+use super::moments::Moments;
 use super::stack::{Noises, Table};
 use super::system::{Bounds, System};
 
@@ -231,10 +232,11 @@ impl Scales {
                 self.part(&least_of, order, combination, order);
                 self.system.coefficients(&[], &mut self.variances);
                 self.system.inverse(&mut self.inverse);
+                let mut share = Lane::all(0.0);
                 for lane in (0..count).filter(|&lane| score.0[lane] > least) {
-                    let share = (score.0[lane] - result.log_evidence).exp();
-                    sums.add(share, variance.0[lane], lane, &self.system, &self.inverse);
+                    share.0[lane] = (score.0[lane] - result.log_evidence).exp();
                 }
+                sums.add(&share, &variance, &self.system, &self.inverse);
             }
         }
         sums.into(result);
@@ -273,61 +275,6 @@ fn changed(layout: &Layout, mut combination: usize) -> usize {
         combination /= WIDTHS.len();
     }
     columns
-}
-
-/// Sums over parts, by their shares; coefficients count from those of the first part.
-struct Moments {
-    share: f64,
-    variance: f64,
-    origin: Vec<f64>,
-    mean: Vec<f64>,
-    square: Vec<f64>,
-}
-
-impl Moments {
-    fn new(order: usize) -> Self {
-        Self {
-            share: 0.0,
-            variance: 0.0,
-            origin: Vec::new(),
-            mean: vec![0.0; order],
-            square: vec![0.0; order * order],
-        }
-    }
-
-    fn add(&mut self, share: f64, variance: f64, lane: usize, system: &System, inverse: &[Lane]) {
-        let order = self.mean.len();
-        if self.origin.is_empty() {
-            self.origin
-                .extend((0..order).map(|i| system.coefficient(i).0[lane]));
-        }
-        self.share += share;
-        self.variance += share * variance;
-        for i in 0..order {
-            let off = system.coefficient(i).0[lane] - self.origin[i];
-            self.mean[i] += share * off;
-            for j in 0..order {
-                let spread = off * (system.coefficient(j).0[lane] - self.origin[j]);
-                self.square[i * order + j] +=
-                    share * (variance * inverse[i * order + j].0[lane] + spread);
-            }
-        }
-    }
-
-    fn into(self, result: &mut Weighed) {
-        let (order, share) = (self.mean.len(), self.share);
-        let off: Vec<f64> = self.mean.iter().map(|sum| sum / share).collect();
-        result.variance = self.variance / share;
-        result.mean = self
-            .origin
-            .iter()
-            .zip(&off)
-            .map(|(origin, off)| origin + off)
-            .collect();
-        result.covariance = (0..order * order)
-            .map(|at| self.square[at] / share - off[at / order] * off[at % order])
-            .collect();
-    }
 }
 
 /// `ln(sum(exp(x)))`.
