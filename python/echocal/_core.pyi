@@ -84,6 +84,7 @@ def posterior(
     forms: list[_Form],
     causes: list[float],
     shape: float,
+    hopeless: float,
 ) -> tuple[list[tuple[list[int], float, _Weighed]], list[bool], int]: ...
 
 @final

@@ -86,6 +86,8 @@ class Stack:
 
     def only(self, noises: NDArray[np.bool_]) -> "Stack":
         """Keep some noises."""
+        if noises.all():
+            return self
         kept = tuple(noise for noise, keep in zip(self.noises, noises, strict=True) if keep)
         return Stack(self.products[noises], self.log_weight[noises], self.degrees, kept)
 

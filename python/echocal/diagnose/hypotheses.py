@@ -10,12 +10,18 @@ from echocal.diagnose.candidates import UNKNOWN, Candidates
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, form
 from echocal.diagnose.noise import FINEST
 
-__all__ = ["PRIOR", "posterior", "preferred", "set_prior"]
+__all__ = ["HOPELESS", "PRIOR", "posterior", "preferred", "set_prior"]
 
 PRIOR = {"nothing": 0.44, "one": 0.45, "two": 0.1, "three": 0.01, UNKNOWN: 0.05}
 """Probability of no to three causes; and, independently, of a shape without a cause, the last resort.
 
 Each cause beyond three is as rare beside the last as the third is beside the second.
+"""
+
+HOPELESS = 25.0
+"""Log odds against the most probable hypothesis beyond which one is left out, and no set made of it.
+
+None is told whose odds are beyond 14; but one beyond may lead to a larger set that is.
 """
 
 _UNDECIDED = 1.5  # log odds between two forms of a cause below which neither is better
@@ -42,6 +48,7 @@ def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
         forms,
         counts,
         PRIOR[UNKNOWN],
+        HOPELESS,
     )
     weighed = [
         Weighed(Hypothesis(tuple(found.variants[i] for i in chosen), prior), *result)

@@ -179,10 +179,15 @@ pub fn posterior<'py>(
     forms: Vec<Form>,
     causes: [f64; 4],
     shape: f64,
+    hopeless: f64,
 ) -> PyResult<(Vec<(Vec<usize>, f64, Result<'py>)>, Vec<bool>, usize)> {
     let stack = stack(&products, &log_weight, degrees, finest)?;
     let variants = variants(forms, stack.width)?;
-    let prior = Prior { causes, shape };
+    let prior = Prior {
+        causes,
+        shape,
+        hopeless,
+    };
     let threads = available_threads();
     let (outcomes, noises, systems) =
         py.detach(|| evidence::posterior(&stack, &variants, &prior, threads));

@@ -96,16 +96,34 @@ macro_rules! lane_by_lane {
 
 lane_by_lane!(Add add +, Sub sub -, Mul mul *, Div div /);
 
+/// `from - a b`, in four sums at once: one alone would wait for itself.
+#[inline(always)]
+pub(super) fn less(from: Lane, a: &[Lane], b: &[Lane]) -> Lane {
+    let mut sums = [Lane::all(0.0); 4];
+    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let mut rest = from;
+    for (a, b) in a.remainder().iter().zip(b.remainder()) {
+        rest = rest - *a * *b;
+    }
+    if a.len() == 0 {
+        return rest;
+    }
+    for (a, b) in a.zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum = *sum + *a * *b;
+        }
+    }
+    rest - ((sums[0] + sums[1]) + (sums[2] + sums[3]))
+}
+
 /// Lower triangle of matrices of `order`, row by row, factored in place from a row on, where those
 /// before are factored already; see [`super::cholesky::factor`].
 #[inline(always)]
 pub(super) fn factor(matrix: &mut [Lane], order: usize, added: &[Lane], from: usize) {
     for i in from..order {
         for j in 0..=i {
-            let mut sum = matrix[i * order + j];
-            for k in 0..j {
-                sum = sum - matrix[i * order + k] * matrix[j * order + k];
-            }
+            let (own, other) = (&matrix[i * order..][..j], &matrix[j * order..][..j]);
+            let sum = less(matrix[i * order + j], own, other);
             matrix[i * order + j] = if i == j {
                 sum.max(added[i]).sqrt()
             } else {

@@ -15,6 +15,8 @@ pub struct Prior {
     pub causes: [f64; 4],
     /// Of a shape without a cause, independently.
     pub shape: f64,
+    /// Log odds against the most probable hypothesis beyond which one is left out.
+    pub hopeless: f64,
 }
 
 impl Prior {
@@ -51,8 +53,6 @@ const MOST: usize = 6;
 const BESIDE: usize = 8;
 /// Log odds between two forms of the same causes below which neither is better.
 const UNDECIDED: f64 = 1.5;
-/// Log odds against the most probable hypothesis beyond which one is left out.
-const HOPELESS: f64 = 25.0;
 /// Log odds beyond which a hypothesis is not reported: a probability below one in a million.
 const NEGLIGIBLE: f64 = 14.0;
 
@@ -296,33 +296,50 @@ impl Search<'_> {
     fn weigh(&self, candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
         let mut candidates = self.scored(candidates, Some(best));
         let best = best.max(top(&candidates));
-        candidates.retain(|c| c.score > best - HOPELESS);
+        candidates.retain(|c| c.score > best - self.prior.hopeless);
         candidates
     }
 
-    /// Scores, minus infinity where one is hopeless beside the best so far; without one, all of them.
+    /// Scores all candidates; where there is a best score so far, those alone that are not hopeless
+    /// beside it: a quick look bounds each, and the most promising is scored before the others.
     pub(super) fn scored(
         &self,
         mut candidates: Vec<Candidate>,
         best: Option<f64>,
     ) -> Vec<Candidate> {
-        let scores = each_of(&candidates, self.threads, || {
-            let (mut scales, mut layout) = (Scales::default(), Layout::default());
-            let mut best = best;
-            move |candidate: &Candidate| {
-                layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
-                let prior = candidate.prior.ln();
-                let prune = best.filter(|_| !candidate.variants.is_empty());
-                let least = prune.map_or(f64::NEG_INFINITY, |best| best - HOPELESS - prior);
-                let score = scales.log_evidence(self.table, &layout, least) + prior;
-                best = best.map(|best| best.max(score));
-                score
+        if let Some(best) = best {
+            let bounds = self.each(&candidates, Scales::bound);
+            for (candidate, bound) in candidates.iter_mut().zip(bounds) {
+                candidate.score = bound;
             }
-        });
+            candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+            let first = &candidates[..candidates.len().min(1)];
+            let best = self
+                .each(first, Scales::log_evidence)
+                .into_iter()
+                .fold(best, f64::max);
+            candidates.retain(|c| c.score > best - self.prior.hopeless);
+        }
+        let scores = self.each(&candidates, Scales::log_evidence);
         for (candidate, score) in candidates.iter_mut().zip(scores) {
             candidate.score = score;
         }
         candidates
+    }
+
+    /// Log evidence, or a bound on it, of each candidate, its prior included.
+    fn each(
+        &self,
+        candidates: &[Candidate],
+        evidence: fn(&mut Scales, &Table, &Layout) -> f64,
+    ) -> Vec<f64> {
+        each_of(candidates, self.threads, || {
+            let (mut scales, mut layout) = (Scales::default(), Layout::default());
+            move |candidate: &Candidate| {
+                layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
+                evidence(&mut scales, self.table, &layout) + candidate.prior.ln()
+            }
+        })
     }
 
     fn outcomes(&self, mut found: Vec<Candidate>) -> Vec<Outcome> {

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::hypothesis::Layout;
-use super::lanes::{LANES, Lane, backward, factor, forward, invert, on_widest};
+use super::lanes::{LANES, Lane, backward, factor, forward, invert, less, on_widest};
 use super::normal::between;
 use super::stack::{Noises, Table};
 
@@ -60,32 +60,30 @@ impl System {
         inverse inverse_avx2 inverse_avx512 inverted (into: &mut Vec<Lane>) -> ()
     }
 
-    /// Takes the products of some noises.
-    pub fn take(&mut self, table: &Table, layout: &Layout, noises: &Noises) {
-        let last = table.width - 1;
-        let rest = |column: usize| {
-            let taken = layout.offsets.iter().fold(Lane::all(0.0), |sum, &offset| {
-                sum + table.some(column, offset, noises)
-            });
-            table.some(column, last, noises) - taken
-        };
-        self.order = layout.free.len();
+    on_widest! {
+        /// Takes the products of some noises.
+        take take_avx2 take_avx512 taken (table: &Table, layout: &Layout, noises: &Noises) -> ()
+    }
+
+    #[inline(always)]
+    fn taken(&mut self, table: &Table, layout: &Layout, noises: &Noises) {
+        let (order, last) = (layout.free.len(), table.width - 1);
+        self.order = order;
         (self.degrees, self.finest) = (table.degrees, table.finest);
-        let backward = || layout.free.iter().rev();
-        self.along.clear();
-        self.along.extend(backward().map(|&column| rest(column)));
-        self.among.clear();
-        for (i, &row) in backward().enumerate() {
+        self.along.resize(order, Lane::all(0.0));
+        self.among.resize(order * order, Lane::all(0.0));
+        for (i, &row) in layout.free.iter().rev().enumerate() {
+            self.along[i] = rest(table, layout, noises, row);
             // only the lower triangle is read
-            let line = backward().take(i + 1);
-            self.among
-                .extend(line.map(|&column| table.some(row, column, noises)));
-            self.among.resize((i + 1) * self.order, Lane::all(0.0));
+            for (j, &column) in layout.free.iter().rev().take(i + 1).enumerate() {
+                self.among[i * order + j] = table.some(row, column, noises);
+            }
         }
-        let offsets = layout.offsets.iter();
-        let taken = offsets.fold(Lane::all(0.0), |sum, &offset| sum + rest(offset));
-        let least = Lane::all(table.degrees * table.finest);
-        self.square = Some((rest(last) - taken).max(least));
+        let mut square = rest(table, layout, noises, last);
+        for &offset in &layout.offsets {
+            square = square - rest(table, layout, noises, offset);
+        }
+        self.square = Some(square.max(Lane::all(table.degrees * table.finest)));
     }
 
     /// A coefficient that was found.
@@ -144,10 +142,11 @@ impl System {
         }
         factor(&mut self.lower, order, &self.precision, from);
         for i in from..order {
-            let mut sum = self.along[i];
-            for k in 0..i {
-                sum = sum - self.lower[i * order + k] * self.half[k];
-            }
+            let sum = less(
+                self.along[i],
+                &self.lower[i * order..][..i],
+                &self.half[..i],
+            );
             self.half[i] = sum / self.lower[i * order + i];
         }
     }
@@ -196,6 +195,16 @@ impl System {
         invert(&self.lower, self.order, &mut self.unit, into);
         into.reverse(); // the last coefficient came first, in lines and columns
     }
+}
+
+/// Product of a column with what the fixed columns leave of the last one.
+#[inline(always)]
+fn rest(table: &Table, layout: &Layout, noises: &Noises, column: usize) -> Lane {
+    let mut rest = table.some(column, table.width - 1, noises);
+    for &offset in &layout.offsets {
+        rest = rest - table.some(column, offset, noises);
+    }
+    rest
 }
 
 /// Bounds of coefficients that cut off part of a prior.

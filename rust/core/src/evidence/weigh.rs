@@ -64,14 +64,16 @@ impl Scales {
         }
     }
 
-    /// Log evidence alone; minus infinity where it cannot reach `least`.
-    pub(super) fn log_evidence(&mut self, table: &Table, layout: &Layout, least: f64) -> f64 {
+    /// What the log evidence is at most.
+    pub(super) fn bound(&mut self, table: &Table, layout: &Layout) -> f64 {
         self.look(table, layout);
         let most = NARROWER * layout.free.len() as f64;
-        let noises = (table.noises() as f64).ln();
-        if self.best_look() + most + noises < least {
-            return f64::NEG_INFINITY;
-        }
+        log_sum(self.scores.iter().copied()) + most
+    }
+
+    /// Log evidence alone.
+    pub(super) fn log_evidence(&mut self, table: &Table, layout: &Layout) -> f64 {
+        self.look(table, layout);
         self.race(BEHIND);
         if layout.free.is_empty() {
             return log_sum(self.race.iter().map(|&noise| self.scores[noise]));
