@@ -1,5 +1,6 @@
 //! Mean and covariance over the parts of a mixture, several noises at a time.
 #![allow(unsafe_code)]
+#![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::lanes::{Lane, on_widest};
 use super::system::System;
