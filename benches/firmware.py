@@ -30,6 +30,7 @@ OURS = [  # core, target, what is saved, options, bound [m]
     ("avr", "avr", "size", "-Os", 0.1e-3),
     ("avr", "avr", "size", "-Os", 0.06e-3),
     ("avr", "avr", "speed", "-Os", 0.5e-3),
+    ("avr", "avr", "speed", "-Os", 0.06e-3),
     ("avr", "c99", "size", "-Os", 0.1e-3),
     ("cortex-m0", "cortex-m0", "size", "-Os", 0.1e-3),
     ("cortex-m3", "cortex-m3", "size", "-Os", 0.1e-3),

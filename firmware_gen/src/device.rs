@@ -80,11 +80,7 @@ impl Axis {
         let (start, end) = if lsb > 0.0 { (low, high) } else { (high, low) };
         let first = ((start - zero) / lsb - SLACK).ceil() + 0.0; // no -0 in a message
         let last = ((end - zero) / lsb + SLACK).floor();
-        let ty = if first >= 0.0 && last > 32_767.0 {
-            IntegerType::U16
-        } else {
-            IntegerType::I16
-        };
+        let ty = holding(first, last);
         let held = ty.range();
         if first < held.minimum as f64 || last > held.maximum as f64 {
             return Err(Error::Codes(format!(
@@ -176,6 +172,15 @@ impl Axis {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
+    }
+}
+
+/// The type of codes: signed, unless they need the unsigned one.
+fn holding(first: f64, last: f64) -> IntegerType {
+    if first >= 0.0 && last > 32_767.0 {
+        IntegerType::U16
+    } else {
+        IntegerType::I16
     }
 }
 

@@ -246,10 +246,10 @@ def generate(
     2001627
     """
     model.refuse_shape("firmware")
-    codes = temperature if isinstance(temperature, TemperatureCodes) else TemperatureCodes(*temperature)
-    if codes.low < _ABSOLUTE_ZERO:
-        message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
+    if measure and package == "micropython":
+        message = "measure compiles C, and the package micropython holds none: measure another package"
         raise UsageError(message)
+    codes = _warm(temperature)
     damp = HumidityCodes(*humidity) if isinstance(humidity, tuple) else humidity
     if damp is not None and "relative_humidity" in (assume or {}):
         message = "relative_humidity is measured: it cannot be assumed as well"
@@ -272,9 +272,6 @@ def generate(
         "assumed": air,
         "model_hash": model.hash,
     }
-    if measure and package == "micropython":
-        message = "measure compiles C, and the package micropython holds none: measure another package"
-        raise UsageError(message)
     wish["command"] = _command(wish, model_name, assume or {}) + (" --measure" if measure else "")
     try:
         core = _core.design_firmware(model._core, wish, progress)
@@ -282,17 +279,32 @@ def generate(
         cost = _cost(_firmware(error.best, []), target, measure=measure)
         message = f"{error}; that function takes {cost}"
         raise BoundError(message) from None
-    damps = (air[1],) if damp is None else (damp.low, damp.high)
-    for end, wet in itertools.product((codes.low, codes.high), dict.fromkeys(damps)):  # limits are monotone
-        where = "in the assumed air" if damp is None else f"and relative humidity {wet:g}"
-        outside = describe(model.law, [end, wet, *air[2:4], 0.0], f"outside at {end:g} degC {where}")
-        if outside:
-            warnings.warn(outside, DomainWarning, stacklevel=2)
+    _warn_outside(model, codes, damp, air)
     made = _firmware(core, [])
     if not measure:
         return made
     found = [silicon.measure(made, name) for name in silicon.cores_of(target)]
     return _firmware(core, [one.to_dict() for one in found if one is not None])
+
+
+def _warm(wish: TemperatureCodes | tuple[float, float, float]) -> TemperatureCodes:
+    codes = wish if isinstance(wish, TemperatureCodes) else TemperatureCodes(*wish)
+    if codes.low < _ABSOLUTE_ZERO:
+        message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
+        raise UsageError(message)
+    return codes
+
+
+def _warn_outside(
+    model: Model, codes: TemperatureCodes, damp: HumidityCodes | None, air: list[float]
+) -> None:
+    """Warn where a corner of the codes lies outside the domain of the law; its limits are monotone."""
+    damps = (air[1],) if damp is None else (damp.low, damp.high)
+    for end, wet in itertools.product((codes.low, codes.high), dict.fromkeys(damps)):
+        where = "in the assumed air" if damp is None else f"and relative humidity {wet:g}"
+        outside = describe(model.law, [end, wet, *air[2:4], 0.0], f"outside at {end:g} degC {where}")
+        if outside:
+            warnings.warn(outside, DomainWarning, stacklevel=3)
 
 
 def _firmware(core: _core.Firmware, measured: list[dict[str, Any]]) -> Firmware:

@@ -46,37 +46,18 @@ pub fn lower(
     let mut kept = base.clone();
     // At neutral parameters an effect does nothing, whatever it needs.
     for term in model.terms().iter().filter(|term| !is_neutral(term)) {
-        let Some((quantity, reason)) = lacking(term, &base.measured) else {
+        let Some(lack) = lacking(term, &base.measured) else {
             kept.extend(term)?;
             continue;
         };
-        let effect = Some(term.facts().id);
-        let unknown = base.unknown(term);
-        let assumed = quantity
-            .filter(|_| unknown.is_empty())
-            .map(|quantity| frozen.get(quantity));
-        let mut alone = base.clone();
-        alone.extend(term)?;
-        let settled = if assumed.is_some() {
-            &alone.model
-        } else {
-            &base.model
-        };
-        let left = alone.spread(settled, device, (quantity, &unknown), distance);
-        if assumed.is_some() {
+        let omission = base.omission(term, lack, device, distance)?;
+        if omission.assumed.is_some() {
             kept.extend(term)?;
         }
-        let omission = Omission {
-            effect,
-            quantity,
-            assumed,
-            reason,
-            left,
-        };
-        if left == 0.0 {
+        if omission.left == 0.0 {
             continue; // at neutral parameters nothing is lost
         }
-        if !accepted.iter().any(|id| Some(id.as_str()) == effect) {
+        if !accepted.iter().any(|id| id == term.facts().id) {
             return Err(Error::Refused(Box::new(omission)));
         }
         kept.omissions.push(omission);
@@ -99,8 +80,11 @@ fn measured(device: &Device) -> Result<Vec<Quantity>, Error> {
     device.conditions.iter().map(find).collect()
 }
 
-/// What keeps an effect off the device: the quantity that it needs, or the reason that it gives.
-fn lacking(term: &Term, measured: &[Quantity]) -> Option<(Option<Quantity>, Option<&'static str>)> {
+/// The quantity that an effect needs, or the reason that it gives.
+type Lack = (Option<Quantity>, Option<&'static str>);
+
+/// What keeps an effect off the device.
+fn lacking(term: &Term, measured: &[Quantity]) -> Option<Lack> {
     match term.facts().firmware {
         Firmware::Folded => None,
         Firmware::Needs(quantity) if measured.contains(&quantity) => None,
@@ -137,6 +121,34 @@ impl Lowered {
         let pairs = self.measured.iter().zip(values);
         pairs.fold(self.frozen, |at, (quantity, value)| {
             at.with(*quantity, *value)
+        })
+    }
+
+    /// What leaving out an effect, or assuming what it needs, costs beside this model without it.
+    fn omission(
+        &self,
+        term: &Term,
+        (quantity, reason): Lack,
+        device: &Device,
+        distance: f64,
+    ) -> Result<Omission, Error> {
+        let unknown = self.unknown(term);
+        let assumed = quantity
+            .filter(|_| unknown.is_empty())
+            .map(|quantity| self.frozen.get(quantity));
+        let mut alone = self.clone();
+        alone.extend(term)?;
+        let settled = if assumed.is_some() {
+            &alone.model
+        } else {
+            &self.model
+        };
+        Ok(Omission {
+            effect: Some(term.facts().id),
+            quantity,
+            assumed,
+            reason,
+            left: alone.spread(settled, device, (quantity, &unknown), distance),
         })
     }
 

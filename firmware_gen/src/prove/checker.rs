@@ -42,16 +42,21 @@ impl<'a> Checker<'a> {
         })
     }
 
+    /// Fill `truth` with what the model gives for a row \[unit\].
+    fn look_up(&mut self, row: usize) {
+        let Claim {
+            device, reference, ..
+        } = self.claim;
+        reference.distances(&device.values(row), &self.times, &mut self.truth);
+        let scale = |truth: &mut f64| *truth *= device.output.per_meter;
+        self.truth.iter_mut().for_each(scale);
+    }
+
     pub(super) fn row(&mut self, row: usize) -> Result<Row, Error> {
         let device = self.claim.device;
         let fault = |echo: i64, what: &str| format!("{what} {}", place(device, row, echo));
         let overflow = |overflow: Overflow| Error::Proof(fault(0, &format!("{overflow}, near")));
-        let values = device.values(row);
-        self.claim
-            .reference
-            .distances(&values, &self.times, &mut self.truth);
-        let per_meter = device.output.per_meter;
-        self.truth.iter_mut().for_each(|truth| *truth *= per_meter);
+        self.look_up(row);
         let codes = device.codes(row);
         let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
         let straight = Straight::of(self.program, &codes, ends).map_err(overflow)?;
@@ -59,7 +64,7 @@ impl<'a> Checker<'a> {
             self.block.set_conditions(&codes).map_err(overflow)?;
         }
         let mut lanes = [0_i32; LANES];
-        let mut result = Row::new(row, self.claim.maximum_distance * per_meter);
+        let mut result = Row::new(row, self.claim.maximum_distance * device.output.per_meter);
         let mut before = i32::MIN;
         for (index, truth) in self.truth.chunks(LANES).enumerate() {
             let first = ends.0 + (index * LANES) as i64;

@@ -89,15 +89,7 @@ fn count(program: &Program, node: &Node, counts: &mut Features) {
     let mut add = |kind: usize, times: u32| counts[kind] += times;
     match node.operation {
         Operation::Input(_) => {}
-        Operation::Constant(constant) => add(
-            match constant.unsigned_abs() {
-                0..256 => const { kind("constants below 256") },
-                256..2048 => const { kind("constants below 2048") },
-                2048..65_536 => const { kind("constants below 65536") },
-                _ => const { kind("larger constants") },
-            },
-            1,
-        ),
+        Operation::Constant(constant) => add(size(constant), 1),
         Operation::Add(..) | Operation::Subtract(..) => add(
             match bits {
                 ..=16 => const { kind("sums of 8 or 16 bits") },
@@ -124,6 +116,15 @@ fn count(program: &Program, node: &Node, counts: &mut Features) {
         },
         Operation::LowBits(..) => add(const { kind("remainders") }, 1),
         Operation::Load(..) => add(const { kind("loads") }, 1),
+    }
+}
+
+fn size(constant: i64) -> usize {
+    match constant.unsigned_abs() {
+        0..256 => const { kind("constants below 256") },
+        256..2048 => const { kind("constants below 2048") },
+        2048..65_536 => const { kind("constants below 65536") },
+        _ => const { kind("larger constants") },
     }
 }
 

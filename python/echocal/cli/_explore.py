@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from echocal.errors import UsageError
@@ -53,7 +54,9 @@ def _table(choices: list[Choice]) -> Table:
     return table
 
 
-def show(console: Console, table: Table, out: Path) -> None:
-    """Print the table and where the files are."""
+def show(console: Console, table: Table, notes: list[str], out: Path) -> None:
+    """Print the table, what is to be known of it, and where the files are."""
     console.print(table)
+    for note in notes:
+        console.print(f"[yellow]note[/] {escape(note)}")
     console.print(f"written [cyan]{out / 'choices.json'}[/], [cyan]{out / 'choices.png'}[/]")

@@ -66,24 +66,13 @@ def command(
         raise UsageError(message)
     low, high = _range("--temperature-range", temperature_range, "-20:60")
     damp = _damp(humidity_lsb, humidity_range, humidity_zero)
-    bar = Progress(
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        console=console,
-        transient=True,
-    )
+    bar = _bar(console)
     with warnings.catch_warnings(record=True) as warned, bar as progress:
         warnings.simplefilter("always", DomainWarning)
         task = progress.add_task("designing", total=None)
-        codes = {
+        request: dict[str, Any] = {
             "temperature": TemperatureCodes(temperature_lsb, low, high, temperature_zero),
             "humidity": damp,
-        }
-        request: dict[str, Any] = {
-            **codes,
             "echo": echo_max_us if echo_lsb_us == 1.0 else EchoCodes(echo_lsb_us, echo_max_us),
             "output_unit": output_unit,
             "max_error": max_error_mm * 1e-3,
@@ -111,20 +100,35 @@ def command(
                 progress=lambda form, checked, total: tell(f"proving: {form}", checked, total),
                 **request,
             )
+    notes = [*dict.fromkeys(str(warning.message) for warning in warned)]
     if explore:
-        if json is not None:
-            sys.stdout.write(text) if json == "-" else _write(Path(json), text)
-        _explore.show(console, table, out)
+        _pass_on(json, text)
+        _explore.show(console, table, notes, out)
         return
-    notes = [str(warning.message) for warning in warned]
     absent = {core: silicon.missing(core) for core in silicon.cores_of(target)} if measure else {}
     notes += [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]
     files = made.save(out)
-    if json == "-":
-        sys.stdout.write(made.files["report.json"])
-    elif json is not None:
-        _write(Path(json), made.files["report.json"])
+    _pass_on(json, made.files["report.json"])
     console.print(_summary(made, files, notes))
+
+
+def _bar(console: Console) -> Progress:
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+    )
+    return Progress(*columns, console=console, transient=True)
+
+
+def _pass_on(json: str | None, text: str) -> None:
+    """Write JSON where ``--json`` wants it."""
+    if json == "-":
+        sys.stdout.write(text)
+    elif json is not None:
+        _write(Path(json), text)
 
 
 def _write(path: Path, text: str) -> None:

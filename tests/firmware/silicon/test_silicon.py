@@ -20,8 +20,9 @@ CEILINGS = {
     ("avr", "avr", "size", "-Os"): {"5": Cost(112, 82, 0, 4, 115)},
     ("avr", "avr", "size", "-O2"): {"5": Cost(112, 82, 0, 4, 115)},
     ("avr", "avr", "accurate", "-Os"): {"5": Cost(118, 88, 0, 4, 128)},
+    ("avr", "avr", "accurate and fast", "-Os"): {"5": Cost(120, 90, 0, 4, 97)},
     ("avr", "avr", "speed", "-Os"): {"5": Cost(148, 118, 0, 4, 83)},
-    ("avr", "c99", "size", "-Os"): {"5": Cost(154, 124, 0, 6, 317)},
+    ("avr", "c99", "size", "-Os"): {"5": Cost(118, 88, 0, 4, 96)},
     ("cortex-m0", "cortex-m0", "size", "-Os"): {"12": Cost(64, 64, 0, 0, 22)},
     ("cortex-m3", "cortex-m3", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
     ("cortex-m4f", "cortex-m4f", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
@@ -31,6 +32,7 @@ CEILINGS = {
 WISHES = {
     "size": ("size", 0.1e-3),
     "accurate": ("size", 0.06e-3),
+    "accurate and fast": ("speed", 0.06e-3),
     "speed": ("speed", 0.5e-3),
 }
 
