@@ -187,3 +187,9 @@ def test_what_belongs_to_one_campaign_is_told_and_left_out(run: Run) -> None:
     _, _, told = run(*words[:-1], "lasting.csv", "--transferable")
     assert "step_change" not in told
     assert pd.read_csv("lasting.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 1.0])
+
+
+def test_a_misspelled_command_names_the_nearest(run: Run) -> None:
+    code, _, said = run("diagnoze", str(EXAMPLE))
+    assert code == 2
+    assert "no command 'diagnoze'; did you mean 'diagnose'?" in said

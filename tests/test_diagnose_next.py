@@ -1,10 +1,16 @@
 """What to measure next, and predicting with everything that is possible."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
+from echocal import Model
+from echocal.diagnose.average import Member
+from echocal.diagnose.design import Prospect, best_plan
+from echocal.diagnose.noise import Noise
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
 
@@ -53,13 +59,28 @@ def test_without_another_distance_less_can_be_told(open_case: echocal.Diagnosis)
         ({"distance": (4.0, 0.2)}, "lower one first"),
         ({"distance": (0.0, 2.0)}, "give a positive one"),
         ({"temperature": (1.0,)}, "two ends"),
+        ({"temperature": 3.0}, "two ends"),
+        ({"temperature": ("a", "b")}, "two ends"),
+        ({"temperature": (-400.0, 5.0)}, "a table holds -95 to 100"),
+        ({"distance": (0.2, 400.0)}, "a table holds 0 to 100"),
         ({"temperature": (1.0, float("nan"))}, "two ends"),
     ],
 )
-def test_bad_ranges(ranges: dict[str, tuple[float, ...]], words: str) -> None:
+def test_bad_ranges(ranges: dict[str, Any], words: str) -> None:
     data = {"temperature_C": np.linspace(0, 50, 26), "reading_m": np.full(26, 2.0)}
     with pytest.raises(echocal.UsageError, match=words):
         echocal.diagnose(data, reference_distance=2.0, can_vary=ranges)
+
+
+def test_a_prospect_without_noise_can_be_planned() -> None:
+    members = [
+        Member(tuple(effects), 0.5, Model("linear", effects))
+        for effects in ({}, {"zero_error": {"offset": 1e-3}})
+    ]
+    at = {"distance": np.array([0.3, 1.0, 3.0]), "temperature": np.full(3, 20.0)}
+    still = Noise(0.0, 0.0, 0.0, 1.0)
+    prospect = Prospect.of(members, at, still, 0.0, True, np.empty(0))
+    assert best_plan(prospect, np.array([0.5, 0.5]), 10, 0).expected > 0.5
 
 
 def test_the_average_warns_where_causes_part(open_case: echocal.Diagnosis) -> None:

@@ -35,6 +35,33 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         ModelError,
         "law '0' is a speed of 0 m/s; give a positive",
     ),
+    "no law": (lambda: Model(None), ModelError, "the law is None; give a name"),  # type: ignore[arg-type]
+    "a parameter in words": (
+        lambda: Model("linear", {"fixed_delay": {"delay": "long"}}),  # type: ignore[dict-item]
+        ModelError,
+        "fixed_delay.delay is 'long'; give a number",
+    ),
+    "no base": (lambda: echocal.diagnose(TABLE, base=None), ModelError, "the law is None"),  # type: ignore[arg-type]
+    "a reference that is no number": (
+        lambda: echocal.diagnose(TABLE, reference_distance=float("nan")),
+        UsageError,
+        "reference distance is nan m; give 0 < distance <= 100",
+    ),
+    "several references": (
+        lambda: echocal.diagnose(TABLE, reference_distance=[2.0]),  # type: ignore[arg-type]
+        UsageError,
+        r"reference distance is \[2.0\] m",
+    ),
+    "columns as a list": (
+        lambda: echocal.read_observations(TABLE, columns=["reading_m"]),  # type: ignore[arg-type]
+        UsageError,
+        "columns map names to what they hold",
+    ),
+    "what can vary as a list": (
+        lambda: echocal.diagnose(TABLE, can_vary=["distance"]),  # type: ignore[arg-type]
+        UsageError,
+        "can_vary maps conditions to two ends",
+    ),
     "effects as a list": (lambda: Model("linear", ["humidity"]), ModelError, "effects map an id to its"),  # type: ignore[arg-type]
     "humidity of 50": (
         lambda: Model("linear", air={"relative_humidity": 50.0}),
@@ -130,6 +157,8 @@ def test_codes_of_the_twin_are_whole() -> None:
 
 
 def test_what_is_masked_was_not_measured() -> None:
+    speed = echocal.speed_of_sound(np.ma.array([20.0, 30.0], mask=[False, True]))
+    assert np.ma.getmaskarray(speed).tolist() == [False, True]
     distance = np.ma.array([1.0, 2.0], mask=[False, True])
     assert np.isnan(Model("linear").indicate(distance, temperature=20.0)).tolist() == [False, True]
     with pytest.warns(echocal.DataWarning, match="echo_us has no value in 1 row, first at row 2"):
@@ -161,6 +190,16 @@ def test_times_with_an_offset_bound_the_window() -> None:
         echocal.diagnose(table, since="now")
 
 
+def test_a_window_without_rows_is_refused() -> None:
+    time = np.datetime64("2024-01-01T00:00") + np.arange(9) * np.timedelta64(1, "h")
+    with pytest.raises(UsageError, match="the first time is the later one"):
+        echocal.diagnose({**TABLE, "time": time}, since="2024-01-03", until="2024-01-02")
+    with pytest.raises(
+        UsageError, match=r"no row lies in the time asked for \(2030-01-01 .. \); the table's: 2024"
+    ):
+        echocal.diagnose({**TABLE, "time": time}, since="2030-01-01")
+
+
 def test_data_without_noise_are_diagnosed() -> None:
     temperature = np.linspace(0.0, 40.0, 30)
     reading = 2.0 * 343.0 / (331.4 + 0.6 * temperature)
@@ -170,3 +209,8 @@ def test_data_without_noise_are_diagnosed() -> None:
         {"reading_m": np.full(30, 2.0), "temperature_C": temperature}, reference_distance=2.0
     )
     assert perfect.verdict == "nothing"
+
+
+def test_a_speed_as_a_number_is_a_base() -> None:
+    table = {name: np.resize(column, 40) for name, column in TABLE.items()}
+    assert echocal.diagnose(table, base=343).base == echocal.diagnose(table, base="343").base

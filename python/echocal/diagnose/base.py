@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -43,12 +44,12 @@ class Base:
     device_speed: float | None = None
 
     @classmethod
-    def of(cls, base: "str | Model") -> "Base":
+    def of(cls, base: "str | float | Model") -> "Base":
         """Read a law's name, an expression, a fixed speed or a model."""
         if isinstance(base, Model):
             base.refuse_shape("the base of a diagnosis")
             return cls(base.law, base.effects, base.air)
-        law = Model(base).law
+        law = Model(str(base) if isinstance(base, Real) and not isinstance(base, bool) else base).law  # type: ignore[arg-type]
         try:
             return cls("linear", {}, device_speed=float(law))
         except ValueError:

@@ -21,6 +21,7 @@ _BETTER = 0.01  # probability that a further place must add
 _MOST = 5  # places
 _SPREAD = 20  # places, evenly over the grid and its ends, that say whether members can be told apart
 _ROUNDS = 4  # of exchanging every place for a better one
+_LEAST = 1e-12  # m^2: 1 um, below what any sensor of this kind resolves; a column of constants has no noise
 _TAPE = 1e-3  # m, standard deviation of a new stand's distance: a tape errs by 0.5 to 2 mm (CATALOGUE)
 
 
@@ -75,6 +76,7 @@ class Prospect:
             spreads.append(none if covariance is None else tangents @ covariance @ tangents.T)
             slope = jacobian[:, 0]
         distance = conditions["distance"]
+        variance = max(variance, _LEAST)
         return cls(np.array(means), np.array(spreads), distance, slope, noise, variance, level_known, stands)
 
     def covariance(self, places: NDArray[np.int64], rows: Sequence[int]) -> Matrix:

@@ -18,7 +18,7 @@ from echocal.diagnose.level_steps import further_step
 from echocal.diagnose.progress import Progress, Steps
 from echocal.diagnose.ranges import checked_ranges
 from echocal.diagnose.result import Diagnosis
-from echocal.diagnose.scene import prepare
+from echocal.diagnose.scene import prepare, refuse_distance
 from echocal.diagnose.verdict import conclude
 from echocal.diagnose.window import between, held_out
 from echocal.errors import DataError, DomainWarning, EchocalError, UsageError
@@ -34,7 +34,7 @@ _MOST_STEPS = 6  # that the evidence finds beside those that anybody sees
 def diagnose(
     observations: Any,
     *,
-    base: str | Model = "linear",
+    base: str | float | Model = "linear",
     reference_distance: float | None = None,
     constant_distance: bool = False,
     columns: Mapping[str, str] | str | Path | None = None,
@@ -59,7 +59,7 @@ def diagnose(
     ----------
     observations : Observations, path, DataFrame, or mapping of str to array_like
         What is no `Observations` yet goes through `echocal.read_observations`.
-    base : str or Model
+    base : str, float or Model
         The base simulation: a law (``"linear"``), an expression, a fixed speed (``"343"``: a
         reading is taken for the distance), or a model.
     reference_distance : float, optional
@@ -113,6 +113,7 @@ def diagnose(
     """
     start = time.perf_counter()
     simulated = Base.of(base)
+    refuse_distance(reference_distance)
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         message = f"seed is {seed!r}; give an integer of 0 or more"
         raise UsageError(message)

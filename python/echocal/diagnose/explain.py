@@ -40,13 +40,18 @@ def lead(diagnosis: Diagnosis) -> str:
         return "Something is wrong, and the data leave open which of several causes it is"
     named = [c for c in diagnosis.causes if c.probability >= _NAMED and not c.doubt and c.id != _GUARD]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
-    others = [cause.id for cause in named if cause.kind != "effect"]
-    if not effects:
-        text = f"The data name, in single rows or in the scatter, {_listed(others)}; no cause of a shift"
-    elif others:
-        text = f"The data name {_listed(effects)}; and in single rows or in the scatter {_listed(others)}"
+    faults = [cause.id for cause in named if cause.kind == "gross"]
+    others = [cause.id for cause in named if cause.kind not in {"effect", "gross"}]
+    elsewhere = (("in the table itself", faults), ("in single rows or in the scatter", others))
+    said = [(place, _listed(ids)) for place, ids in elsewhere if ids]
+    if effects:
+        text = "; and ".join(
+            [f"The data name {_listed(effects)}", *(f"{place} {ids}" for place, ids in said)]
+        )
     else:
-        text = f"The data name {_listed(effects)}"
+        text = (
+            f"The data name, {'; and '.join(f'{place}, {ids}' for place, ids in said)}; no cause of a shift"
+        )
     return f"{text}; beside it something that no cause explains" if diagnosis.unexplained else text
 
 

@@ -3,11 +3,14 @@
 import math
 from collections.abc import Mapping, Sequence
 from itertools import product
+from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import UsageError
+from echocal.observations.units import FORMS
 
 __all__ = ["Ranges", "checked_ranges", "grid", "parsed_range"]
 
@@ -16,6 +19,10 @@ Column = NDArray[np.float64]
 
 _POINTS = {1: 9, 2: 7, 3: 4}
 """Levels of each condition, by how many vary; more vary at their ends alone."""
+
+_PHYSICAL = {form.quantity: form.physical for form in FORMS}
+_PHYSICAL["distance"] = _PHYSICAL["reference_distance"]
+"""What a table of measurements may hold."""
 
 _PRESENT = 3  # levels of the table that are tried too
 
@@ -35,6 +42,9 @@ def parsed_range(text: str) -> tuple[str, tuple[float, float]]:
 
 def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[str]) -> Ranges:
     """Refuse names that are not recorded and ranges that are none."""
+    if not isinstance(can_vary, Mapping):
+        message = f"can_vary maps conditions to two ends, {{'distance': (0.2, 4.0)}}; got {can_vary!r}"
+        raise UsageError(message)
     names = ["distance", *(name for name in recorded if name != "elapsed_time")]
     for name, ends in can_vary.items():
         if name not in names:
@@ -43,13 +53,22 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
                 "condition that nobody records separates nothing"
             )
             raise UsageError(message)
-        if len(ends) != 2 or not all(math.isfinite(end) for end in ends) or not ends[0] < ends[1]:
-            message = f"can_vary gives {name} the range {tuple(ends)}; give two ends, the lower one first"
+        if not _is_range(ends):
+            message = f"can_vary gives {name} the range {ends!r}; give two ends, the lower one first"
             raise UsageError(message)
         if name == "distance" and ends[0] <= 0:
             message = f"can_vary lets the distance begin at {ends[0]:g} m; give a positive one"
             raise UsageError(message)
+        low, high = _PHYSICAL.get(name, (-math.inf, math.inf))
+        if not low <= ends[0] < ends[1] <= high:
+            message = f"can_vary gives {name} the range {ends!r}; a table holds {low:g} to {high:g}"
+            raise UsageError(message)
     return {name: (float(low), float(high)) for name, (low, high) in can_vary.items()}
+
+
+def _is_range(ends: Any) -> bool:
+    pair = isinstance(ends, Sequence) and len(ends) == 2 and all(isinstance(end, Real) for end in ends)
+    return pair and all(math.isfinite(end) for end in ends) and ends[0] < ends[1]
 
 
 def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[str, Column]:

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from echocal.observations import Observations
 from echocal.observations.quantiles import median
 from echocal.observations.units import NAMES
 
-__all__ = ["Table", "prepare"]
+__all__ = ["Table", "prepare", "refuse_distance"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -135,12 +136,6 @@ def prepare(
         raise UsageError("give either a reference distance or constant_distance, not both")
     reference = observations.reference_distance
     if reference_distance is not None:
-        low, high = NAMES["distance_m"][0].physical
-        if not low < reference_distance <= high:
-            message = (
-                f"reference distance is {reference_distance:g} m; give one above {low:g} and up to {high:g} m"
-            )
-            raise UsageError(message)
         reference = np.full(len(observations), float(reference_distance))
     if constant_distance:
         reference = None
@@ -168,6 +163,14 @@ def prepare(
 def some(column: Column, rows: Labels) -> Column:
     """Some rows of a column; the column itself where that is all of them."""
     return column if len(rows) == len(column) else column[rows]
+
+
+def refuse_distance(given: Any) -> None:
+    """Refuse a reference distance that no target can have."""
+    low, high = NAMES["distance_m"][0].physical
+    if given is not None and not (isinstance(given, Real) and low < float(given) <= high):
+        message = f"reference distance is {given} m; give {low:g} < distance <= {high:g}"
+        raise UsageError(message)
 
 
 def _arrange(

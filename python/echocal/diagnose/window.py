@@ -31,11 +31,19 @@ def between(observations: Observations, since: str | None, until: str | None) ->
     """
     if since is None and until is None:
         return observations
+    if since is not None and until is not None and _instant(since) > _instant(until, last=True):
+        message = f"rows since {since} and until {until} are none: the first time is the later one"
+        raise UsageError(message)
     outside = np.zeros(len(observations), dtype=bool)
     if since is not None:
         outside |= ~(_times(observations, since) >= _instant(since))
     if until is not None:
         outside |= ~(_times(observations, until) <= _instant(until, last=True))
+    if len(observations) and outside.all():
+        time = _times(observations, since or until or "")
+        there = "none" if np.isnat(time).all() else f"{np.nanmin(time)} to {np.nanmax(time)}"
+        message = f"no row lies in the time asked for ({since or ''} .. {until or ''}); the table's: {there}"
+        raise UsageError(message)
     reasons = observations.unusable.astype(object)
     reasons[outside & (observations.unusable == "")] = OUTSIDE
     return replace(observations, unusable=reasons.astype(str))

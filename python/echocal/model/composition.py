@@ -28,6 +28,11 @@ def _terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[t
             f"effects map an id to its parameters, e.g. {{'fixed_delay': {{'delay': 3e-5}}}}; got {effects!r}"
         )
         raise ModelError(message)
+    for id_, own in effects.items():
+        for name, value in own.items():
+            if isinstance(value, str) or not hasattr(value, "__float__"):
+                message = f"{id_}.{name} is {value!r}; give a number"
+                raise ModelError(message)
     return [(id_, list(own.items())) for id_, own in effects.items()]
 
 
@@ -113,6 +118,9 @@ class Model:
         provenance: Mapping[str, Any] | None = None,
         shape: Shape | None = None,
     ) -> None:
+        if not isinstance(law, str):
+            message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
+            raise ModelError(message)
         self._core = _core.Model(law, _terms(effects or {}))
         _refuse_standstill(self._core.law)
         self._needs = needs.of(self._core)

@@ -58,6 +58,9 @@ def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, st
         return {}
     if isinstance(columns, Mapping):
         return {str(column).strip(): str(request) for column, request in columns.items()}
+    if not isinstance(columns, str | Path):
+        message = f'columns map names to what they hold, {{"SR_U": "reading_m"}}; got {columns!r}'
+        raise UsageError(message)
     path = Path(columns)
     try:
         pairs: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -164,7 +164,7 @@ fn labelled(result: Bound<'_, PyAny>, label: Label) -> PyResult<Bound<'_, PyAny>
     let class = result.get_type();
     let module = class.module()?;
     match module.to_str()?.split('.').next().unwrap_or_default() {
-        "numpy" if class.name()? != "ndarray" && class.name()? != "memmap" => {
+        "numpy" if !result.hasattr("__len__")? => {
             Ok(PyFloat::new(py, result.extract()?).into_any()) // NumPy's own scalar
         }
         "xarray" if class.name()? == "Dataset" => {
