@@ -21,6 +21,7 @@ Column = NDArray[np.float64]
 UNKNOWN = "unknown"
 """Id under which a smooth shape without a cause competes."""
 
+_CACHED = 8192  # rows that are worked on at a time, so that their columns stay near the processor
 _TAIL = 0.1  # weight of a prior's tail beside its bulk
 _LAW = 300e-6 / 3**0.5
 """Relative standard uncertainty of a law: Cramer 1993 states limits of 300 ppm (GUM 4.3.7)."""
@@ -124,13 +125,23 @@ class Scene:
         Where something begins in time shows there, whatever else is wrong.
         """
         warm = np.asarray(self.conditions.get("temperature", 0.0))
-        scaled = (warm - np.mean(warm)) / max(float(np.std(warm)), 1e-12)
-        design = [np.ones_like(self.distance), *(self.distance * scaled**power for power in range(3))]
-        stacked = np.stack(design)
-        along = stacked @ self.residual
-        return np.asarray(
-            self.residual - np.linalg.lstsq(stacked @ stacked.T, along, rcond=1e-9)[0] @ stacked
-        )
+        mean, spread = np.mean(warm), max(float(np.std(warm)), 1e-12)
+        firsts = range(0, len(self.distance), _CACHED)
+
+        def design(first: int) -> Column:
+            rows = slice(first, first + _CACHED)
+            distance = self.distance[rows]
+            scaled = ((warm[rows] if warm.ndim else warm) - mean) / spread
+            return np.stack([np.ones_like(distance), *(distance * scaled**power for power in range(3))])
+
+        among, along = np.zeros((4, 4)), np.zeros(4)
+        for first in firsts:
+            columns = design(first)
+            among += columns @ columns.T
+            along += columns @ self.residual[first : first + _CACHED]
+        found = np.linalg.lstsq(among, along, rcond=1e-9)[0]
+        explained = np.concatenate([found @ design(first) for first in firsts])
+        return np.asarray(self.residual - explained)
 
     def columns(self) -> Columns:
         """A table's columns, of which there is none yet."""

@@ -114,7 +114,7 @@ class HeldOut:
     @cached_property
     def rms(self) -> float:
         """Root mean square [m]."""
-        total = float(np.einsum("i,i->", self.error, self.error))  # one pass, where every row is known
+        total = _squares(self.error)
         if not np.isfinite(total):
             return float(np.sqrt(np.nanmean(self.error**2)))
         return float(np.sqrt(total / len(self.error)))
@@ -208,8 +208,14 @@ def silent(with_cause: HeldOut, without: HeldOut, signal: Column) -> bool:
         What the cause adds to every reading [m].
     """
     differs = with_cause.error - without.error
-    judged = np.isfinite(differs)
-    return bool(np.mean(differs[judged] ** 2) < _AUDIBLE**2 * np.mean(signal[judged] ** 2))
+    judged = with_cause.known & without.known
+    if not judged.all():
+        differs, signal = differs[judged], signal[judged]
+    return _squares(differs) < _AUDIBLE**2 * _squares(signal)
+
+
+def _squares(values: Column) -> float:
+    return float(np.einsum("i,i->", values, values))  # one pass, on one processor
 
 
 def floor(sums: Sums, held: Mask, variance: float) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.parts import Shifted
+from echocal.observations.quantiles import median, quantiles
 
 __all__ = [
     "first_against_others",
@@ -110,11 +111,11 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
             f"every reading is off by nearly the same: {1e3 * np.mean(left):+.2f} mm on average, "
             f"{1e3 * np.mean(signal):+.2f} mm by this cause"
         )
-    low, high = np.quantile(signal, [0.2, 0.8])
+    low, high = quantiles(signal, [0.2, 0.8])
     lowest, highest = signal <= low, signal >= high
     found = 1e3 * (left[highest].mean() - left[lowest].mean())
     predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
-    ends = [quantity_text(name, float(np.median(against[name][rows]))) for rows in (lowest, highest)]
+    ends = [quantity_text(name, median(against[name][rows])) for rows in (lowest, highest)]
     return (
         f"the fifth of the rows with {name.replace('_', ' ')} around {ends[1]} reads {found:+.2f} mm against "
         f"the fifth around {ends[0]}, where this cause predicts {predicted:+.2f} mm"

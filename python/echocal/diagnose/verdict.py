@@ -204,6 +204,8 @@ def _outside(case: Case, total: int, judgment: Judgment) -> list[str]:
     """Where the extended model is used outside a law's domain, with row numbers of the source."""
 
     def spread(column: NDArray[np.float64]) -> NDArray[np.float64]:
+        if len(column) == total:
+            return column
         whole = np.full(total, np.nan)
         whole[case.table.row] = column
         return whole
