@@ -56,13 +56,14 @@ def grouped(diagnosis: Diagnosis) -> list[Group]:
             members = seen.setdefault(leader.get(id_, id_), [])
             members += [id_] if id_ not in members else []
     groups = [
-        Group(tuple(_class(seen.get(id_, [id_])) for id_ in key), tuple(sorted(parts, reverse=True)))
+        Group(tuple(_class(id_, seen.get(id_, [id_])) for id_ in key), tuple(sorted(parts, reverse=True)))
         for key, parts in shares.items()
     ]
     return sorted(groups, key=lambda group: -group.probability)
 
 
-def _class(members: list[str]) -> str:
+def _class(leader: str, members: list[str]) -> str:
+    members = sorted(members, key=lambda id_: id_ != leader)  # the name that the causes have, first
     if len(members) <= _SHORT:
         return " or ".join(members)
     return f"{members[0]} or {len(members) - 1} others"

@@ -17,7 +17,7 @@ from echocal.plots.unexplained import plot_unexplained
 
 __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "telling"]
 
-_BEFORE, _AFTER, _FLOOR = "#b5530f", "#1f6f8b", "#8a8a8a"
+_BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark: apart without color, too
 _BINS = 30
 _PANELS = 4
 _SAME = 1e-6  # m, far below what any sensor of this kind resolves
@@ -205,7 +205,14 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.invert_yaxis()
     ax.margins(x=0.18)
     ax.set_xlabel("RMS error on rows never fitted [mm]")
-    text = (
-        f"{gain.held_out_rows} rows, {gain.scheme}\ndotted: what every recorded column together could reach"
+    after = (
+        f" to {1e3 * gain.rms_after_m:.2f} mm"
+        if len(gain.ladder) > 1
+        else " mm, and no effect extends the base"
     )
-    ax.set_title(text, fontsize=8, loc="left")
+    ax.set_title(
+        f"error: {1e3 * gain.rms_before_m:.2f}{after}, on {gain.held_out_rows} rows ({gain.scheme})\n"
+        "dotted: what every recorded column together could reach",
+        fontsize=8,
+        loc="left",
+    )

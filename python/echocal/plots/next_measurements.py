@@ -14,7 +14,7 @@ __all__ = ["next_figure", "plot_next"]
 
 _WIDTH = 100  # characters of a line of words
 _TICK = 0.02  # part of an axis
-_SEEN, _PROPOSED = "#b9c4ca", "#b5530f"
+_SEEN, _PROPOSED = "#a9b6bd", "#b5530f"
 
 
 def next_figure(diagnosis: Diagnosis) -> Figure:

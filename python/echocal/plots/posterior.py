@@ -6,11 +6,12 @@ from collections.abc import Set
 from matplotlib.axes import Axes
 
 from echocal.diagnose import Diagnosis
+from echocal.diagnose.explain import lead
 from echocal.diagnose.grouped import LEAST, Group, grouped, in_common
 
 __all__ = ["plot_posterior"]
 
-_COLOR = "#1f6f8b"
+_COLOR = "#155a75"
 _MOST = 6  # bars
 _WIDTH = 46  # characters of a label's line
 
@@ -36,7 +37,8 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set_yticks(range(len(groups)), labels)
     ax.invert_yaxis()
     ax.set(xlim=(0.0, 1.15), xticks=[0.0, 0.25, 0.5, 0.75, 1.0], xlabel="probability")
-    ax.set_title("\n".join(_remarks(groups, common)), fontsize=8, loc="right")
+    finding = textwrap.fill(f"{diagnosis.verdict}: {lead(diagnosis)}", 2 * _WIDTH)
+    ax.set_title("\n".join([finding, *_remarks(groups, common)]), fontsize=8, loc="left")
 
 
 def _remarks(groups: list[Group], common: Set[str]) -> list[str]:
