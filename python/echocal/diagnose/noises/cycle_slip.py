@@ -131,7 +131,7 @@ def _mixture(
     """Expectation and maximization; the level is zero, one, or one per stretch."""
     left = trace.left
     leveled = bool(stretch.any()) or trace.free_mean
-    shifts = step[:, None] * np.array(orders)
+    shifts = np.array(orders)[:, None] * step  # a line each: sums over the few orders run along the rows
     level: Column = (
         trace.stretch_median if stretch.any() else np.full(len(left), np.quantile(left, 0.1) * leveled)
     )
@@ -140,11 +140,11 @@ def _mixture(
     weights = np.full((len(rows), len(orders)), 1.0 / len(orders))
     log = -np.inf
     for _ in range(_ROUNDS):
-        away = left[:, None] - level[:, None] - shifts
-        parts = log_density(away, scale, freedom) + np.log(weights[cells] + 1e-12)
-        top = parts.max(axis=1, keepdims=True)
+        away = left - level - shifts
+        parts = log_density(away, scale, freedom) + np.log(weights.T + 1e-12)[:, cells]
+        top = parts.max(axis=0)
         share = np.exp(parts - top)
-        total = share.sum(axis=1, keepdims=True)
+        total = share.sum(axis=0)
         share /= total
         before, log = log, float((np.log(total) + top).sum())
         if log < before + 1e-3:
@@ -152,10 +152,10 @@ def _mixture(
         tail = 1.0 if np.isinf(freedom) else (freedom + 1) / (freedom + (away / scale) ** 2)
         pull = share * tail
         if leveled:
-            moved = np.bincount(stretch, (pull * (left[:, None] - shifts)).sum(axis=1))
-            level = (moved / (np.bincount(stretch, pull.sum(axis=1)) + (scale / _LEVEL) ** 2))[stretch]
+            moved = np.bincount(stretch, (pull * (left - shifts)).sum(axis=0))
+            level = (moved / (np.bincount(stretch, pull.sum(axis=0)) + (scale / _LEVEL) ** 2))[stretch]
         scale = max(float(np.sqrt((pull * away**2).sum() / len(left))), 1e-5)
-        weights = np.stack([np.bincount(cells, column) / rows for column in share.T], axis=1)
+        weights = np.stack([np.bincount(cells, line) / rows for line in share], axis=1)
     used = (weights > _TRACE).sum(axis=1) - 1
     cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
     if leveled:  # a level of its own costs what its prior spreads it over
