@@ -15,6 +15,7 @@ Matrix = NDArray[np.floating[Any]]
 ENOUGH = 1.0
 """Expected log odds below which two causes count as one class."""
 
+_FAR = 2.0 * ENOUGH  # log odds at a quick look beyond which a form is not looked at closely
 _PLAUSIBLE = (
     9.0  # prior standard deviations: three of the widest prior; a larger mimic tells itself by its size
 )
@@ -87,6 +88,24 @@ class Geometry:
         grown = np.where(np.abs(stays + size[own:]) > np.abs(stays), stays + size[own:], 0.0)
         return 0.5 * self.visibility(rest) ** 2, float(np.abs([*size[:own], *grown]).max())
 
+    def _odds(self, signal: Matrix, variants: Sequence[Variant], beside: Matrix) -> Matrix:
+        """Log odds that remain against the imitation by each form, to a few digits: many at once."""
+        stays, odds = np.flatnonzero(beside), np.empty(len(variants))
+        along_signal = self.products @ signal
+        for count in {len(v.free) for v in variants}:
+            own = [i for i, v in enumerate(variants) if len(v.free) == count]
+            free = np.array([[*variants[i].free, *stays] for i in own], dtype=np.int64)
+            fixed = np.array([-1 if (at := variants[i].offset) is None else at for i in own])
+            there = fixed >= 0
+            square = signal @ along_signal + there * (self.products[fixed, fixed] - 2 * along_signal[fixed])
+            along = along_signal[free] - there[:, None] * self.products[free, fixed[:, None]]
+            among = self.products[free[:, :, None], free[:, None, :]]
+            inverse = np.linalg.pinv(among, rcond=1e-12, hermitian=True) if free.shape[1] else among
+            size = np.einsum("mij,mj->mi", inverse, along)
+            taken = np.einsum("mi,mi->m", size, 2 * along - np.einsum("mij,mj->mi", among, size))
+            odds[own] = 0.5 * (square - taken)  # an error of the sizes counts by its square
+        return odds
+
     def _place(self, free: list[int], size: Matrix) -> Matrix:
         placed = np.zeros(len(self.products))
         placed[free] = size
@@ -94,9 +113,13 @@ class Geometry:
 
     def rivals(self, signal: Matrix, others: dict[str, list[Variant]], beside: Matrix) -> list[str]:
         """Causes of a plausible size that these data cannot tell from a signal, beside what stays."""
+        known = [variant for variants in others.values() for variant in variants]
+        hopeful = {
+            id(v) for v, odds in zip(known, self._odds(signal, known, beside), strict=True) if odds < _FAR
+        }
         rivals = []
         for cause, variants in others.items():
-            odds, size = self.mimic(signal, variants, beside)
+            odds, size = self.mimic(signal, [v for v in variants if id(v) in hopeful], beside)
             if odds < ENOUGH and size <= _PLAUSIBLE:
                 rivals.append(cause)
         return rivals
