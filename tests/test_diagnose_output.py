@@ -137,7 +137,7 @@ def test_command_line_can_be_quiet_and_pipe() -> None:
         (("--column", "reading_m"), 2, "neither a pair"),
         (("--base", "linaer"), 2, "linear"),
         (("--missing", "nowhere=-9", "--missing", "7"), 2, "which is not there"),
-        (("--reference-distance", "0"), 2, "give one above 0 and up to 100 m"),
+        (("--reference-distance", "0"), 2, "give 0 < distance <= 100"),
         (("--reading-speed", "banana"), 2, "unknown law 'banana'"),
         (("--base", "0"), 2, "a speed of 0 m/s; give a positive one"),
         (("--decimal", "xx"), 2, "neither '.' nor ','"),
