@@ -52,7 +52,7 @@ def test_every_form_is_clean_but_for_the_deviations_told(name: str, tmp_path: Pa
 def test_the_check_sees_what_breaks_a_rule(tmp_path: Path) -> None:
     packed = made("degree_3")
     source = packed.files["echocal_correction.c"]
-    spoiled = source.replace("(uint32_t)exact", "(uint32_t)(exact + 1)")
+    spoiled = source.replace("(uint32_t)flight", "(uint32_t)(flight + 1U)")
     spoiled = spoiled.replace("    return (", "    if (echo_us) {\n        return 1;\n    }\n    return (")
     files = {**packed.files, "echocal_correction.c": spoiled}
     found = findings(Firmware(files, packed.report, packed._twin), tmp_path, "correction.c")

@@ -9,7 +9,8 @@ use crate::reference::Line;
 use crate::target::Target;
 use serde::Serialize;
 
-/// `distance = (((echo << time_bits) - delay) * factor + rounding) >> (scale_bits + time_bits) - offset`.
+/// `distance = (((echo << time_bits) - delay) * factor + rounding) >> (scale_bits + time_bits) - offset`, where a short
+/// delay is made up to 2^`scale_bits` codes, and one `factor` taken off at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tail {
     /// Binary places of the speed factor \[unit per echo code\].
@@ -115,7 +116,8 @@ impl Tail {
         );
         let factor = builder.name(factor, "speed", note);
         let echo = builder.echo();
-        let time = self.flight(builder, echo);
+        let turned = self.is_turned(builder.device());
+        let time = self.flight(builder, echo, turned);
         let product = builder.multiply(time, factor);
         let bits = self.scale_bits + self.time_bits;
         let whole = self.offset.round() as i64;
@@ -130,19 +132,24 @@ impl Tail {
         let fraction = (fraction * (1_i64 << bits) as f64).round() as i64;
         let lifted = plus(builder, product, (lift << bits) + fraction);
         let distance = builder.shift_right(lifted, bits);
-        let distance = builder.name(
-            distance,
-            "distance",
-            if lift + whole == 0 {
-                format!("[{unit}]")
-            } else {
-                format!("[{unit}], {} too long", lift + whole)
-            },
-        );
+        let distance = builder.name(distance, "distance", excess(unit, lift + whole, turned));
+        let distance = if turned {
+            builder.subtract(distance, factor)
+        } else {
+            distance
+        };
         plus(builder, distance, -(lift + whole))
     }
 
-    fn flight(&self, builder: &mut Builder<'_>, echo: Value) -> Value {
+    /// Whether 2^`scale_bits` codes are added to the echo time, and taken off again as one speed factor, which is
+    /// exact: the time less its delay is then never negative, and its product one of natural numbers of 16 bits.
+    fn is_turned(&self, device: &Device) -> bool {
+        let turn = 1_i64 << self.scale_bits;
+        let longest = device.echo.codes.maximum + turn - self.delay;
+        self.time_bits == 0 && (1..=turn).contains(&self.delay) && longest < 1 << 16
+    }
+
+    fn flight(&self, builder: &mut Builder<'_>, echo: Value, turned: bool) -> Value {
         let scale = 1_i64 << self.time_bits;
         let time = if scale == 1 {
             echo
@@ -153,13 +160,29 @@ impl Tail {
         if self.delay == 0 {
             return time;
         }
-        let time = plus(builder, time, -self.delay);
+        let long = i64::from(turned) << self.scale_bits;
+        let time = plus(builder, time, long - self.delay);
         let unit = if self.time_bits == 0 {
             "echo codes".into()
         } else {
             format!("2^-{} echo codes", self.time_bits)
         };
-        builder.name(time, "flight", format!("echo time less the delay, {unit}"))
+        let mut note = format!("echo time less the delay, {unit}");
+        if long > 0 {
+            note += &format!(", {long} too long");
+        }
+        builder.name(time, "flight", note)
+    }
+}
+
+/// What a distance is before its last steps, in words.
+fn excess(unit: &str, long: i64, turned: bool) -> String {
+    let sign = if long < 0 { "-" } else { "+" };
+    match (long, turned) {
+        (0, false) => format!("[{unit}]"),
+        (long, false) => format!("[{unit}], {long} too long"),
+        (0, true) => format!("[{unit}], as much as speed too long"),
+        (long, true) => format!("[{unit}], speed {sign} {} too long", long.abs()),
     }
 }
 

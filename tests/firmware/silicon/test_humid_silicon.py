@@ -38,6 +38,21 @@ def test_costs_stay_below_their_ceilings_over_five_billion_inputs(prefer: str) -
     check(made, "avr", "-Os", most)
 
 
+# The diagnosed model at every whole percent.
+DIAGNOSED = {
+    "size": (0.5e-3, {"5": Cost(192, 162, 0, 6, 258)}),
+    "speed": (0.35e-3, {"5": Cost(910, 880, 0, 8, 185)}),
+}
+
+
+@pytest.mark.parametrize("prefer", DIAGNOSED)
+def test_a_diagnosed_model_stays_below_its_ceilings(prefer: str) -> None:
+    bound, most = DIAGNOSED[prefer]
+    made = firmware.generate(MODELS["diagnosed"], "avr", max_error=bound, prefer=prefer, n_threads=2, **FINE)
+    assert made.report["error_proven_m"] <= bound
+    check(made, "avr", "-Os", most)
+
+
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", silicon.CORES)
 def test_every_input_of_a_coarse_device(name: str, model: str) -> None:

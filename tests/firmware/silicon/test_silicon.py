@@ -28,6 +28,13 @@ CEILINGS = {
     ("cortex-m4f", "cortex-m4f", "size", "-Os"): {"12": Cost(56, 56, 0, 0, 17)},
     ("rv32", "rv32", "size", "-Os"): {"12": Cost(84, 84, 0, 0, 25)},
 }
+# The same with a delay of 31 us.
+DELAYED = {
+    ("avr", "size"): {"5": Cost(130, 100, 0, 4, 124)},
+    ("avr", "speed"): {"5": Cost(134, 104, 0, 4, 104)},
+    ("cortex-m0", "size"): {"12": Cost(72, 72, 0, 0, 26)},
+    ("rv32", "size"): {"12": Cost(96, 96, 0, 0, 29)},
+}
 # What is saved, and the bound.
 WISHES = {
     "size": ("size", 0.1e-3),
@@ -56,6 +63,14 @@ def test_all_48_million_inputs(name: str) -> None:
 def test_costs_stay_below_their_ceilings(case_: tuple[str, str, str, str]) -> None:
     core, target, wish, level = case_
     check(dry_air(target, wish), core, level, CEILINGS[case_])
+
+
+@pytest.mark.parametrize(("core", "prefer"), DELAYED, ids="-".join)
+def test_a_delay_costs_an_addition_and_a_subtraction(core: str, prefer: str) -> None:
+    """As in a model that a diagnosis made: the product stays one of natural numbers of 16 bits."""
+    model = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
+    made = firmware.generate(model, core, temperature=DS18B20, max_error=0.1e-3, prefer=prefer, assume=DRY)
+    check(made, core, "-Os", DELAYED[core, prefer])
 
 
 @pytest.mark.parametrize("name", [name for name in silicon.CORES if name != "avr"])

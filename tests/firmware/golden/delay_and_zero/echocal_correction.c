@@ -19,11 +19,9 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     const uint16_t slope = (uint16_t)(41269U - (uint16_t)(((uint32_t)warmth * (uint32_t)bend) >> 11));
     /* half the speed of sound, 2^-8 um per echo code */
     const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)warmth * (uint32_t)slope) >> 10) + 40827U);
-    /* echo time less the delay, echo codes */
-    const int32_t flight = (int32_t)echo_us - 31;
-    /* exact, before its conversion */
-    const int32_t exact = (flight * (int32_t)speed) + 1452032;
-    /* [um], 1672 too long */
-    const uint32_t distance = (uint32_t)exact >> 8;
-    return ((int32_t)distance - 1672);
+    /* echo time less the delay, echo codes, 256 too long */
+    const uint16_t flight = (uint16_t)(echo_us + 225U);
+    /* [um], speed - 4000 too long */
+    const uint32_t distance = ((uint32_t)flight * (uint32_t)speed) >> 8;
+    return (((int32_t)distance - (int32_t)speed) + 4000);
 }
