@@ -161,8 +161,8 @@ impl Text<'_> {
     fn middle(&self, value: Value, wanted: IntegerType) -> String {
         let product = self.program.middle_of(value, wanted);
         let product = product.map(|product| match self.program.node(product).name {
-            None => self.expression(product),
-            Some(_) => self.read(product, IntegerType::U32),
+            None if self.spelled[product.0].is_none() => self.expression(product),
+            _ => self.read(product, IntegerType::U32),
         });
         format!("{MIDDLE}({})", product.unwrap_or_default())
     }
