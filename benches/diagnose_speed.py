@@ -21,7 +21,7 @@ from measure import processor
 
 import echocal
 from echocal import _core
-from echocal.diagnose import case, engine, hypotheses, verdict
+from echocal.diagnose import belief, case, engine, hypotheses, verdict
 from echocal.diagnose.columns import Columns
 
 HERE = Path(__file__).parent
@@ -37,9 +37,9 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (Columns, "products", "columns and their products"),
     (case.Case, "stack", "whitening"),
     (_core, "posterior", "hypotheses"),
-    (verdict, "weigh_noises", "noises with a likelihood of their own"),
+    (belief, "weigh_noises", "noises with a likelihood of their own"),
     (verdict, "judge", "rows never fitted"),
-    (verdict, "unsteady", "one size in every part"),
+    (belief, "unsteady", "one size in every part"),
     (verdict, "propose", "next measurements"),
     (verdict, "notes", "notes"),
     (verdict, "_cause", "sentences"),

@@ -1,8 +1,11 @@
 """docs/diagnose-speed.md is what its generator makes of the measured results."""
 
+import importlib
 import importlib.util
 import json
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[1]
 
@@ -16,3 +19,10 @@ def test_the_page_is_fresh() -> None:
     spec.loader.exec_module(render)
     results = json.loads((ROOT / "benches" / "diagnose_speed.json").read_text())
     assert (ROOT / "docs" / "diagnose-speed.md").read_text() == render.page(results)
+
+
+def test_every_stage_is_where_the_clock_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benches"))
+    clock = importlib.import_module("diagnose_speed")
+    for owner, name, stage in clock.STAGES:
+        assert hasattr(owner, name), stage
