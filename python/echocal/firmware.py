@@ -243,7 +243,7 @@ def generate(
     >>> made.report["error_proven_m"] < 0.5e-3
     True
     >>> int(made.distance_um(11_690, 40))  # 20 degC
-    2001627
+    2001613
     """
     model.refuse_shape("firmware")
     if measure and package == "micropython":
