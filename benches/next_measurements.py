@@ -4,6 +4,7 @@ import os
 import sys
 import warnings
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Annotated
 
@@ -31,7 +32,10 @@ from hidden_effects.score import part  # noqa: E402
 import echocal  # noqa: E402
 
 RANGES = {"distance": (0.3, 4.0), "temperature": (0.0, 50.0)}
+CORNERS = list(product(*RANGES.values()))
 ROWS = 10
+SCATTER = {facts.id for facts in echocal.noises()}
+_OFF = 0.5  # K
 
 
 def placed(case: Case, distance: np.ndarray, temperature: np.ndarray, random: np.random.Generator) -> Rows:
@@ -39,7 +43,8 @@ def placed(case: Case, distance: np.ndarray, temperature: np.ndarray, random: np
     pick = random.integers(len(case.rows), size=len(distance))
     columns = {k: v[pick] for k, v in vars(case.rows).items() if isinstance(v, np.ndarray)}
     rows = replace(case.rows, **columns)
-    return replace(rows, distance=distance, temperature=temperature, stand=np.zeros(len(pick), dtype=int))
+    near = temperature + random.uniform(-_OFF, _OFF, len(pick))  # nobody meets a temperature to the digit
+    return replace(rows, distance=distance, temperature=near, stand=np.zeros(len(pick), dtype=int))
 
 
 def measured(case: Case, rows: Rows, random: np.random.Generator) -> pd.DataFrame:
@@ -50,12 +55,13 @@ def measured(case: Case, rows: Rows, random: np.random.Generator) -> pd.DataFram
 
 
 def right(case: Case, table: pd.DataFrame) -> bool:
-    """Whether the first name is the truth or an exact alias of it."""
+    """Whether the first set of effects is the truth or an exact alias; causes of scatter are no matter."""
     with warnings.catch_warnings(action="ignore"):
         diagnosis = echocal.diagnose(table)
     posterior: dict[tuple[str, ...], float] = {}
     for ids, p in diagnosis.posterior:
-        posterior[labels(ids)] = posterior.get(labels(ids), 0.0) + p
+        shifts = labels(id_ for id_ in ids if id_ not in SCATTER)
+        posterior[shifts] = posterior.get(shifts, 0.0) + p
     return max(posterior, key=lambda ids: posterior[ids]) == labels(case.spec.causes)
 
 
@@ -67,6 +73,7 @@ def ask(case: Case, random: np.random.Generator) -> dict[str, float]:
     same = random.integers(len(case.rows), size=ROWS)
     places = {
         "repeated": (case.rows.distance[same], case.rows.temperature[same]),
+        "corners": tuple(np.resize(np.array(ends), ROWS) for ends in zip(*CORNERS, strict=True)),
         "random": tuple(random.uniform(*ends, ROWS) for ends in RANGES.values()),
     }
     if plan is not None:
@@ -96,7 +103,7 @@ def main(
     specs = draw("a", stratum, cases, causes, random)
     records = [ask(build(spec), random) for spec in track(specs, console=console)]
     table = Table("ten rows more", "right class (95 %)")
-    for name in ("before", "repeated", "random", "planned"):
+    for name in ("before", "repeated", "random", "corners", "planned"):
         table.add_row(name, str(part(records, lambda r, name=name: bool(r[name]))))
     console.print(table)
     proposed = [r for r in records if r["proposed"]]

@@ -1,5 +1,6 @@
 """What to measure next, and predicting with everything that is possible."""
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,13 @@ def test_rows_lie_within_what_can_be_varied(open_case: echocal.Diagnosis) -> Non
     assert plan.probability_now is not None
     assert plan.expected_probability is not None
     assert plan.probability_now + 0.05 <= plan.expected_probability <= 1.0
+
+
+def test_every_corner_of_what_can_be_varied_gets_rows(open_case: echocal.Diagnosis) -> None:
+    (plan,) = [p for p in open_case.next_measurements if p.expected_probability is not None]
+    places = set(zip(plan.conditions["distance"], plan.conditions["temperature"], strict=True))
+    assert set(product(*RANGES.values())) <= places
+    assert sum(plan.conditions["rows"]) == 10
 
 
 def test_another_distance_tells_an_offset_from_a_scale(open_case: echocal.Diagnosis) -> None:

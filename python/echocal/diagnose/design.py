@@ -134,10 +134,20 @@ class Plan:
     expected: float
 
 
-def best_plan(prospect: Prospect, probability: Matrix, rows: int, seed: int) -> Plan:
+def best_plan(
+    prospect: Prospect,
+    probability: Matrix,
+    rows: int,
+    seed: int,
+    corners: NDArray[np.int64] | None = None,
+) -> Plan:
     """Find the places at which the members' predictions overlap least.
 
-    Places join one by one, each where the union bound on the probability of error that the
+    Rows at the corners of what can be varied guard against causes that are not among the members:
+    where there are rows enough, every corner gets some, and the place left over is the one at which
+    the members, given the corners, overlap least.
+
+    Without corners, places join one by one, each where the union bound on the probability of error that the
     Bhattacharyya coefficients of the predictive distributions give [1]_ is least, and are then
     exchanged one by one until none is better elsewhere. The expected probability of the right
     class is then simulated: readings drawn from each member's predictive distribution, and
@@ -150,6 +160,8 @@ def best_plan(prospect: Prospect, probability: Matrix, rows: int, seed: int) -> 
     rows : int
         To be shared between the places.
     seed : int
+    corners : ndarray of int, optional
+        Places at the ends of all that can be varied.
 
     References
     ----------
@@ -157,6 +169,11 @@ def best_plan(prospect: Prospect, probability: Matrix, rows: int, seed: int) -> 
        selection. IEEE Trans. Commun. Technol. 15, 52-60. https://doi.org/10.1109/TCOM.1967.1089532
     """
     classes = _classes(prospect, rows)
+    if corners is not None and 1 < len(corners) < rows:
+        shares = _shares(rows, len(corners) + 1)
+        places = np.append(corners, 0)
+        places = _moved(prospect, probability, places, shares, len(corners))
+        return _plan(prospect, probability, places, shares, classes, seed)
     places = np.empty(0, dtype=np.int64)
     best: Plan | None = None
     for count in range(1, _MOST + 1):
@@ -174,16 +191,23 @@ def _exchanged(
     prospect: Prospect, probability: Matrix, places: NDArray[np.int64], shares: tuple[int, ...]
 ) -> NDArray[np.int64]:
     """Move each place, the newest first, to where the members overlap least; again until none moves."""
-    anywhere = np.arange(prospect.mean.shape[1])
     for _ in range(_ROUNDS):
         before = places.copy()
         for which in reversed(range(len(places))):
-            designs = np.tile(places, (len(anywhere), 1))
-            designs[:, which] = anywhere
-            places = designs[_least(_overlaps(prospect, designs, shares), probability)]
+            places = _moved(prospect, probability, places, shares, which)
         if (places == before).all():
             break
     return places
+
+
+def _moved(
+    prospect: Prospect, probability: Matrix, places: NDArray[np.int64], shares: tuple[int, ...], which: int
+) -> NDArray[np.int64]:
+    """Move one place to where the members overlap least."""
+    anywhere = np.arange(prospect.mean.shape[1])
+    designs = np.tile(places, (len(anywhere), 1))
+    designs[:, which] = anywhere
+    return np.asarray(designs[_least(_overlaps(prospect, designs, shares), probability)])
 
 
 def _shares(rows: int, places: int) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.design import Plan, Prospect, best_plan
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.parts import NextMeasurement
-from echocal.diagnose.ranges import Ranges, grid
+from echocal.diagnose.ranges import Ranges, corners, grid
 
 __all__ = ["propose"]
 
@@ -47,7 +47,7 @@ def propose(
     if not np.isfinite(prospect.mean).all() or not np.isfinite(prospect.spread).all():
         return _sides(members, (tuple(range(len(members))),), claimed)
     probability = np.array([member.probability for member in members])
-    plan = best_plan(prospect, probability, _ROWS, case.seed)
+    plan = best_plan(prospect, probability, _ROWS, case.seed, corners(varied))
     rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
     return (*rows, *_sides(members, plan.classes, claimed))
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from echocal.errors import UsageError
 from echocal.observations.units import FORMS
 
-__all__ = ["Ranges", "checked_ranges", "grid", "parsed_range"]
+__all__ = ["Ranges", "checked_ranges", "corners", "grid", "parsed_range"]
 
 Ranges = Mapping[str, tuple[float, float]]
 Column = NDArray[np.float64]
@@ -85,3 +85,9 @@ def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[st
         levels.append(np.union1d(tried, there) if len(there) <= _PRESENT else tried)
     points = np.array(list(product(*levels)))
     return {name: points[:, i] for i, name in enumerate(ranges)}
+
+
+def corners(places: Mapping[str, Column]) -> NDArray[np.int64]:
+    """Places at which everything is at one of its ends."""
+    ends = [(column == column.min()) | (column == column.max()) for column in places.values()]
+    return np.flatnonzero(np.all(ends, axis=0))

@@ -83,9 +83,13 @@ def _places(plan: NextMeasurement, names: list[str], ax: Axes) -> None:
     if len(values) == 1:
         values.append(np.zeros(len(rows)))
         ax.set_yticks([])
-    ax.plot(*values, "D", color=_PROPOSED, markersize=9, label="to measure")
-    for x, y, count in zip(*values, rows, strict=True):
-        ax.annotate(f"{count} rows", (x, y), xytext=(8, 6), textcoords="offset points", color=_PROPOSED)
+    alike = len(set(rows)) == 1  # then said once: neighbors leave no room for it
+    label = f"to measure, {rows[0]} rows each" if alike else "to measure"
+    ax.plot(*values, "D", color=_PROPOSED, markersize=9, label=label)
+    for place, (x, y, count) in enumerate(zip(*values, rows, strict=True)):
+        if not alike:
+            at = (8, 6 if place % 2 else -14)
+            ax.annotate(f"{count} rows", (x, y), xytext=at, textcoords="offset points", color=_PROPOSED)
 
 
 def _title(plan: NextMeasurement) -> str:
