@@ -93,5 +93,7 @@ def test_options_that_make_no_sense_together_are_refused(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Model("cramer").save("model.json")
-    assert run(monkeypatch, "model.json", "--explore", "--measure", "-o", "made") == 2
-    assert "leave out --form, --measure and --package" in capsys.readouterr().err
+    for more in (["--measure"], ["--prefer", "speed"]):
+        assert run(monkeypatch, "model.json", "--explore", *more, "-o", "made") == 2
+        told = " ".join(capsys.readouterr().err.split())
+        assert "leave out --prefer, --form, --measure and --package" in told

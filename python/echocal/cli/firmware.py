@@ -47,7 +47,7 @@ def command(
     output_unit: Annotated[str, option("What the function counts: um, mm or cm.")] = "um",
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
-    prefer: Annotated[str, option("What to save: size or speed.")] = "size",
+    prefer: Annotated[str | None, option("What to save: size (default) or speed.")] = None,
     form: Annotated[str | None, option("The only form to try.")] = None,
     accept: Annotated[list[str] | None, option("Effect that may be left out.", metavar="EFFECT")] = None,
     assume: Annotated[list[str] | None, option("What is not measured.", metavar="NAME=VALUE")] = None,
@@ -61,8 +61,11 @@ def command(
 ) -> None:
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
-    if explore and (form or measure or package != "c"):
-        message = "--explore tries every form and packs none: leave out --form, --measure and --package"
+    if explore and (prefer or form or measure or package != "c"):
+        message = (
+            "--explore tries every form, for size and for speed, and packs none: leave out --prefer, --form, "
+            "--measure and --package"
+        )
         raise UsageError(message)
     low, high = _range("--temperature-range", temperature_range, "-20:60")
     damp = _damp(humidity_lsb, humidity_range, humidity_zero)
@@ -93,7 +96,7 @@ def command(
             made = generate(
                 Model.load(model),
                 target,
-                prefer=prefer,
+                prefer=prefer or "size",
                 form=form,
                 package=package,
                 measure=measure,
