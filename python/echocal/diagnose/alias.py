@@ -49,29 +49,12 @@ class Geometry:
         """Signal over noise, summed over rows: ``snr sqrt(n)``."""
         return float(np.sqrt(np.maximum(signal @ self.products @ signal, 0.0)))
 
-    def mimic(self, signal: Matrix, variants: Sequence[Variant], beside: Matrix) -> tuple[float, float]:
-        """How well another cause imitates a signal.
+    def _imitation(self, signal: Matrix, variant: Variant, beside: Matrix) -> tuple[float, float]:
+        """Log odds that remain against one form's imitation of a signal, and the size that it needs.
 
-        Parameters
-        ----------
-        signal : ndarray, shape (k,)
-        variants : sequence of Variant
-            Forms of the other cause.
-        beside : ndarray, shape (k,)
-            What causes that stay add, whose sizes may change: what two causes make together may be
-            made by one of them and a third, though no two of them look alike.
-
-        Returns
-        -------
-        float
-            Log odds that remain against the best imitation; small: no telling apart.
-        float
-            Size that the imitation needs, in prior standard deviations; also of what stays, where
-            that becomes larger than it was.
+        The size is in prior standard deviations of the form; it is also that of what stays, where
+        that becomes larger than it was.
         """
-        return min((self._mimic(signal, v, beside) for v in variants), default=(np.inf, np.inf))
-
-    def _mimic(self, signal: Matrix, variant: Variant, beside: Matrix) -> tuple[float, float]:
         rest = signal if variant.offset is None else signal - self.signal(variant)
         free = [*variant.free, *np.flatnonzero(beside).tolist()]
         if not free:
@@ -112,17 +95,27 @@ class Geometry:
         return placed
 
     def rivals(self, signal: Matrix, others: dict[str, list[Variant]], beside: Matrix) -> list[str]:
-        """Causes of a plausible size that these data cannot tell from a signal, beside what stays."""
+        """Causes that these data cannot tell from a signal: any form of a plausible size imitates it.
+
+        Parameters
+        ----------
+        signal : ndarray, shape (k,)
+        others : mapping of str to list of Variant
+            Forms of each other cause.
+        beside : ndarray, shape (k,)
+            What causes that stay add, whose sizes may change: what two causes make together may be
+            made by one of them and a third, though no two of them look alike.
+        """
         known = [variant for variants in others.values() for variant in variants]
-        hopeful = {
-            id(v) for v, odds in zip(known, self._odds(signal, known, beside), strict=True) if odds < _FAR
-        }
-        rivals = []
-        for cause, variants in others.items():
-            odds, size = self.mimic(signal, [v for v in variants if id(v) in hopeful], beside)
-            if odds < ENOUGH and size <= _PLAUSIBLE:
-                rivals.append(cause)
-        return rivals
+        odds = dict(zip(map(id, known), self._odds(signal, known, beside).tolist(), strict=True))
+
+        def alike(variant: Variant) -> bool:
+            if odds[id(variant)] >= _FAR:
+                return False
+            left, size = self._imitation(signal, variant, beside)
+            return left < ENOUGH and size <= _PLAUSIBLE
+
+        return [cause for cause, variants in others.items() if any(map(alike, variants))]
 
     def correlation(self, one: Variant, other: Variant) -> float:
         """Cosine between the columns of two causes, after whitening and removing levels."""
