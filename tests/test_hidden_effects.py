@@ -21,14 +21,14 @@ Record = dict[str, Any]
 SEED = int(os.environ.get("ECHOCAL_SEED", np.random.SeedSequence().generate_state(1)[0]))
 BY_CHANCE = 1e-5
 RATES = {
-    "quiet": 0.91,
-    "power8": 0.82,
-    "class": 0.84,
-    "covered": 0.97,
+    "quiet": 0.93,
+    "power8": 0.77,
+    "class": 0.80,
+    "covered": 0.955,
     "no wrong name": 0.97,
     "unnamed": 0.84,
 }
-"""At or below the lower ends of Wilson's 95 % intervals of two benchmarks, 940 cases in designs a and b."""
+"""At or below the lower ends of Wilson's 95 % intervals of two benchmarks, 1,798 cases in designs a and b."""
 
 COUNTS = {"null": {"a": 24, "b": 30}, "power8": {"b": 20}, "wild": {"a": 20, "b": 30}, "unknown": {"b": 15}}
 
