@@ -29,6 +29,27 @@ number of cases.
 """
 
 
+_WHY = """Where they come from, by what is planted (the simulator is richer than the engine, on purpose):
+
+- `amplitude_walk`: the planted one is a rise of some cycles under the absorption of the real air; what the
+  engine's formula leaves of it is nearly constant and follows the warmth: a delay, or an error of the
+  thermometer, beside it.
+- `temperature_radiation`: the planted sun warms a thermometer slowly, so that `temperature_lag` beside it is
+  half true. `temperature_lag` itself: correcting it amplifies the thermometer's own noise, and the scatter
+  does grow with the distance (`noise_growth`).
+- `clock_temperature_coefficient`: at a size that the prior does not know, a slope and an intercept (or a
+  scale) together make the same and are more usual.
+- pairs with `humidity`, a lag or a shift of the time stamps, in b: the oracle's air departs from the engine's
+  law by 0.05 to 0.1 m/s, smoothly; in rows that follow each other this is `correlated_noise`.
+- `blanking_distance` in b: a fifth of the rows reads one wrong distance. Where that is near the true one, or
+  near a unit's factor of it, it is taken for another echo, an error of the tape or a wrong unit.
+- `cycle_slip` in b: slips follow the strength of the echo, which follows the distance and the air, and five
+  distances do not tell their mean from `amplitude_walk`. `polling_jitter` of a third of the noise or less has
+  no skewness that could show; its mean is a delay.
+- Of the rest some are what a probability of 0.9 allows: one in ten.
+"""
+
+
 def page(summary: Summary) -> str:
     """Markdown of a summary."""
     return "\n".join([_HEAD, *_facts(summary), *_targets(summary), *_tables(summary)]) + "\n"
@@ -93,6 +114,7 @@ def _tables(s: Summary) -> Iterator[str]:
     keys = ["design", "stratum", "planted", "noise", "snr", "named", "probability"]
     worst = [[_plain(w[key]) for key in keys] for w in s["confident_wrong"]["worst"]]
     yield from _table(keys, worst)
+    yield _WHY
     yield "## By cause\n"
     columns = ["cases", "detected", "strict", "class", "unknown"]
     rows = [[id_, *(_plain(row[c]) for c in columns)] for id_, row in s["by_cause"].items()]
@@ -119,11 +141,15 @@ def reliability_plot(s: Summary) -> Plot:
     plot, axes = plt.subplots(1, len(designs), figsize=(3.6 * len(designs), 3.8), sharey=True, squeeze=False)
     for ax, design in zip(axes[0], designs, strict=True):
         ax.plot([0, 1], [0, 1], color="0.7", linewidth=1)
-        for stratum, label, color in (("prior", "known priors", "C0"), ("wild", "unknown priors", "C1")):
+        for stratum, label, color, marker in (
+            ("prior", "known priors", "C0", "o"),
+            ("wild", "unknown priors", "C1", "s"),
+        ):
             points = s["reliability"][design][stratum]
             p, right, count = zip(*points, strict=True) if points else ((), (), ())
-            ax.plot(p, right, color=color, alpha=0.5)
-            ax.scatter(p, right, [4 + 3 * n for n in count], color=color, alpha=0.6, label=label)
+            ax.plot(p, right, color=color, alpha=0.5, linestyle="-" if marker == "o" else "--")
+            size = [4 + 3 * n for n in count]
+            ax.scatter(p, right, size, color=color, alpha=0.6, label=label, marker=marker)
         ax.set(
             title=f"design {design}", xlabel="probability of the first name", xlim=(0, 1.05), ylim=(0, 1.05)
         )
