@@ -44,7 +44,9 @@ proptest! {
                 with(&so_far, term.facts(), &term.parameters).unwrap()
             });
             prop_assert_eq!(&reversed, &model);
-            prop_assert_eq!(reversed.indicate(d, &at), model.indicate(d, &at));
+            let (one, other) = (reversed.indicate(d, &at), model.indicate(d, &at));
+            // vapor beyond its share of the pressure has no speed of sound: NaN both times
+            prop_assert!(one == other || one.is_nan() && other.is_nan(), "{one} and {other}");
         }
     }
 }
