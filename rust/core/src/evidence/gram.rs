@@ -6,67 +6,122 @@
 use crate::simd::x86::{F64x4, F64x8};
 use crate::simd::{InstructionSet, Vector, active};
 
-/// Columns are padded to whole groups of so many.
+/// Columns that lie side by side; others are padded to whole groups of so many.
 pub(super) const GROUP: usize = 8;
+
+/// Rows of columns, of which [`GROUP`] lie side by side: a panel.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub numbers: &'a [f64],
+    /// Numbers from one row to the next.
+    pub row: usize,
+    /// Numbers from one panel to the next.
+    pub panel: usize,
+}
+
+impl Rows<'_> {
+    /// Where some columns of the first row are.
+    #[inline(always)]
+    pub(super) fn column(&self, column: usize) -> *const f64 {
+        let offset = column / GROUP * self.panel + column % GROUP;
+        self.numbers.as_ptr().wrapping_add(offset)
+    }
+}
 
 /// `sums += rows' rows`, of rows of `width` numbers side by side, `width` in whole groups.
 ///
 /// Only what is right of the diagonal's groups is summed.
 pub(super) fn add_products(rows: &[f64], width: usize, sums: &mut [f64]) {
-    assert!(width.is_multiple_of(GROUP) && rows.len().is_multiple_of(width.max(1)));
-    assert_eq!(sums.len(), width * width);
+    assert!(rows.len().is_multiple_of(width.max(1)));
+    let chosen: Vec<u32> = (0..).take(rows.len() / width.max(1)).collect();
+    let rows = Rows {
+        numbers: rows,
+        row: width,
+        panel: GROUP,
+    };
+    add_chosen(rows, &chosen, width, sums);
+}
+
+/// The same of some rows; where `sums` has one line, those of the first column alone.
+pub(super) fn add_chosen(rows: Rows<'_>, chosen: &[u32], width: usize, sums: &mut [f64]) {
+    let Some(&last) = chosen.iter().max() else {
+        return;
+    };
+    let end = last as usize * rows.row + (width / GROUP).saturating_sub(1) * rows.panel + GROUP;
+    assert!(width.is_multiple_of(GROUP) && end <= rows.numbers.len());
+    assert!(sums.len() == width * width || sums.len() == width);
     match active() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the instruction set is available, and the lengths were checked.
-        InstructionSet::Avx512 => unsafe { with_avx512(rows, width, sums) },
+        InstructionSet::Avx512 => unsafe { with_avx512(rows, chosen, width, sums) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
-        InstructionSet::Avx2 => unsafe { with_avx2(rows, width, sums) },
+        InstructionSet::Avx2 => unsafe { with_avx2(rows, chosen, width, sums) },
         // SAFETY: as above.
-        _ => unsafe { all::<f64, 4>(rows, width, sums) },
+        _ => unsafe { all::<f64, 4>(rows, chosen, width, sums) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-unsafe fn with_avx512(rows: &[f64], width: usize, sums: &mut [f64]) {
+unsafe fn with_avx512(rows: Rows<'_>, chosen: &[u32], width: usize, sums: &mut [f64]) {
     // SAFETY: the caller's.
-    unsafe { all::<F64x8, 8>(rows, width, sums) }
+    unsafe { all::<F64x8, 8>(rows, chosen, width, sums) }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-unsafe fn with_avx2(rows: &[f64], width: usize, sums: &mut [f64]) {
+unsafe fn with_avx2(rows: Rows<'_>, chosen: &[u32], width: usize, sums: &mut [f64]) {
     // SAFETY: the caller's.
-    unsafe { all::<F64x4, 4>(rows, width, sums) }
+    unsafe { all::<F64x4, 4>(rows, chosen, width, sums) }
 }
 
 /// Tiles of `HEIGHT` lines by three vectors: their sums stay in registers.
 #[inline(always)]
 unsafe fn all<V: Vector<Element = f64>, const HEIGHT: usize>(
-    rows: &[f64],
+    rows: Rows<'_>,
+    chosen: &[u32],
     width: usize,
     sums: &mut [f64],
 ) {
-    for line in (0..width).step_by(HEIGHT) {
-        let mut column = line / GROUP * GROUP;
-        // SAFETY: a tile ends within the width, a multiple of the group and so of both sizes.
-        unsafe {
-            while column + 3 * V::WIDTH <= width {
-                tile::<V, HEIGHT, 3>(rows, width, sums, line, column);
-                column += 3 * V::WIDTH;
-            }
-            while column < width {
-                tile::<V, HEIGHT, 1>(rows, width, sums, line, column);
-                column += V::WIDTH;
-            }
+    // SAFETY: a tile ends within the width, a multiple of the group and so of both sizes.
+    unsafe {
+        if sums.len() == width {
+            return line::<V, 1>(rows, chosen, width, sums, 0);
+        }
+        for first in (0..width).step_by(HEIGHT) {
+            line::<V, HEIGHT>(rows, chosen, width, sums, first);
+        }
+    }
+}
+
+/// Tiles from the diagonal to the right.
+#[inline(always)]
+unsafe fn line<V: Vector<Element = f64>, const HEIGHT: usize>(
+    rows: Rows<'_>,
+    chosen: &[u32],
+    width: usize,
+    sums: &mut [f64],
+    first: usize,
+) {
+    let mut column = first / GROUP * GROUP;
+    // SAFETY: the caller's.
+    unsafe {
+        while column + 3 * V::WIDTH <= width {
+            tile::<V, HEIGHT, 3>(rows, chosen, width, sums, first, column);
+            column += 3 * V::WIDTH;
+        }
+        while column < width {
+            tile::<V, HEIGHT, 1>(rows, chosen, width, sums, first, column);
+            column += V::WIDTH;
         }
     }
 }
 
 #[inline(always)]
 unsafe fn tile<V: Vector<Element = f64>, const HEIGHT: usize, const VECTORS: usize>(
-    rows: &[f64],
+    rows: Rows<'_>,
+    chosen: &[u32],
     width: usize,
     sums: &mut [f64],
     line: usize,
@@ -74,21 +129,26 @@ unsafe fn tile<V: Vector<Element = f64>, const HEIGHT: usize, const VECTORS: usi
 ) {
     let mut own = [[V::constant(0.0); VECTORS]; HEIGHT];
     let target = sums.as_mut_ptr();
-    // SAFETY: the caller guarantees that the tile lies within the width.
+    let above = rows.column(line);
+    let mut beside = [above; VECTORS];
+    for j in 0..VECTORS {
+        beside[j] = rows.column(column + j * V::WIDTH);
+    }
+    // SAFETY: the caller guarantees that the tile lies within the width, and has the rows.
     unsafe {
         for i in 0..HEIGHT {
             for j in 0..VECTORS {
                 own[i][j] = V::load(target.add((line + i) * width + column + j * V::WIDTH));
             }
         }
-        for row in 0..rows.len() / width {
-            let row = rows.as_ptr().add(row * width);
+        for &row in chosen {
+            let at = row as usize * rows.row;
             let mut right = [V::constant(0.0); VECTORS];
             for j in 0..VECTORS {
-                right[j] = V::load(row.add(column + j * V::WIDTH));
+                right[j] = V::load(beside[j].add(at));
             }
             for i in 0..HEIGHT {
-                let left = V::constant(*row.add(line + i));
+                let left = V::constant(*above.add(at + i));
                 for j in 0..VECTORS {
                     own[i][j] = added(left, right[j], own[i][j]);
                 }
@@ -104,7 +164,7 @@ unsafe fn tile<V: Vector<Element = f64>, const HEIGHT: usize, const VECTORS: usi
 
 /// `left right + sum`; fused where that is an instruction.
 #[inline(always)]
-fn added<V: Vector>(left: V, right: V, sum: V) -> V {
+pub(super) fn added<V: Vector>(left: V, right: V, sum: V) -> V {
     if V::WIDTH == 1 {
         left * right + sum
     } else {
@@ -116,10 +176,13 @@ fn added<V: Vector>(left: V, right: V, sum: V) -> V {
 mod tests {
     use super::*;
 
+    fn number(at: usize) -> f64 {
+        (at as f64 * 0.754_877).fract() - 0.5
+    }
+
     #[test]
     fn products_of_every_pair_of_columns() {
         for width in [8, 16, 40, 64] {
-            let number = |at: usize| (at as f64 * 0.754_877).fract() - 0.5;
             let rows: Vec<f64> = (0..7 * width).map(number).collect();
             let mut sums = vec![1.0; width * width];
             add_products(&rows, width, &mut sums);
@@ -131,5 +194,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn one_line_is_that_of_the_first_column() {
+        let (width, count) = (40, 5);
+        let numbers: Vec<f64> = (0..width * count).map(number).collect();
+        let rows = Rows {
+            numbers: &numbers,
+            row: GROUP,
+            panel: GROUP * count,
+        };
+        let (mut whole, mut line) = (vec![0.0; width * width], vec![0.0; width]);
+        add_chosen(rows, &[0, 2, 3], width, &mut whole);
+        add_chosen(rows, &[0, 2, 3], width, &mut line);
+        assert_eq!(whole[..width], line);
+        let squares = [0, 2, 3].map(|row| number(row * GROUP) * number(row * GROUP));
+        assert!((line[0] - squares.iter().sum::<f64>()).abs() < 1e-15);
     }
 }

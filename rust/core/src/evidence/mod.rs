@@ -14,6 +14,7 @@ mod legendre;
 mod moments;
 mod noises;
 mod normal;
+mod panels;
 mod posterior;
 mod products;
 mod ridge;

@@ -17,7 +17,7 @@
 
 use super::gram::GROUP;
 use super::source::Source;
-use super::spans::{KINDS, Parts, Plan, gathered};
+use super::spans::{KINDS, Kinds, Parts, Plan, gathered};
 
 /// How rows belong together.
 #[derive(Clone, Copy, Debug)]
@@ -82,37 +82,56 @@ impl Products {
     /// The sums for one memory from those of the classes of rows.
     fn of(plan: &Plan<'_>, parts: &Parts, remembered: Option<usize>, memory: f64) -> Self {
         let (width, columns) = (plan.width, plan.source.width());
-        let blocks = plan.layout.block_count;
-        let empty = || vec![0.0; blocks * width * width];
-        let [mut present, mut previous, mut other, mut first] = [(); 4].map(|()| empty());
-        let kind = remembered.map_or(0, |k| KINDS + k);
-        // beside a memory the plain products, without one those of the differences
-        let beside = if remembered.is_some() { 0 } else { 1 };
-        let area = |block: usize| block * width * width..(block + 1) * width * width;
-        for (class, sums) in parts.classes() {
-            let own = if class.begins { &sums[0] } else { &sums[kind] };
-            if let Some(next) = class.next {
-                add(&mut previous[area(next)], own);
-            }
-            if class.begins {
-                add(&mut first[area(class.block)], own);
-            } else {
-                add(&mut present[area(class.block)], own);
-                add(&mut other[area(class.block)], &sums[beside]);
-            }
-        }
-        let lagged: Vec<f64> = (present.iter().zip(&previous).zip(&other))
-            .map(|((p, q), x)| 0.5 * both_ways(*p, *q, *x, memory))
-            .collect();
+        let (blocks, cells) = (plan.layout.block_count, plan.layout.cell_count);
+        let mut blocks = added(&parts.blocks, blocks, width * width, remembered, memory);
+        blocks[2].iter_mut().for_each(|lagged| *lagged *= 0.5);
+        let cells = added(&parts.cells, cells, width, remembered, memory);
+        let narrow = |sums: Vec<f64>| {
+            let lines = sums.chunks_exact(width.max(1));
+            lines.flat_map(|line| &line[..columns]).copied().collect()
+        };
         Self {
-            blocks: [present, previous, lagged, first].map(|sums| triangles(&sums, width, columns)),
-            cells: parts.cells(plan, remembered, memory),
+            blocks: blocks.map(|sums| triangles(&sums, width, columns)),
+            cells: cells.map(narrow),
         }
     }
 }
 
+/// Sums of so many blocks or cells, `length` numbers each: present, previous, lagged both ways,
+/// first.
+fn added(
+    classes: &Kinds,
+    count: usize,
+    length: usize,
+    remembered: Option<usize>,
+    memory: f64,
+) -> [Vec<f64>; 4] {
+    let [mut present, mut previous, mut other, mut first] =
+        [(); 4].map(|()| vec![0.0; count * length]);
+    let kind = remembered.map_or(0, |k| KINDS + k);
+    // beside a memory the plain products, without one those of the differences
+    let beside = if remembered.is_some() { 0 } else { 1 };
+    let place = |at: u32| at as usize * length..(at as usize + 1) * length;
+    for (class, sums) in classes {
+        let own = if class.begins { &sums[0] } else { &sums[kind] };
+        if let Some(next) = class.next {
+            add(&mut previous[place(next)], own);
+        }
+        if class.begins {
+            add(&mut first[place(class.own)], own);
+        } else {
+            add(&mut present[place(class.own)], own);
+            add(&mut other[place(class.own)], &sums[beside]);
+        }
+    }
+    for ((x, p), q) in other.iter_mut().zip(&present).zip(&previous) {
+        *x = both_ways(*p, *q, *x, memory);
+    }
+    [present, previous, other, first]
+}
+
 /// Lag-1 products and their transpose, see the module.
-pub(super) fn both_ways(present: f64, previous: f64, other: f64, memory: f64) -> f64 {
+fn both_ways(present: f64, previous: f64, other: f64, memory: f64) -> f64 {
     if memory == 0.0 {
         present + previous - other
     } else {

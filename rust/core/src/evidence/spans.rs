@@ -1,14 +1,16 @@
 //! One pass over the rows, in spans on several threads.
 
-#![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 #![allow(unsafe_code)]
 
-use super::gram::{GROUP, add_products};
-use super::products::{Layout, both_ways, triangles};
-use super::source::{Reader, Source, side_by_side};
+use super::gram::{GROUP, add_chosen};
+use super::panels::Panels;
+use super::products::{Layout, triangles};
+use super::source::{Reader, Source};
 use super::threaded::in_spans;
 use crate::batch::staged::{BLOCK, Line};
-use crate::simd::{InstructionSet, active};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::x86::{F64x4, F64x8};
+use crate::simd::{InstructionSet, Vector, active};
 use std::collections::BTreeMap;
 
 /// What is passed over.
@@ -25,108 +27,46 @@ pub(super) struct Plan<'a> {
 pub(super) const KINDS: usize = 2;
 /// Part of a row that a memory may have forgotten where a span begins.
 const FORGOTTEN: f64 = 1e-17;
-/// Rows of a class that wait to be summed.
-const WAITING: usize = 64;
 
 /// Rows that count in the same sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Class {
     /// Whether they begin series.
     pub begins: bool,
-    pub block: usize,
-    /// The block of the row that follows in the series.
-    pub next: Option<usize>,
+    /// Their block, or their cell.
+    pub own: u32,
+    /// That of the row that follows in the series.
+    pub next: Option<u32>,
 }
 
-/// Rows of a class that wait, and sums of those that do not: of rows that begin a series the plain
-/// products alone.
-struct Kept {
-    waiting: Vec<Vec<f64>>,
-    sums: Vec<Vec<f64>>,
-}
-
-impl Kept {
-    fn new(kinds: usize, width: usize) -> Self {
-        Self {
-            waiting: vec![Vec::with_capacity(WAITING * width); kinds],
-            sums: vec![vec![0.0; width * width]; kinds],
-        }
-    }
-
-    fn sum(&mut self, width: usize) {
-        for (rows, sums) in self.waiting.iter_mut().zip(&mut self.sums) {
-            add_products(rows, width, sums);
-            rows.clear();
-        }
-    }
-}
-
-/// Products of the first column over one cell: of rows that begin a series; present, previous and
-/// lagged plain products of others; present and previous ones of each memory.
-#[derive(Default)]
-struct Cell {
-    first: Vec<f64>,
-    others: Vec<f64>,
-}
+/// Sums by class and kind: plain, of differences, of each memory; of rows that begin a series the
+/// plain products alone.
+pub(super) type Kinds = BTreeMap<Class, Vec<Vec<f64>>>;
 
 /// The sums of a span, or of all.
 #[derive(Default)]
 pub(super) struct Parts {
-    classes: BTreeMap<Class, Kept>,
-    cells: BTreeMap<u32, Cell>,
+    /// Products of each two columns over blocks.
+    pub blocks: Kinds,
+    /// Products of the first column over cells.
+    pub cells: Kinds,
 }
 
 impl Parts {
-    /// Sums by class and kind.
-    pub(super) fn classes(&self) -> impl Iterator<Item = (&Class, &Vec<Vec<f64>>)> {
-        self.classes.iter().map(|(class, kept)| (class, &kept.sums))
-    }
-
-    /// Cell sums for one memory: present, previous, lagged both ways, first.
-    pub(super) fn cells(&self, plan: &Plan<'_>, kind: Option<usize>, memory: f64) -> [Vec<f64>; 4] {
-        let (width, columns) = (plan.width, plan.source.width());
-        let mut found = [(); 4].map(|()| vec![0.0; plan.layout.cell_count * columns]);
-        for (&cell, sums) in &self.cells {
-            let line = cell as usize * columns..(cell as usize + 1) * columns;
-            if !sums.first.is_empty() {
-                found[3][line.clone()].copy_from_slice(&sums.first[..columns]);
-            }
-            if sums.others.is_empty() {
-                continue;
-            }
-            let part = |index: usize| &sums.others[index * width..index * width + columns];
-            let own = kind.map_or(0, |k| 3 + 2 * k);
-            found[0][line.clone()].copy_from_slice(part(own));
-            found[1][line.clone()].copy_from_slice(part(own + 1));
-            for (i, lagged) in found[2][line].iter_mut().enumerate() {
-                *lagged = match kind {
-                    None => part(2)[i],
-                    Some(_) => both_ways(part(own)[i], part(own + 1)[i], part(0)[i], memory),
-                };
-            }
-        }
-        found
-    }
-
     /// Adds the sums of the span that follows.
     fn join(&mut self, next: Self) {
-        for (class, kept) in next.classes {
-            match self.classes.get_mut(&class) {
-                None => drop(self.classes.insert(class, kept)),
-                Some(own) => {
-                    for (sums, more) in own.sums.iter_mut().zip(&kept.sums) {
-                        add(sums, more);
-                    }
-                }
-            }
-        }
-        for (cell, sums) in next.cells {
-            let own = self.cells.entry(cell).or_default();
-            for (sum, more) in [(&mut own.first, sums.first), (&mut own.others, sums.others)] {
-                if sum.is_empty() {
-                    *sum = more;
-                } else {
-                    add(sum, &more);
+        let (blocks, cells) = (
+            (&mut self.blocks, next.blocks),
+            (&mut self.cells, next.cells),
+        );
+        for (all, more) in [blocks, cells] {
+            for (class, kinds) in more {
+                let Some(own) = all.get_mut(&class) else {
+                    all.insert(class, kinds);
+                    continue;
+                };
+                for (sums, more) in own.iter_mut().zip(&kinds) {
+                    add(sums, more);
                 }
             }
         }
@@ -151,16 +91,18 @@ pub(super) fn gathered(plan: &Plan<'_>, threads: usize) -> Parts {
 pub fn gram(source: &dyn Source, threads: usize) -> Vec<f64> {
     let columns = source.width();
     let width = columns.next_multiple_of(GROUP);
+    let chosen: Vec<u32> = (1..).take(BLOCK).collect();
     let worker = || {
-        let (mut reader, mut rows) = (source.reader(), Vec::new());
+        let (mut reader, mut panels) = (source.reader(), Panels::new(width));
         let mut lines = vec![Line::of(0.0); columns];
+        let chosen = &chosen;
         move |first: usize, end: usize| {
             let mut sums = vec![0.0; width * width];
             for block in (first..end).step_by(BLOCK) {
                 let count = BLOCK.min(end - block);
                 reader.read(block, count, &mut lines);
-                side_by_side(&lines, count, width, &mut rows);
-                add_products(&rows, width, &mut sums);
+                panels.fill(&lines, count);
+                add_chosen(panels.rows(), &chosen[..count], width, &mut sums);
             }
             sums
         }
@@ -172,74 +114,143 @@ pub fn gram(source: &dyn Source, threads: usize) -> Vec<f64> {
     triangles(&whole, width, columns)
 }
 
+/// Rows of a block by class.
+#[derive(Default)]
+struct Lists(Vec<(Class, Vec<u32>)>);
+
+impl Lists {
+    fn push(&mut self, class: Class, row: u32) {
+        match self.0.iter_mut().rev().find(|(other, _)| *other == class) {
+            Some((_, rows)) => rows.push(row),
+            None => self.0.push((class, vec![row])),
+        }
+    }
+
+    /// Adds the products of one kind to the sums, of which there are so many a class.
+    fn add(&self, panels: &Panels, kind: usize, kinds: usize, length: usize, sums: &mut Kinds) {
+        let rows = panels.rows();
+        let with = |(class, _): &&(Class, Vec<u32>)| kind == 0 || !class.begins;
+        for (class, chosen) in self.0.iter().filter(with) {
+            let kinds = if class.begins { 1 } else { kinds };
+            let own = sums
+                .entry(*class)
+                .or_insert_with(|| vec![vec![0.0; length]; kinds]);
+            add_chosen(rows, chosen, panels.width(), &mut own[kind]);
+        }
+    }
+}
+
 /// One thread's memory.
 struct Span<'a> {
     plan: &'a Plan<'a>,
     reader: Box<dyn Reader + 'a>,
     lines: Vec<Line>,
-    rows: Vec<f64>,
-    /// The row before, and how each memory has it; then the same of this row.
-    before: Vec<Vec<f64>>,
-    now: Vec<Vec<f64>>,
+    plain: Panels,
+    made: Panels,
+    /// The last row of the block before: plain, and how each memory has it.
+    last: Vec<Vec<f64>>,
+    blocks: Lists,
+    cells: Lists,
     parts: Parts,
 }
 
 impl<'a> Span<'a> {
     fn new(plan: &'a Plan<'a>) -> Self {
-        let states = vec![vec![0.0; plan.width]; 1 + plan.memories.len()];
         Self {
             plan,
             reader: plan.source.reader(),
             lines: vec![Line::of(0.0); plan.source.width()],
-            rows: Vec::new(),
-            before: states.clone(),
-            now: states,
+            plain: Panels::new(plan.width),
+            made: Panels::new(plan.width),
+            last: vec![vec![0.0; plan.width]; 1 + plan.memories.len()],
+            blocks: Lists::default(),
+            cells: Lists::default(),
             parts: Parts::default(),
         }
     }
 
     fn run(&mut self, first: usize, end: usize) -> Parts {
-        match active() {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: the instruction set is available, or a wider one.
-            InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe { self.run_avx2(first, end) },
-            _ => self.pass(first, end),
+        for last in &mut self.last {
+            last.fill(0.0);
         }
-        let width = self.plan.width;
-        for kept in self.parts.classes.values_mut() {
-            kept.sum(width);
+        let from = self.beginning(first);
+        for block in (from..end).step_by(BLOCK) {
+            let count = BLOCK.min(end - block);
+            self.reader.read(block, count, &mut self.lines);
+            self.plain.keep(&self.last[0]);
+            self.plain.fill(&self.lines, count);
+            self.plain.last(count, &mut self.last[0]);
+            self.sort(first.max(block)..block + count, block);
+            self.add(0);
+            match active() {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: the instruction set is available.
+                InstructionSet::Avx512 => unsafe { self.add_avx512(block, count) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: as above.
+                InstructionSet::Avx2 => unsafe { self.add_avx2(block, count) },
+                _ => self.add_others::<f64>(block, count),
+            }
         }
         core::mem::take(&mut self.parts)
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    unsafe fn run_avx2(&mut self, first: usize, end: usize) {
-        self.pass(first, end);
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    unsafe fn add_avx512(&mut self, block: usize, count: usize) {
+        self.add_others::<F64x8>(block, count);
     }
 
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn add_avx2(&mut self, block: usize, count: usize) {
+        self.add_others::<F64x4>(block, count);
+    }
+
+    /// Adds what the rows of a block have beside their plain products.
     #[inline(always)]
-    fn pass(&mut self, first: usize, end: usize) {
-        let (starts, width) = (self.plan.layout.starts, self.plan.width);
-        let from = self.beginning(first);
-        for block in (from..end).step_by(BLOCK) {
-            let count = BLOCK.min(end - block);
-            self.reader.read(block, count, &mut self.lines);
-            side_by_side(&self.lines, count, width, &mut self.rows);
-            for offset in 0..count {
-                let row = block + offset;
-                let x = offset * width..(offset + 1) * width;
-                let begins = starts[row] || row == from;
-                core::mem::swap(&mut self.before, &mut self.now);
-                self.now[0].copy_from_slice(&self.rows[x]);
-                for (k, &memory) in self.plan.memories.iter().enumerate() {
-                    let (plain, kept) = self.now.split_at_mut(1 + k);
-                    remember(&mut kept[0], &plain[0], &self.before[1 + k], memory, begins);
-                }
-                if row >= first {
-                    self.count(row);
-                }
-            }
+    fn add_others<V: Vector<Element = f64>>(&mut self, block: usize, count: usize) {
+        let starts = &self.plan.layout.starts[block..block + count];
+        let (plain, remembered) = self.last.split_at_mut(1);
+        if starts.iter().all(|&begins| begins) {
+            return remembered
+                .iter_mut()
+                .for_each(|last| last.copy_from_slice(&plain[0]));
+        }
+        self.made.differ::<V>(&self.plain, count);
+        self.add(1);
+        for (k, &memory) in self.plan.memories.iter().enumerate() {
+            self.made.keep(&self.last[1 + k]);
+            self.made.remember::<V>(&self.plain, memory, starts);
+            self.made.last(count, &mut self.last[1 + k]);
+            self.add(KINDS + k);
+        }
+    }
+
+    /// Adds the products of one kind: of the plain rows, or of those that were made last.
+    fn add(&mut self, kind: usize) {
+        let (width, kinds) = (self.plan.width, KINDS + self.plan.memories.len());
+        let panels = if kind == 0 { &self.plain } else { &self.made };
+        let Parts { blocks, cells } = &mut self.parts;
+        self.blocks.add(panels, kind, kinds, width * width, blocks);
+        self.cells.add(panels, kind, kinds, width, cells);
+    }
+
+    /// Sorts rows of the block that begins at a row.
+    fn sort(&mut self, rows: core::ops::Range<usize>, block: usize) {
+        self.blocks.0.clear();
+        self.cells.0.clear();
+        let layout = self.plan.layout;
+        for row in rows {
+            let goes_on = layout.starts.get(row + 1) == Some(&false);
+            let class = |labels: &[u32]| Class {
+                begins: layout.starts[row],
+                own: labels[row],
+                next: goes_on.then(|| labels[row + 1]),
+            };
+            let at = (1 + row - block) as u32;
+            self.blocks.push(class(layout.blocks), at);
+            self.cells.push(class(layout.cells), at);
         }
     }
 
@@ -247,7 +258,7 @@ impl<'a> Span<'a> {
     fn beginning(&self, first: usize) -> usize {
         let longest = self.plan.memories.iter().copied().fold(0.0, f64::max);
         let rows = if longest > 0.0 {
-            FORGOTTEN.ln() / longest.ln()
+            FORGOTTEN.log(longest)
         } else {
             1.0
         };
@@ -257,72 +268,6 @@ impl<'a> Span<'a> {
             .iter()
             .rposition(|&starts| starts)
             .map_or(earliest, |at| earliest + at)
-    }
-
-    #[inline(always)]
-    fn count(&mut self, row: usize) {
-        let (layout, width) = (self.plan.layout, self.plan.width);
-        let goes_on = layout.starts.get(row + 1) == Some(&false);
-        let class = Class {
-            begins: layout.starts[row],
-            block: layout.blocks[row] as usize,
-            next: goes_on.then(|| layout.blocks[row + 1] as usize),
-        };
-        let kinds = if class.begins {
-            1
-        } else {
-            KINDS + self.plan.memories.len()
-        };
-        let kept = self
-            .parts
-            .classes
-            .entry(class)
-            .or_insert_with(|| Kept::new(kinds, width));
-        let cell = self.parts.cells.entry(layout.cells[row]).or_default();
-        kept.waiting[0].extend_from_slice(&self.now[0]);
-        if class.begins {
-            cell.first.resize(width, 0.0);
-            add_scaled(&mut cell.first, self.now[0][0], &self.now[0]);
-        } else {
-            let change = self.now[0].iter().zip(&self.before[0]).map(|(a, b)| a - b);
-            kept.waiting[1].extend(change);
-            cell.others.resize((1 + 2 * self.now.len()) * width, 0.0);
-            let (plain, remembered) = cell.others.split_at_mut(3 * width);
-            let (now, before) = (&self.now[0], &self.before[0]);
-            add_scaled(&mut plain[..width], now[0], now);
-            add_scaled(&mut plain[width..2 * width], before[0], before);
-            add_scaled(&mut plain[2 * width..], now[0], before);
-            add_scaled(&mut plain[2 * width..], before[0], now);
-            let states = self.now[1..].iter().zip(&self.before[1..]);
-            for (k, (now, before)) in states.enumerate() {
-                kept.waiting[KINDS + k].extend_from_slice(now);
-                let sums = &mut remembered[2 * k * width..];
-                add_scaled(&mut sums[..width], now[0], now);
-                add_scaled(&mut sums[width..2 * width], before[0], before);
-            }
-        }
-        if kept.waiting[0].len() >= WAITING * width {
-            kept.sum(width);
-        }
-    }
-}
-
-/// `now = plain + memory before`, or `plain` where a series begins.
-#[inline(always)]
-fn remember(now: &mut [f64], plain: &[f64], before: &[f64], memory: f64, begins: bool) {
-    if begins {
-        return now.copy_from_slice(plain);
-    }
-    for ((z, &x), &old) in now.iter_mut().zip(plain).zip(before) {
-        *z = memory * old + x;
-    }
-}
-
-/// `line += factor * values`.
-#[inline(always)]
-fn add_scaled(line: &mut [f64], factor: f64, values: &[f64]) {
-    for (sum, &value) in line.iter_mut().zip(values) {
-        *sum += factor * value;
     }
 }
 

@@ -177,3 +177,19 @@ vector!(
     power(x) _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(x)));
     all(x) _mm512_cmp_ps_mask::<_CMP_GE_OQ>(x, _mm512_setzero_ps()) == 0xffff
 );
+
+/// Lines for columns: four rows of four numbers, the other way round.
+#[inline(always)]
+pub(crate) fn transposed([F64x4(a), F64x4(b), F64x4(c), F64x4(d)]: [F64x4; 4]) -> [F64x4; 4] {
+    // SAFETY: the module's rule.
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+        let (ba, dc) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+        [
+            F64x4(_mm256_permute2f128_pd::<0x20>(ab, cd)),
+            F64x4(_mm256_permute2f128_pd::<0x20>(ba, dc)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(ab, cd)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(ba, dc)),
+        ]
+    }
+}

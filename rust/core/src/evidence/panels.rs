@@ -1,0 +1,257 @@
+//! A block of rows of many columns, as the sums of products read them.
+#![allow(unsafe_code)]
+#![allow(clippy::needless_range_loop)] // plain loops over constant sizes stay in registers
+
+use super::gram::{GROUP, Rows, added};
+use crate::batch::staged::{BLOCK, Line};
+use crate::scalar::Scalar;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::x86::{F64x4, transposed};
+use crate::simd::{InstructionSet, Vector, active};
+
+/// Numbers of one row that lie side by side, in a line of the cache of their own.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Group([f64; GROUP]);
+
+/// Rows of a panel: those of a block, and the one before them.
+const ROWS: usize = 1 + BLOCK;
+/// Numbers of a panel.
+const PANEL: usize = ROWS * GROUP;
+/// Vectors whose recursions go on at the same time: each waits for its own last row.
+const IN_FLIGHT: usize = 4;
+
+/// Rows of columns, of which eight lie side by side: row 0 is the one before the block.
+pub(super) struct Panels {
+    groups: Vec<Group>,
+    width: usize,
+}
+
+impl Panels {
+    /// Zeros, `width` in whole groups.
+    pub(super) fn new(width: usize) -> Self {
+        Self {
+            groups: vec![Group([0.0; GROUP]); width / GROUP * ROWS],
+            width,
+        }
+    }
+
+    /// What a sum of products reads.
+    pub(super) fn rows(&self) -> Rows<'_> {
+        // SAFETY: a group is its numbers, one after the other.
+        let numbers = unsafe {
+            core::slice::from_raw_parts(self.groups.as_ptr().cast(), self.groups.len() * GROUP)
+        };
+        Rows {
+            numbers,
+            row: GROUP,
+            panel: PANEL,
+        }
+    }
+
+    fn target(&mut self, column: usize) -> *mut f64 {
+        let offset = column / GROUP * PANEL + column % GROUP;
+        self.groups.as_mut_ptr().cast::<f64>().wrapping_add(offset)
+    }
+
+    /// Numbers of a row, in whole groups.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The row before the block.
+    pub(super) fn keep(&mut self, before: &[f64]) {
+        let panels = self.groups.chunks_exact_mut(ROWS);
+        for (panel, numbers) in panels.zip(before.chunks_exact(GROUP)) {
+            panel[0].0.copy_from_slice(numbers);
+        }
+    }
+
+    /// Copies a row.
+    pub(super) fn last(&self, row: usize, into: &mut [f64]) {
+        let panels = self.groups.chunks_exact(ROWS);
+        for (panel, numbers) in panels.zip(into.chunks_exact_mut(GROUP)) {
+            numbers.copy_from_slice(&panel[row].0);
+        }
+    }
+
+    /// Rows 1 to `count` from a line for each column; those that are missing are zero.
+    pub(super) fn fill(&mut self, lines: &[Line], count: usize) {
+        match active() {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the instruction set is available, or a wider one.
+            InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe {
+                self.fill_avx2(lines, count);
+            },
+            _ => self.fill_plainly(lines, count),
+        }
+    }
+
+    fn fill_plainly(&mut self, lines: &[Line], count: usize) {
+        let panels = self.groups.chunks_exact_mut(ROWS);
+        for (panel, lines) in panels.zip(lines.chunks(GROUP)) {
+            for (row, group) in panel[1..=count].iter_mut().enumerate() {
+                for (number, line) in group.0.iter_mut().zip(lines) {
+                    *number = line.0[row];
+                }
+            }
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn fill_avx2(&mut self, lines: &[Line], count: usize) {
+        const SIDE: usize = F64x4::WIDTH;
+        const { assert!(BLOCK.is_multiple_of(SIDE) && GROUP.is_multiple_of(SIDE)) };
+        static NONE: Line = Line::of(0.0);
+        for column in (0..self.width).step_by(SIDE) {
+            let target = self.target(column);
+            let mut four = [&NONE; SIDE];
+            for i in 0..SIDE {
+                four[i] = lines.get(column + i).unwrap_or(&NONE);
+            }
+            for row in (0..count).step_by(SIDE) {
+                let mut square = [F64x4::constant(0.0); SIDE];
+                // SAFETY: lines and panels have whole blocks of rows, a multiple of the side.
+                unsafe {
+                    for i in 0..SIDE {
+                        square[i] = F64x4::load(four[i].0.as_ptr().add(row));
+                    }
+                    square = transposed(square);
+                    for i in 0..SIDE {
+                        square[i].store(target.add((1 + row + i) * GROUP));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Rows 1 to `count` less the row before each.
+    #[inline(always)]
+    pub(super) fn differ<V: Vector<Element = f64>>(&mut self, plain: &Self, count: usize) {
+        assert!(count <= BLOCK && plain.width == self.width);
+        for column in (0..self.width).step_by(V::WIDTH) {
+            let (target, source) = (self.target(column), plain.rows().column(column));
+            for row in 1..=count {
+                // SAFETY: both have a block of rows after the first.
+                unsafe {
+                    let before = V::load(source.add((row - 1) * GROUP));
+                    let change = V::load(source.add(row * GROUP)) - before;
+                    change.store(target.add(row * GROUP));
+                }
+            }
+        }
+    }
+
+    /// Rows from 1 on, each with `memory` times the row before of these, but where a series begins.
+    #[inline(always)]
+    pub(super) fn remember<V: Vector<Element = f64>>(
+        &mut self,
+        plain: &Self,
+        memory: f64,
+        begins: &[bool],
+    ) {
+        assert!(begins.len() <= BLOCK && plain.width == self.width);
+        let mut column = 0;
+        while column + IN_FLIGHT * V::WIDTH <= self.width {
+            self.remember_some::<V, IN_FLIGHT>(plain, memory, begins, column);
+            column += IN_FLIGHT * V::WIDTH;
+        }
+        while column < self.width {
+            self.remember_some::<V, 1>(plain, memory, begins, column);
+            column += V::WIDTH;
+        }
+    }
+
+    #[inline(always)]
+    fn remember_some<V: Vector<Element = f64>, const N: usize>(
+        &mut self,
+        plain: &Self,
+        memory: f64,
+        begins: &[bool],
+        column: usize,
+    ) {
+        let (mut sources, mut targets) = ([plain.rows().column(0); N], [self.target(0); N]);
+        let mut state = [V::constant(0.0); N];
+        for j in 0..N {
+            sources[j] = plain.rows().column(column + j * V::WIDTH);
+            targets[j] = self.target(column + j * V::WIDTH);
+            // SAFETY: the caller's, as below: the columns lie within the width, the rows in a block.
+            state[j] = unsafe { V::load(targets[j]) };
+        }
+        for (row, &begins) in begins.iter().enumerate() {
+            let factor = V::constant(if begins { 0.0 } else { memory });
+            let at = (1 + row) * GROUP;
+            for j in 0..N {
+                // SAFETY: as above.
+                unsafe {
+                    state[j] = added(factor, state[j], V::load(sources[j].add(at)));
+                    state[j].store(targets[j].add(at));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 48;
+
+    fn number(column: usize, row: usize) -> f64 {
+        ((column * 31 + row) as f64 * 0.754_877).fract() - 0.5
+    }
+
+    fn filled(columns: usize) -> Panels {
+        let mut lines = vec![Line::of(0.0); columns];
+        for (column, line) in lines.iter_mut().enumerate() {
+            for (row, value) in line.0.iter_mut().enumerate() {
+                *value = number(column, row);
+            }
+        }
+        let mut panels = Panels::new(WIDTH);
+        panels.fill(&lines, 7);
+        panels
+    }
+
+    fn at(panels: &Panels, row: usize) -> Vec<f64> {
+        let mut values = vec![0.0; WIDTH];
+        panels.last(row, &mut values);
+        values
+    }
+
+    #[test]
+    fn every_row_has_its_columns_and_zeros() {
+        let panels = filled(43);
+        for row in 0..7 {
+            let own = |column| {
+                if column < 43 {
+                    number(column, row)
+                } else {
+                    0.0
+                }
+            };
+            assert_eq!(
+                at(&panels, 1 + row),
+                (0..WIDTH).map(own).collect::<Vec<_>>()
+            );
+        }
+    }
+
+    #[test]
+    fn a_row_remembers_the_one_before() {
+        let (plain, mut changes, mut kept) =
+            (filled(WIDTH), Panels::new(WIDTH), Panels::new(WIDTH));
+        changes.differ::<f64>(&plain, 3);
+        kept.keep(&[2.0; WIDTH]);
+        kept.remember::<f64>(&plain, 0.5, &[false, true, false]);
+        for column in 0..WIDTH {
+            let [a, b, c] = [0, 1, 2].map(|row| number(column, row));
+            assert_eq!(at(&changes, 1)[column], a);
+            assert_eq!(at(&changes, 3)[column], c - b);
+            assert_eq!(at(&kept, 1)[column], 0.5 * 2.0 + a);
+            assert_eq!(at(&kept, 3)[column], 0.5 * b + c);
+        }
+    }
+}
