@@ -13,6 +13,26 @@ from echocal import DataError, UsageError
 ECHO = {"echo_us": [11660.0, 11700.0, 11500.0]}
 
 TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] = {
+    "complex numbers": (
+        {"echo_us": [11660.0 + 1j, 11700.0]},
+        {},
+        DataError,
+        "column 'echo_us' holds complex numbers (complex128); give the real part, or its magnitude",
+    ),
+    "true and false": (
+        {**ECHO, "temperature_C": [True, False, True]},
+        {},
+        DataError,
+        "column 'temperature_C' holds true and false, and a temperature is a number; "
+        'if it is something else: --column "temperature_C=extra"',
+    ),
+    "no columns": ({}, {}, DataError, "the table has no columns"),
+    "lists in a column": (
+        {"echo_us": [[1.0], [1.0, 2.0]]},
+        {},
+        DataError,
+        "column 'echo_us' holds lists of different lengths; give one value for each row",
+    ),
     "no echo column": (
         {"SR_U": [2.0], "battery": [4.6]},
         {},

@@ -125,6 +125,16 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         UsageError,
         "n_threads is -1; give a whole number of 1",
     ),
+    "threads that are true": (
+        lambda: echocal.firmware.generate(Model("linear"), temperature=CODES, n_threads=True),
+        UsageError,
+        "n_threads is True; give a whole number of 1",
+    ),
+    "true threads of a function": (
+        lambda: echocal.speed_of_sound([20.0], n_threads=True),
+        UsageError,
+        "n_threads is True; give 1 or more, or None for every processor",
+    ),
     "assumed humidity of 50": (
         lambda: echocal.firmware.generate(
             Model("linear"), temperature=CODES, assume={"relative_humidity": 50.0}

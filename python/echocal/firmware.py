@@ -345,7 +345,7 @@ def _echo(wish: float | EchoCodes | tuple[float, float]) -> tuple[float, float]:
 
 def _count(name: str, value: float, most: int, *, least: int | None = None) -> int:
     """Return a whole number."""
-    whole = isinstance(value, Real) and float(value).is_integer()
+    whole = isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
     if not whole or abs(value) > most or (least is not None and value < least):
         message = f"{name} is {value!r}; give a whole number" + (
             "" if least is None else f" of {least} .. {most}"

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from echocal.calibrate import Calibration, calibrate
 from echocal.cli._models import Effects, model_of
+from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -55,6 +56,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Estimate parameters by least squares, with standard uncertainties and correlations."""
+    refuse_unwritable(out, json)
     start = model_of(law, model, effect)
     with noted(quiet):
         layout = {"time_zone": time_zone, "skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}

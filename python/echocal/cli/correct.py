@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from echocal.cli._models import Effects, model_of
+from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -57,12 +58,14 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Append corrected_distance_m and a reason code; same rows, same order."""
+    folder = data.is_dir()
+    refuse_unwritable(json, None if folder else out, folder=out if folder else None)
     options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
     correction = model_of(law, model, effect)
     if transferable:
         correction = correction.transferable()
     with noted(quiet):
-        if data.is_dir():
+        if folder:
             done = _folder(data, out, correction, quiet, options)
         else:
             layout = Layout(skip_lines, decimal, encoding)

@@ -8,6 +8,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -76,6 +77,9 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
+    if with_shape and model is None:
+        raise UsageError("--with-shape says what the model has: give --model OUT.json, too")
+    refuse_unwritable(model, json, folder=plots)
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
     # what warnings would say is among the notes
     with warnings.catch_warnings(action="ignore", category=DataWarning), _bar(quiet) as bar:
@@ -109,14 +113,12 @@ def _bar(quiet: bool) -> Progress:
 
 
 def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, *, with_shape: bool) -> None:
-    if with_shape and model is None:
-        raise UsageError("--with-shape says what the model has: give --model OUT.json, too")
-    if model is not None:
-        (diagnosis.model_with_shape if with_shape else diagnosis.model).save(model)
-    if plots is not None:
+    if plots is not None:  # first: it makes the folder, and the model may go into it
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 
         save_diagnosis(diagnosis, plots)
+    if model is not None:
+        (diagnosis.model_with_shape if with_shape else diagnosis.model).save(model)
 
 
 def _ranges(first: list[str] | None, more: list[str] | None) -> dict[str, tuple[float, float]] | None:

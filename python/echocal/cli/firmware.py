@@ -20,6 +20,7 @@ from rich.table import Table
 
 from echocal import silicon
 from echocal.cli import _explore
+from echocal.cli._outputs import refuse_unwritable
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
@@ -67,6 +68,7 @@ def command(
             "--measure and --package"
         )
         raise UsageError(message)
+    refuse_unwritable(json, folder=out)
     low, high = _range("--temperature-range", temperature_range, "-20:60")
     damp = _damp(humidity_lsb, humidity_range, humidity_zero)
     bar = _bar(console)

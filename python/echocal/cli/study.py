@@ -1,13 +1,17 @@
 """``echocal study``: the study that echocal began from, recomputed."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
+from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import Json, write_json
 from echocal.errors import writing
+
+if TYPE_CHECKING:
+    from echocal.study import Study
 
 
 def command(
@@ -20,18 +24,24 @@ def command(
     ] = False,
 ) -> None:
     """Recompute every number of the study: reproduced, not reproduced or physically wrong."""
+    refuse_unwritable(json, folder=out)
     from echocal import study
-    from echocal.study import diagnosed, document, figures, report
+    from echocal.study import report
 
     found = study.run()
-    write_json(found.to_dict(), json)
     console = Console(stderr=json == "-")
     if quiet:
         console.print(", ".join(f"{count} {name}" for name, count in found.verdicts.items()))
     else:
         report.show(found, console)
-    if out is None:
-        return
+    if out is not None:
+        _write(found, out, console, quiet=quiet)
+    write_json(found.to_dict(), json)
+
+
+def _write(found: "Study", out: Path, console: Console, *, quiet: bool) -> None:
+    from echocal.study import diagnosed, document, figures
+
     with writing(out):
         paths = figures.save(found, out)
         pages = {

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from echocal.cli._models import Effects, model_of
+from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import Json, Quiet, noted, write_json
 from echocal.errors import UsageError, writing
 from echocal.sweep import Range, parse, parse_named, sweep
@@ -43,6 +44,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Simulate a device over every combination of conditions."""
+    refuse_unwritable(out, plot, json)
     si = {
         "temperature": temperature,
         "distance": distance,

@@ -7,6 +7,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -56,6 +57,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Examine errors of indication against a bound; exit 1 where one exceeds it."""
+    refuse_unwritable(json)
     bound = maximum_permissible_error_mm * 1e-3
     with noted(quiet):
         if subject.suffix == ".json":

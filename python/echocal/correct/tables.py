@@ -14,6 +14,7 @@ from echocal.observations import read_observations
 from echocal.observations.correction import corrected_distance
 from echocal.observations.names import IGNORE
 from echocal.observations.plan import make, read_columns
+from echocal.observations.source import load
 
 __all__ = ["RESULTS", "Corrected", "correct_table"]
 
@@ -97,7 +98,7 @@ def correct_table(
         warnings.simplefilter("ignore", DataWarning)  # the notes say the same
         observations = read_observations(
             table,
-            _without_references(list(table.columns), requests),
+            _without_references(table, requests),
             reading_speed=reading_speed or model.law,
             **options,
         )
@@ -112,8 +113,7 @@ def correct_table(
     )
 
 
-def _without_references(names: list[str], requests: dict[str, str]) -> dict[str, str]:
+def _without_references(table: pd.DataFrame, requests: dict[str, str]) -> dict[str, str]:
     """Requests that leave out what a correction has no use for: it must not cost a row."""
-    names = [str(name).strip() for name in names]
-    held = make(names, requests).assignments
+    held = make(list(load(table).columns), requests).assignments
     return requests | {held[role].column: IGNORE for role in _REFERENCES if role in held}

@@ -75,7 +75,9 @@ class Assembly:
             self.time = clock.instants(self.table[source.column], source.column, self.time_zone)
             values = clock.elapsed(self.time)
             self._check_filled(values, source)
+            self.notes += checks.newest_first(values, source)
             return values
+        checks.refuse_truth(self.table[source.column], source)
         values = to_numbers(self.table[source.column], source.column, self.missing)
         self._check_filled(values, source)
         checks.refuse_other_unit(values, source, self.trusted)
@@ -85,7 +87,8 @@ class Assembly:
         self.notes += notes
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
-            values = values - values[np.isfinite(values).argmax()]
+            values = values - np.min(values, where=np.isfinite(values), initial=np.inf)
+            self.notes += checks.newest_first(values, source)
         return values
 
     def _hour(self) -> dict[str, Column]:

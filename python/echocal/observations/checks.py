@@ -1,8 +1,12 @@
 """What values can physically be: single impossible rows, and columns in another unit."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
@@ -12,7 +16,8 @@ from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
 from echocal.observations.units import NAMES, Form, Unit
 
-__all__ = ["impossible", "refuse_other_unit", "refuse_without_values", "si_unit", "suspected_codes"]
+__all__ = ["impossible", "newest_first", "refuse_other_unit", "refuse_truth", "refuse_without_values"]
+__all__ += ["si_unit", "suspected_codes"]
 
 _CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 
@@ -34,6 +39,42 @@ def refuse_without_values(values: Column, column: str) -> None:
             f'if it is not needed: --column "{column}=ignore"'
         )
         raise DataError(message)
+
+
+def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
+    """Refuse true and false where a quantity is measured.
+
+    Raises
+    ------
+    DataError
+        If the column holds truth values.
+    """
+    if pd.api.types.is_bool_dtype(values):
+        column, what = assignment.column, assignment.form.role.replace("_", " ")
+        message = (
+            f"column '{column}' holds true and false, and a {what} is a number; "
+            f'if it is something else: --column "{column}=extra" (or "{column}=ignore")'
+        )
+        raise DataError(message)
+
+
+def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
+    """A sentence where times fall from row to row: what depends on the order then looks the wrong way.
+
+    Parameters
+    ----------
+    elapsed : ndarray, shape (n,)
+        Time of each row [s].
+    """
+    steps = np.diff(elapsed[np.isfinite(elapsed)])
+    falling, rising = int((steps < 0.0).sum()), int((steps > 0.0).sum())
+    if falling <= rising:
+        return []
+    return [
+        f"{assignment.column} falls in {falling} of {rows(len(steps))}, as where the newest row comes first; "
+        "rows stay in their order, and what depends on it (rows that follow each other) is better told "
+        "of a table sorted by time"
+    ]
 
 
 def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collection[str]) -> None:

@@ -47,9 +47,9 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> Instants:
 
 
 def elapsed(times: Instants) -> NDArray[np.float64]:
-    """Seconds since the first row that has a time; NaN where there is none."""
-    known = np.flatnonzero(~np.isnat(times))
-    start = times[known[0]] if len(known) else np.datetime64("NaT")
+    """Seconds since the earliest time; NaN where there is none."""
+    known = times[~np.isnat(times)]
+    start = known.min() if len(known) else np.datetime64("NaT")
     return np.asarray((times - start) / np.timedelta64(1, "s"), dtype=np.float64)
 
 

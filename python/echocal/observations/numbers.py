@@ -73,6 +73,11 @@ def to_numbers(values: pd.Series[Any], column: str, missing: Missing) -> Column:
     if pd.api.types.is_datetime64_any_dtype(values) or pd.api.types.is_timedelta64_dtype(values):
         message = f"column '{column}' holds {values.dtype}, not numbers"
         raise DataError(message)
+    if pd.api.types.is_complex_dtype(values):
+        message = (
+            f"column '{column}' holds complex numbers ({values.dtype}); give the real part, or its magnitude"
+        )
+        raise DataError(message)
     if pd.api.types.is_numeric_dtype(values):
         numbers = values.to_numpy(dtype=np.float64, na_value=np.nan, copy=True)
     else:

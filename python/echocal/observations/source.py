@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from numpy.typing import NDArray
 
 from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
@@ -12,7 +13,17 @@ from echocal.observations import text
 
 __all__ = ["load"]
 
-_PARQUET, _ZIP = b"PAR1", b"PK\x03\x04"
+_PARQUET = b"PAR1"
+_NO_TEXT = {
+    b"PK\x03\x04": "a zip archive or a spreadsheet; save the table as CSV",
+    b"ARRO": "an Arrow (Feather) file; save it as Parquet, or read it with pyarrow and pass the table",
+    b"\x89HDF": "an HDF5 or NetCDF file; read it with xarray or pandas and pass the table",
+    b"CDF": "a NetCDF file; read it with xarray and pass the dataset",
+    b"SQLi": "an SQLite database; save the table as CSV",
+    b"{": "JSON; save the table as CSV or Parquet, or read it with pandas and pass the table",
+    b"[{": "JSON; save the table as CSV or Parquet, or read it with pandas and pass the table",
+}
+"""What files begin with that are no table of text."""
 
 
 def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = False) -> pd.DataFrame:
@@ -44,6 +55,9 @@ def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = Fal
     if len(repeated):
         message = f"{where} has more than one column '{repeated[0]}'; rename all but one"
         raise DataError(message)
+    if not len(table.columns):
+        message = f"{where} has no columns"
+        raise DataError(message)
     if table.empty:
         message = f"{where} has a header ({', '.join(table.columns)}) and no rows"
         raise DataError(message)
@@ -54,9 +68,10 @@ def _file(path: Path, layout: text.Layout, verbatim: bool) -> pd.DataFrame:
     head = _head(path)
     if head.startswith(_PARQUET):
         return _parquet(path)
-    if head.startswith(_ZIP):
-        message = f"{path} is a zip archive or a spreadsheet; save the table as CSV"
-        raise DataError(message)
+    for start, told in _NO_TEXT.items():
+        if head.startswith(start):
+            message = f"{path} is {told}"
+            raise DataError(message)
     return text.read(path, layout, verbatim)
 
 
@@ -81,7 +96,7 @@ def _head(path: Path) -> bytes:
 
 def _parquet(path: Path) -> pd.DataFrame:
     try:
-        return pd.read_parquet(path)
+        return _index_as_columns(pd.read_parquet(path))
     except ImportError:
         message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
         raise UsageError(message) from None
@@ -92,25 +107,63 @@ def _parquet(path: Path) -> pd.DataFrame:
 
 def _object(source: Any) -> pd.DataFrame:
     if isinstance(source, pd.DataFrame):
-        return source.copy(deep=False)
+        return _index_as_columns(source)
+    if callable(getattr(source, "to_dataframe", None)):  # xarray, whose datasets are mappings, too
+        return _xarray(source)
     if isinstance(source, Mapping):
         return _mapping(source)
-    for method in ("collect", "to_pandas", "to_dataframe"):  # polars lazy; polars, arrow; xarray
+    for method in ("collect", "to_pandas"):  # polars lazy; polars, arrow
         if callable(getattr(source, method, None)):
             source = getattr(source, method)()
             if isinstance(source, pd.DataFrame):
-                return source if method == "to_pandas" else source.reset_index()
+                return _index_as_columns(source)
     if hasattr(source, "__dataframe__"):
         return pd.api.interchange.from_dataframe(source)
-    message = f"expected a path, a table or a mapping of columns, got {type(source).__name__}"
+    message = (
+        f"expected a path, a table or a mapping of columns, got {type(source).__name__}; "
+        "pandas.DataFrame(...) makes a table of most things"
+    )
     raise UsageError(message)
 
 
+def _index_as_columns(table: pd.DataFrame) -> pd.DataFrame:
+    """A table whose index holds nothing: levels with a name, and times without one, become columns."""
+    if isinstance(table.index, pd.DatetimeIndex) and table.index.name is None:
+        table = table.rename_axis("time")
+    held = [str(name).strip() for name in table.columns]
+    # pandas names the index of a table after what it was; a column of that name says the same
+    kept = [n for n, name in enumerate(table.index.names) if name is not None and str(name) not in held]
+    columns = {str(table.index.names[n]): table.index.get_level_values(n) for n in kept}
+    bare = table.reset_index(drop=True)
+    for place, (name, values) in enumerate(columns.items()):
+        bare.insert(place, name, values)
+    return bare
+
+
+def _xarray(source: Any) -> pd.DataFrame:
+    """One row for each point; dimensions without coordinates only count."""
+    try:
+        table: pd.DataFrame = source.to_dataframe()
+    except ValueError as error:  # no name
+        message = f"{type(source).__name__} is no table: {error}"
+        raise UsageError(message) from None
+    table.index.names = [name if name in source.coords else None for name in table.index.names]
+    return _index_as_columns(table)
+
+
 def _mapping(source: Mapping[Any, Any]) -> pd.DataFrame:
-    columns = {name: unmasked(values) for name, values in source.items()}
+    columns = {name: _column(name, values) for name, values in source.items()}
     shapes = {values.shape for values in columns.values()}
     if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
         found = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
         message = f"columns must be one-dimensional and of equal length; got {found}"
         raise DataError(message)
     return pd.DataFrame(columns)
+
+
+def _column(name: Any, values: Any) -> NDArray[Any]:
+    try:
+        return unmasked(values)
+    except ValueError:
+        message = f"column '{name}' holds lists of different lengths; give one value for each row"
+        raise DataError(message) from None

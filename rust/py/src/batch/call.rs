@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use echocal_core::batch::available_threads;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyTuple};
 
 use super::cache::Entry;
 use super::direct::direct;
@@ -41,7 +41,9 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let count = given.extract::<i64>().ok().map(usize::try_from);
+        let truth = given.is_instance_of::<PyBool>(); // a number to Python, and no count
+        let count = given.extract::<i64>().ok().filter(|_| !truth);
+        let count = count.map(usize::try_from);
         match count {
             Some(Ok(count)) if count > 0 => Ok(Self(count)),
             _ => {

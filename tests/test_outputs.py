@@ -1,0 +1,75 @@
+"""Outputs of the commands that cannot be written: told before anything is computed or written."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from echocal.cli import main
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+TABLE, MODEL = str(EXAMPLES / "study_table2.csv"), str(EXAMPLES / "tank_model.json")
+Run = Callable[..., tuple[int, str]]
+
+COMMANDS = {
+    "calibrate": ("calibrate", TABLE, "--fit", "zero_error", "-o", "model.json"),
+    "correct": ("correct", TABLE, "-o", "corrected.csv"),
+    "diagnose": ("diagnose", TABLE, "--model", "model.json", "--plots", "plots"),
+    "firmware": ("firmware", MODEL, "-o", "made"),
+    "study": ("study", "--out", "pages"),
+    "sweep": ("sweep", "--temperature", "0:50:2", "-o", "sweep.csv", "--plot", "sweep.png"),
+    "verify": ("verify", TABLE, "--maximum-permissible-error-mm", "3"),
+}
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+    """Run a command line in an empty folder: exit code and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words: str) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["echocal", *words])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        return int(caught.value.code or 0), capsys.readouterr().err
+
+    return command
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_no_output_is_written_where_one_cannot_be(name: str, run: Run) -> None:
+    code, told = run(*COMMANDS[name], "--json", "absent/report.json")
+    assert code == 2
+    assert told == (
+        "echocal: absent/report.json cannot be written: there is no folder absent; make it first\n"
+    )
+    assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["diagnose", "firmware", "study"])
+def test_a_file_is_no_folder(name: str, run: Run) -> None:
+    Path(COMMANDS[name][-1]).write_text("mine")
+    code, told = run(*COMMANDS[name])
+    assert (code, told.count("\n")) == (2, 1)
+    assert "is a file; name a folder" in told
+    assert Path(COMMANDS[name][-1]).read_text() == "mine"
+
+
+def test_a_folder_is_no_file(run: Run) -> None:
+    Path("there").mkdir()
+    assert run(*COMMANDS["verify"], "--json", "there") == (
+        2,
+        "echocal: there cannot be written: it is a folder; name a file in it\n",
+    )
+
+
+def test_the_report_may_go_into_the_folder_that_is_made(run: Run) -> None:
+    assert run(*COMMANDS["firmware"], "--temperature-lsb", "0.5", "--json", "made/summary.json", "-q") == (
+        0,
+        "",
+    )
+    assert Path("made/summary.json").read_text() == Path("made/report.json").read_text()
+    words = ("diagnose", TABLE, "--model", "plots/model.json", "--plots", "plots", "--json", "plots/it.json")
+    assert run(*words, "-q") == (0, "")
+    assert {"model.json", "it.json"} <= {path.name for path in Path("plots").iterdir()}
