@@ -145,7 +145,11 @@ def test_verify_a_model(run: Run) -> None:
             "a model file or a law with effects, not both",
         ),
         ("sweep --temperature 20 --plot a.png", 2, "a single point makes no plot"),
-        ("sweep --temperature 0:50:2 --plot a.xyz", 2, "Format 'xyz' is not supported"),
+        (
+            "sweep --temperature 0:50:2 --plot a.xyz",
+            2,
+            "a.xyz has the ending '.xyz'; a plot is .png,",
+        ),
         ("sweep --temperature 20 -o a.xyz", 2, "cannot write '.xyz'"),
         ("sweep --temperature 20 -o no/a.csv", 2, "no/a.csv cannot be written"),
         ("sweep --temperature 20 --json no/a.json", 2, "no/a.json cannot be written"),

@@ -141,7 +141,7 @@ def test_command_line_can_be_quiet_and_pipe() -> None:
         (("--reading-speed", "banana"), 2, "unknown law 'banana'"),
         (("--base", "0"), 2, "a speed of 0 m/s; give a positive one"),
         (("--decimal", "xx"), 2, "neither '.' nor ','"),
-        (("--json", "absent/x.json"), 2, "absent/x.json cannot be written: No such file"),
+        (("--json", "absent/x.json"), 2, "absent/x.json cannot be written: there is no folder absent"),
         (("--plots", str(TABLE)), 2, "cannot be written"),
     ],
 )

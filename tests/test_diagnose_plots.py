@@ -51,11 +51,22 @@ def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> N
     assert [label.get_text() for label in ax.get_yticklabels()] == ["clock_error or 2 others", "nothing else"]
     assert "in every set: cycle_slip" in ax.get_title(loc="left")
     assert ax.get_title(loc="left").startswith("named: ")
-    console = Console(file=io.StringIO(), width=120)
-    print_diagnosis(joined, console)
-    said = console.file.getvalue()  # type: ignore[attr-defined]
+    said = printed(joined, 120)
     assert "clock_error or 2 others" in said
     assert "in every set: cycle_slip" in said
+
+
+def printed(diagnosis: echocal.Diagnosis, width: int) -> str:
+    text = io.StringIO()
+    print_diagnosis(diagnosis, Console(file=text, width=width))
+    return text.getvalue()
+
+
+@pytest.mark.parametrize("width", [40, 120])
+def test_no_bar_is_cut_and_no_unit_lost(diagnosis: echocal.Diagnosis, width: int) -> None:
+    said = printed(diagnosis, width)
+    assert "RMS [mm]" in said
+    assert "…" not in said.partition("error on")[2].partition("note")[0]
 
 
 def test_the_gain_names_what_joins(diagnosis: echocal.Diagnosis) -> None:

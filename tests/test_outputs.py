@@ -73,3 +73,12 @@ def test_the_report_may_go_into_the_folder_that_is_made(run: Run) -> None:
     words = ("diagnose", TABLE, "--model", "plots/model.json", "--plots", "plots", "--json", "plots/it.json")
     assert run(*words, "-q") == (0, "")
     assert {"model.json", "it.json"} <= {path.name for path in Path("plots").iterdir()}
+
+
+@pytest.mark.parametrize(
+    ("out", "plot"), [("sweep.csv", "sweep.foo"), ("sweep.foo", "sweep.png"), ("sweep.nc", "plot")]
+)
+def test_endings_are_known_before_a_sweep_is_written(out: str, plot: str, run: Run) -> None:
+    code, told = run("sweep", "--temperature", "0:50:2", "-o", out, "--plot", plot)
+    assert (code, told.count("\n")) == (2, 1)
+    assert list(Path().iterdir()) == []

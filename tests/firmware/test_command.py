@@ -114,8 +114,11 @@ def test_the_best_reachable_is_measured_where_that_is_wanted(
         (("--assume", "relative_humidity"), "give NAME=VALUE"),
         (("--target", "pdp11"), "unknown target 'pdp11'"),
         (("--accept", "no_such_effect"), "unknown effect 'no_such_effect'"),
-        (("--json", "absent/folder/report.json"), "cannot write absent/folder/report.json: No such file"),
-        (("-o", "model.json"), "cannot write firmware to model.json: File exists"),
+        (
+            ("--json", "absent/folder/report.json"),
+            "absent/folder/report.json cannot be written: there is no folder",
+        ),
+        (("-o", "model.json"), "model.json is a file; name a folder"),
     ],
 )
 def test_a_mistake_exits_with_2_and_one_line(

@@ -77,6 +77,7 @@ def test_the_command_writes_what_it_shows(
     )
     assert run(monkeypatch, "model.json", *words, "--explore", "--json", "-", "-o", "made") == 0
     out, shown = capsys.readouterr()
+    assert "error [mm]" in shown, "a unit is no markup"
     answer = json.loads(out)
     assert answer == json.loads(Path("made/choices.json").read_text())
     assert Path("made/choices.png").read_bytes().startswith(b"\x89PNG")

@@ -45,7 +45,7 @@ def _table(choices: list[Choice]) -> Table:
     source = f"measured on {', '.join(cores)}" if cores else "by the cost model: not measured"
     table = Table(title=f"nothing else is better in all of flash, time and error ({source})")
     for name in ("flash [B]", choices[0].unit, "error [mm]"):
-        table.add_column(name, justify="right")
+        table.add_column(escape(name), justify="right")
     table.add_column("form")
     for choice in choices:
         note = "" if choice.core or not cores else " (cost model)"
@@ -59,4 +59,5 @@ def show(console: Console, table: Table, notes: list[str], out: Path) -> None:
     console.print(table)
     for note in notes:
         console.print(f"[yellow]note[/] {escape(note)}")
-    console.print(f"written [cyan]{out / 'choices.json'}[/], [cyan]{out / 'choices.png'}[/]")
+    paths = (escape(str(out / name)) for name in ("choices.json", "choices.png"))
+    console.print("written " + ", ".join(f"[cyan]{path}[/]" for path in paths))

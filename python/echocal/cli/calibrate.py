@@ -87,4 +87,4 @@ def _print(found: Calibration, out: Path | None) -> None:
     for name in found.at_bounds:
         console.print(f"{name} ended on a bound: its uncertainty means little", style="yellow")
     if out is not None:
-        console.print(f"wrote {out}")
+        console.print(f"wrote {out}", markup=False)

@@ -112,4 +112,6 @@ def _print(done: dict[Path, Corrected]) -> None:
     total = sum(result.rows for result in done.values())
     bad = sum(sum(result.unusable.values()) for result in done.values())
     files = str(next(iter(done))) if len(done) == 1 else f"{len(done)} files"
-    Console(soft_wrap=True).print(f"{files}: {total - bad} of {total} rows corrected", highlight=False)
+    Console(soft_wrap=True).print(
+        f"{files}: {total - bad} of {total} rows corrected", highlight=False, markup=False
+    )

@@ -2,6 +2,8 @@
 
 import sys
 import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,6 +26,8 @@ from echocal.cli._outputs import refuse_unwritable
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
+
+Tell = Callable[[str, int, int], object]
 
 
 def option(description: str, *names: str, metavar: str | None = None) -> Any:
@@ -62,59 +66,73 @@ def command(
 ) -> None:
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
-    if explore and (prefer or form or measure or package != "c"):
+    if explore:
+        _refuse_one(prefer, form, measure, package)
+    refuse_unwritable(json, folder=out)
+    request: dict[str, Any] = {
+        "temperature": TemperatureCodes(
+            temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
+        ),
+        "humidity": _damp(humidity_lsb, humidity_range, humidity_zero),
+        "echo": echo_max_us if echo_lsb_us == 1.0 else EchoCodes(echo_lsb_us, echo_max_us),
+        "output_unit": output_unit,
+        "max_error": max_error_mm * 1e-3,
+        "max_distance": max_distance_m,
+        "accept": accept or (),
+        "assume": dict(_assignment(text) for text in assume or ()),
+        "max_table_bytes": max_table_bytes,
+        "n_threads": threads,
+        "model_name": model.name,
+    }
+    followed = Model.load(model)
+    with _watched(console) as (tell, notes):
+        if explore:
+            text, table = _explore.run(followed, target, out, tell, **request)
+        else:
+            one: dict[str, Any] = {"form": form, "package": package, "measure": measure}
+            saved = prefer or "size"
+            made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
+    if explore:
+        _pass_on(json, text)
+        _explore.show(console, table, notes, out)
+        return
+    files = made.save(out)
+    _pass_on(json, made.files["report.json"])
+    console.print(_summary(made, files, notes + (_unmeasured(target) if measure else [])))
+
+
+def _refuse_one(prefer: str | None, form: str | None, measure: bool, package: str) -> None:
+    """Refuse what concerns one function where all that are worth having are asked for."""
+    if prefer or form or measure or package != "c":
         message = (
             "--explore tries every form, for size and for speed, and packs none: leave out --prefer, --form, "
             "--measure and --package"
         )
         raise UsageError(message)
-    refuse_unwritable(json, folder=out)
-    low, high = _range("--temperature-range", temperature_range, "-20:60")
-    damp = _damp(humidity_lsb, humidity_range, humidity_zero)
-    bar = _bar(console)
-    with warnings.catch_warnings(record=True) as warned, bar as progress:
+
+
+@contextmanager
+def _watched(console: Console) -> Iterator[tuple[Tell, list[str]]]:
+    """Show a bar, and collect what is warned of, each once, in the list."""
+    notes: list[str] = []
+    with warnings.catch_warnings(record=True) as warned, _bar(console) as progress:
         warnings.simplefilter("always", DomainWarning)
         task = progress.add_task("designing", total=None)
-        request: dict[str, Any] = {
-            "temperature": TemperatureCodes(temperature_lsb, low, high, temperature_zero),
-            "humidity": damp,
-            "echo": echo_max_us if echo_lsb_us == 1.0 else EchoCodes(echo_lsb_us, echo_max_us),
-            "output_unit": output_unit,
-            "max_error": max_error_mm * 1e-3,
-            "max_distance": max_distance_m,
-            "accept": accept or (),
-            "assume": dict(_assignment(text) for text in assume or ()),
-            "max_table_bytes": max_table_bytes,
-            "n_threads": threads,
-            "model_name": model.name,
-        }
 
         def tell(what: str, done: int, total: int) -> None:
             progress.update(task, description=what, completed=done, total=total)
 
-        if explore:
-            text, table = _explore.run(Model.load(model), target, out, tell, **request)
-        else:
-            made = generate(
-                Model.load(model),
-                target,
-                prefer=prefer or "size",
-                form=form,
-                package=package,
-                measure=measure,
-                progress=lambda form, checked, total: tell(f"proving: {form}", checked, total),
-                **request,
-            )
-    notes = [*dict.fromkeys(str(warning.message) for warning in warned)]
-    if explore:
-        _pass_on(json, text)
-        _explore.show(console, table, notes, out)
-        return
-    absent = {core: silicon.missing(core) for core in silicon.cores_of(target)} if measure else {}
-    notes += [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]
-    files = made.save(out)
-    _pass_on(json, made.files["report.json"])
-    console.print(_summary(made, files, notes))
+        yield tell, notes
+    notes += dict.fromkeys(str(warning.message) for warning in warned)
+
+
+def _proving(tell: Tell) -> Tell:
+    return lambda form, checked, total: tell(f"proving: {form}", checked, total)
+
+
+def _unmeasured(target: str) -> list[str]:
+    absent = {core: silicon.missing(core) for core in silicon.cores_of(target)}
+    return [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]
 
 
 def _bar(console: Console) -> Progress:

@@ -52,4 +52,4 @@ def _write(found: "Study", out: Path, console: Console, *, quiet: bool) -> None:
             (out / name).write_text(text, encoding="utf-8")
             paths.append(out / name)
     if not quiet:
-        console.print(f"wrote {', '.join(str(path) for path in paths)}")
+        console.print(f"wrote {', '.join(str(path) for path in paths)}", markup=False)

@@ -13,7 +13,7 @@ from echocal.cli._outputs import refuse_unwritable
 from echocal.cli._tables import Json, Quiet, noted, write_json
 from echocal.errors import UsageError, writing
 from echocal.sweep import Range, parse, parse_named, sweep
-from echocal.sweep.files import write
+from echocal.sweep.files import refuse_ending, write
 
 
 def command(
@@ -45,6 +45,10 @@ def command(
 ) -> None:
     """Simulate a device over every combination of conditions."""
     refuse_unwritable(out, plot, json)
+    if out is not None:
+        refuse_ending(out)
+    if plot is not None:
+        _refuse_plot(plot)
     si = {
         "temperature": temperature,
         "distance": distance,
@@ -82,14 +86,17 @@ def _plot(grid: xr.Dataset, path: Path) -> None:
     if not grid.sizes:
         message = "a single point makes no plot; give a range, such as --temperature 0:50:2"
         raise UsageError(message)
-    if not path.suffix:
-        message = f"{path} has no ending; a plot is .png, .svg or .pdf"
+    with writing(path):
+        sweep_figure(grid).savefig(path, dpi=150)
+
+
+def _refuse_plot(path: Path) -> None:
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    if path.suffix.lower().removeprefix(".") not in FigureCanvasBase.get_supported_filetypes():
+        told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
+        message = f"{path} has {told}; a plot is .png, .svg or .pdf"
         raise UsageError(message)
-    try:
-        with writing(path):
-            sweep_figure(grid).savefig(path, dpi=150)
-    except ValueError as error:  # an ending that matplotlib does not know
-        raise UsageError(str(error)) from None
 
 
 def _summarize(grid: xr.Dataset) -> None:

@@ -21,7 +21,7 @@ _STYLE = {
     "unknown": "bold magenta",
     "nothing": "bold cyan",
 }
-_WIDTH = 28  # characters of the longest bar
+_LONGEST = 28  # characters of a bar, where the terminal has them
 _LINES = 6
 
 
@@ -40,15 +40,20 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
         console.print(Text.assemble(("not explained  ", "magenta"), diagnosis.unexplained.description))
         console.print()
     if diagnosis.gain is not None:
-        console.print(_gain(diagnosis.gain))
+        console.print(_gain(diagnosis.gain, _bars(console)))
     if len(diagnosis.posterior) > 1:
-        console.print(_posterior(diagnosis))
+        console.print(_posterior(diagnosis, _bars(console)))
     for label, lines in (
         ("note", further_notes(diagnosis)),
         ("next", [proposal_text(proposal) for proposal in diagnosis.next_measurements]),
     ):
         for line in lines:
             console.print(Text.assemble((f"{label}  ", "dim"), line))
+
+
+def _bars(console: Console) -> int:
+    """Characters of the longest bar: one that is cut off tells a wrong proportion."""
+    return min(_LONGEST, max(4, (console.width - 12) // 3))
 
 
 def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
@@ -84,20 +89,20 @@ def _cause(cause: Cause) -> RenderableType:
     return Group(*lines, Text())
 
 
-def _gain(gain: Gain) -> RenderableType:
+def _gain(gain: Gain, longest: int) -> RenderableType:
     table = Table(
         title=f"error on {gain.held_out_rows} rows never fitted ({gain.scheme})", title_justify="left"
     )
     table.add_column("model")
-    table.add_column("RMS [mm]", justify="right")
-    table.add_column("")
+    table.add_column(Text("RMS [mm]"), justify="right")  # a unit is no markup
+    table.add_column("", no_wrap=True)
     rungs = [(" + ".join(("base", *ids)), rms) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m))
     rungs.append(("every recorded column (floor)", gain.rms_floor_m))
-    longest = max(rms for _, rms in rungs)
+    largest = max(rms for _, rms in rungs)
     for name, rms in rungs:
-        bar = "━" * max(1, round(_WIDTH * rms / longest))
+        bar = "━" * max(1, round(longest * rms / largest))
         table.add_row(name, f"{1e3 * rms:.2f}", Text(bar, style="cyan"))
     lines: list[RenderableType] = [table]
     if len(gain.ladder) > 1:
@@ -109,13 +114,13 @@ def _gain(gain: Gain) -> RenderableType:
     return Group(*lines, Text())
 
 
-def _posterior(diagnosis: Diagnosis) -> RenderableType:
+def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
     """Sets of causes; what the data cannot tell apart in one line, what all have in common below."""
     table = Table(title="how probable", title_justify="left", show_header=False)
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)
     for group in groups:
-        bar = "━" * max(1, round(_WIDTH * group.probability))
+        bar = "━" * max(1, round(longest * group.probability))
         table.add_row(group.beyond(common), f"{group.probability:.3f}", Text(bar, style="green"))
     shared = [Text(f"in every set: {', '.join(sorted(common))}", style="dim")] if common else []
     return Group(*shared, table, Text())

@@ -25,12 +25,27 @@ _COLUMNS = {
     "error": "error_m",
 }
 
+_ENDINGS = (".csv", ".parquet", ".nc")
+
 
 def table(grid: xr.Dataset) -> pd.DataFrame:
     """One row per combination; `echocal.read_observations` reads the names back."""
     flat = grid.to_dataframe().reset_index() if grid.sizes else pd.DataFrame([_scalars(grid)])
     first = [str(name) for name in grid.coords]
     return flat[first + [str(name) for name in grid.data_vars]].rename(columns=_COLUMNS)
+
+
+def refuse_ending(path: Path) -> None:
+    """Refuse a file that no sweep can be written as.
+
+    Raises
+    ------
+    UsageError
+        If its ending is none of .csv, .parquet and .nc.
+    """
+    if path.suffix not in _ENDINGS:
+        message = f"cannot write '{path.suffix}' ({path}); endings: {', '.join(_ENDINGS)}"
+        raise UsageError(message)
 
 
 def write(grid: xr.Dataset, path: Path) -> None:
@@ -41,6 +56,7 @@ def write(grid: xr.Dataset, path: Path) -> None:
     UsageError
         If the ending is another, Parquet lacks its library, or the file cannot be written.
     """
+    refuse_ending(path)
     unfinished = path.with_name(f"{path.name}.tmp")
     try:
         with writing(path):
@@ -49,11 +65,8 @@ def write(grid: xr.Dataset, path: Path) -> None:
                     table(grid).to_csv(unfinished, index=False)
                 case ".parquet":
                     table(grid).to_parquet(unfinished, index=False)
-                case ".nc":
+                case _:
                     grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
-                case other:
-                    message = f"cannot write '{other}' ({path}); endings: .csv, .parquet, .nc"
-                    raise UsageError(message)
             unfinished.replace(path)
     except ImportError:
         message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
