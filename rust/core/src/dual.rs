@@ -85,7 +85,7 @@ impl<const N: usize, S: Scalar> Div for Dual<N, S> {
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
         let inverse = S::constant(1.0) / other.value;
-        self.chain2(other, quotient, inverse, -quotient / other.value)
+        self.chain2(other, quotient, inverse, -quotient * inverse)
     }
 }
 

@@ -103,12 +103,13 @@ impl OfModel {
             _ => (Stage::Timer, Some(self.model.law())),
         };
         let mut newton = Newton::new(&block, guess);
+        let here = block.to_distance(true).at(&newton.distance);
+        let mut here = pass.run(&self.model, here, last);
         for _ in 0..ENOUGH {
-            let here = block.to_distance(true).at(&newton.distance);
-            let reached = pass.run(&self.model, here, last).of(last);
-            if settle(&mut newton, reached, block.rows) {
+            if settle(&mut newton, here.of(last), block.rows) {
                 break;
             }
+            here = pass.again(&self.model, here, last);
         }
         newton.found(found);
     }

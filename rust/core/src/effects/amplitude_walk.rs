@@ -64,9 +64,22 @@ impl Effect for AmplitudeWalk {
 
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
+        let fainter = Self::prepare(chain);
+        Self::apply_prepared(chain, parameters, fainter);
+    }
+
+    const PREPARES: bool = true;
+
+    /// How many times smaller the amplitude is than at the reference.
+    #[inline(always)]
+    fn prepare<S: Scalar>(chain: &Chain<S>) -> S {
         let neper = absorption(&chain.air, S::constant(FREQUENCY)) * S::constant(1.0 / DECIBEL_PER_NEPER);
         let absorbed = (S::constant(2.0) * neper).mul_add(chain.path, S::constant(-ABSORBED));
-        let fainter = chain.path * S::constant(1.0 / REFERENCE) * absorbed.exp();
+        chain.path * S::constant(1.0 / REFERENCE) * absorbed.exp()
+    }
+
+    #[inline(always)]
+    fn apply_prepared<S: Scalar>(chain: &mut Chain<S>, parameters: &[S], fainter: S) {
         let part = (parameters[1] * fainter).min(S::constant(LOST));
         chain.time = (parameters[0] / crossing(parameters[1])).mul_add(crossing(part), chain.time);
     }

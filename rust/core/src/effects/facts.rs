@@ -117,6 +117,8 @@ pub struct Facts {
     pub extends: &'static [&'static str],
     /// Its parameters, in the order that `apply` takes them.
     pub parameters: &'static [ParameterFacts],
+    /// Whether what it makes of the air, the speed or the firmware's speed depends on the distance.
+    pub of_distance: bool,
     /// Whether its formula has edges, where a derivative jumps.
     pub edges: bool,
     /// Whether another campaign meets it again: what grew or began in the course of one does not.
@@ -145,6 +147,7 @@ impl Facts {
         calls: None,
         extends: &[],
         parameters: &[],
+        of_distance: false,
         edges: false,
         recurs: true,
         domain: "any distance and air",

@@ -20,6 +20,21 @@ pub trait Effect {
 
     /// Changes the variable of the effect's stage.
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]);
+
+    /// Whether [`Effect::prepare`] finds anything.
+    const PREPARES: bool = false;
+
+    /// What [`Effect::apply`] makes of the chain whatever its parameters are, where that takes long.
+    #[inline(always)]
+    fn prepare<S: Scalar>(_chain: &Chain<S>) -> S {
+        S::constant(0.0)
+    }
+
+    /// [`Effect::apply`] with what [`Effect::prepare`] found.
+    #[inline(always)]
+    fn apply_prepared<S: Scalar>(chain: &mut Chain<S>, parameters: &[S], _prepared: S) {
+        Self::apply(chain, parameters);
+    }
 }
 
 /// What is to be done with an effect whose type is known when it is compiled.
@@ -125,6 +140,41 @@ pub fn index_of(id: &str) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+    use crate::chain::Stage;
+    use crate::{Conditions, Quantity};
+
+    /// The air and the two speeds that an effect makes, at a distance.
+    fn made(index: usize, distance: f64) -> [f64; 6] {
+        let mut recorded = Conditions::new([0.4; Quantity::COUNT]);
+        recorded = recorded.with(Quantity::Temperature, 25.0);
+        let mut chain = Chain::start(distance, &recorded);
+        (chain.speed, chain.firmware_speed) = (346.0, 343.0);
+        (chain.path, chain.time) = (distance, distance / 173.0);
+        let facts = ALL[index].parameters.iter();
+        let parameters: Vec<f64> = facts.map(|p| p.neutral + p.prior_scale).collect();
+        apply(index, &mut chain, &parameters);
+        let air = chain.air;
+        let quantities = [
+            air.temperature,
+            air.relative_humidity,
+            air.pressure,
+            air.co2_mole_fraction,
+        ];
+        let [t, h, p, c] = quantities;
+        [t, h, p, c, chain.speed, chain.firmware_speed]
+    }
+
+    #[test]
+    fn what_depends_on_the_distance_says_so() {
+        for (index, facts) in ALL.iter().enumerate() {
+            if matches!(facts.stage, Stage::Air | Stage::Speed | Stage::Firmware) {
+                let bits = |distance| made(index, distance).map(f64::to_bits);
+                assert_eq!(bits(0.5) != bits(3.0), facts.of_distance, "{}", facts.id);
+            }
+        }
+    }
+
     #[test]
     fn the_file_is_named_as_the_effect() {
         assert_eq!(super::ids(), super::MODULES);

@@ -23,6 +23,7 @@ impl Effect for TemperatureGradient {
             prior_scale: 0.8,
             ..ParameterFacts::USUAL
         }],
+        of_distance: true,
         domain: "a gradient that is even along the path",
         check: "a second thermometer at the target, or several distances",
         firmware: Firmware::Refused(

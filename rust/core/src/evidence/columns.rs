@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
+use super::following::Following;
 use super::legendre::Polynomials;
 use super::source::{Reader, Source};
 use crate::batch::Column;
@@ -126,6 +127,7 @@ impl Columns<'_> {
                 self.recorded.each_ref().map(Numbers::column),
             ),
             passes: [Pass::new(), Pass::new(), Pass::new()],
+            following: Following::new(),
             polynomials: Polynomials::default(),
             distance: Line::of(0.0),
         }
@@ -187,6 +189,7 @@ struct Maker<'a> {
     of: &'a Columns<'a>,
     given: Given,
     passes: [Pass; 3],
+    following: Following,
     polynomials: Polynomials,
     distance: Line,
 }
@@ -205,6 +208,7 @@ impl Maker<'_> {
     fn base(&mut self, first: usize, count: usize) -> Reading {
         // SAFETY: the distance and the recorded columns are as long as the table.
         let block = unsafe { self.given.block(first, count) };
+        self.following.forget();
         self.passes[0].run(self.of.base, block.to_distance(true), Stage::Indication)
     }
 
@@ -255,11 +259,8 @@ impl Maker<'_> {
                 }
             }
             Recipe::Tangent(term, level, parameter, scale) => {
-                let there = self.beside(base, term, level, Some(*parameter), first, count);
-                there.slopes(Stage::Indication, line);
-                for value in &mut line.0 {
-                    *value *= scale;
-                }
+                let at = (level, *parameter);
+                self.tangent(base, term, at, *scale, (first, count), line);
             }
             Recipe::Legendre {
                 of,
@@ -274,6 +275,27 @@ impl Maker<'_> {
                     *number = scale * (p - level - slope * x);
                 }
             }
+        }
+    }
+
+    /// Derivative of the reading to a parameter, at a level, times a scale.
+    fn tangent(
+        &mut self,
+        base: &Reading,
+        term: &Term,
+        (level, parameter): (&Level, usize),
+        scale: f64,
+        (first, count): (usize, usize),
+        line: &mut Line,
+    ) {
+        let (model, of) = (self.of.base, (term, parameter));
+        if matches!(level, Level::OfBase) && self.following.tangent(model, base, of, scale, line) {
+            return;
+        }
+        let there = self.beside(base, term, level, Some(parameter), first, count);
+        there.slopes(Stage::Indication, line);
+        for value in &mut line.0 {
+            *value *= scale;
         }
     }
 

@@ -7,6 +7,7 @@ mod cholesky;
 mod columns;
 mod company;
 mod distinct;
+mod following;
 mod gram;
 mod hypothesis;
 mod lanes;

@@ -109,6 +109,8 @@ pub(super) struct Apply<'a> {
     pub parameters: &'a [f64],
     pub seed: Option<usize>,
     pub target: *mut Track,
+    /// What the effect prepared for this block, see [`Prepare`].
+    pub prepared: Option<*const f64>,
 }
 
 impl Visitor for Apply<'_> {
@@ -136,6 +138,7 @@ impl<E: Effect> Work for Applied<'_, E> {
             parameters,
             seed,
             target,
+            prepared,
         } = self.0;
         let mut own = [Dual::fixed(V::constant(0.0)); MOST];
         #[allow(clippy::needless_range_loop)] // the length is a constant
@@ -147,8 +150,48 @@ impl<E: Effect> Work for Applied<'_, E> {
         // SAFETY: the caller's.
         unsafe {
             let mut chain = reading.chain::<V>(E::FACTS.stage, row);
-            E::apply(&mut chain, &own[..E::FACTS.parameters.len()]);
+            let own = &own[..E::FACTS.parameters.len()];
+            match prepared {
+                Some(prepared) if E::PREPARES => {
+                    let prepared = Dual::fixed(V::load(prepared.add(row)));
+                    E::apply_prepared(&mut chain, own, prepared);
+                }
+                _ => E::apply(&mut chain, own),
+            }
             keep(E::FACTS.stage, &chain, target, row);
+        }
+    }
+}
+
+/// What an effect can prepare for a block whatever its parameters are; whether that is anything.
+pub(super) struct Prepare<'a> {
+    pub reading: &'a Reading,
+    pub target: *mut f64,
+}
+
+impl Visitor for Prepare<'_> {
+    type Output = bool;
+
+    fn visit<E: Effect>(self) -> bool {
+        if E::PREPARES {
+            let rows = self.reading.rows;
+            let work = Prepared::<E>(self, core::marker::PhantomData);
+            // SAFETY: a reading has its rows, and the target is a line.
+            unsafe { each(&work, rows) }
+        }
+        E::PREPARES
+    }
+}
+
+struct Prepared<'a, E>(Prepare<'a>, core::marker::PhantomData<E>);
+
+impl<E: Effect> Work for Prepared<'_, E> {
+    #[inline(always)]
+    unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
+        // SAFETY: the caller's.
+        unsafe {
+            let chain = self.0.reading.chain::<V>(E::FACTS.stage, row);
+            E::prepare(&chain).value.store(self.0.target.add(row));
         }
     }
 }

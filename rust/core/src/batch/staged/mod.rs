@@ -11,5 +11,5 @@ mod pass;
 mod tracks;
 
 pub(crate) use kernels::{Newton, settle};
-pub(crate) use pass::Pass;
-pub(crate) use tracks::{BLOCK, Given, Line, Reading};
+pub(crate) use pass::{Pass, is_alone, prepare};
+pub(crate) use tracks::{BLOCK, Given, Line, Reading, TRACKS, tracks_of};

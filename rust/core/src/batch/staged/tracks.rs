@@ -43,10 +43,10 @@ impl Track {
 }
 
 /// How many variables there are; each stage that changes the time has its own.
-pub(super) const TRACKS: usize = 11;
+pub(crate) const TRACKS: usize = 11;
 
 /// The variables that a stage changes.
-pub(super) const fn tracks_of(stage: Stage) -> Range<usize> {
+pub(crate) const fn tracks_of(stage: Stage) -> Range<usize> {
     match stage {
         Stage::Air => 0..4,
         Stage::Speed => 4..5,
@@ -80,6 +80,18 @@ impl Reading {
         };
         self.slope = [ZEROS.0.as_ptr(); TRACKS];
         self
+    }
+
+    /// The same block with derivatives to one variable.
+    pub(super) fn seeded(mut self, track: usize) -> Self {
+        self.slope[track] = ONES.0.as_ptr();
+        self
+    }
+
+    /// Derivatives of a variable.
+    pub(crate) fn slope(&self, track: usize) -> &[f64] {
+        // SAFETY: a reading has its rows, at most a block of them.
+        unsafe { from_raw_parts(self.slope[track], self.rows) }
     }
 
     /// The same block at other distances.
