@@ -2,6 +2,7 @@
 
 import io
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +12,10 @@ from rich.console import Console
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.grouped import grouped
-from echocal.plots.diagnosis import plot_gain, telling
+from echocal.plots.diagnosis import plot_gain, save_diagnosis, telling
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
+from echocal.plots.unexplained import plot_unexplained
 from echocal.report import print_diagnosis
 
 
@@ -93,3 +95,24 @@ def test_side_measurements_are_told_where_no_row_helps(diagnosis: echocal.Diagno
 
 def _side(what: str) -> NextMeasurement:
     return NextMeasurement({"side_measurement": what}, ("clock_error", "oblique_target"), None)
+
+
+@pytest.mark.parametrize("name", [r"$\frac{$ of $x_1$", "long_name " * 40, "[bold]<b>|a_b|</b>"])
+def test_columns_may_have_any_name(name: str, tmp_path: Path) -> None:
+    wave = np.sin(np.arange(200.0) / 9.0)
+    noise = 5e-4 * np.sin(np.arange(200.0) ** 2)
+    table = {
+        "reading_m": 2.0 + 4e-3 * wave + noise,
+        "temperature_C": np.linspace(20.0, 21.0, 200),
+        name: wave,
+    }
+    found = echocal.diagnose(table, base=343, reading_speed=343, reference_distance=2.0)
+    assert found.unexplained is not None
+    assert found.unexplained.against == name.strip()
+    assert name.strip() in found.unexplained.description
+    assert len(save_diagnosis(found, tmp_path)) == 5
+    ax = Figure().add_subplot()
+    plot_unexplained(found, ax)
+    assert max(map(len, ax.get_xlabel().splitlines())) <= 80
+    assert len(ax.get_xlabel().splitlines()) <= 3
+    assert " ".join(name.split()) in " ".join(printed(found, 2000).split())

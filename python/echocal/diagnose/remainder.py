@@ -13,6 +13,7 @@ from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import errors
 from echocal.diagnose.noise import Noise, Sums
 from echocal.diagnose.parts import Unexplained
+from echocal.diagnose.sentences import spoken
 from echocal.diagnose.unexplained import Basis, column_of
 from echocal.model import Model, Shape
 
@@ -60,7 +61,7 @@ def with_its_shape(case: Case, found: Unexplained, model: Model, noise: Noise) -
 
 def described(against: str, rms: float) -> str:
     """Say what is left, in words."""
-    column = "the rows, as sessions that differ would," if against == "row" else against.replace("_", " ")
+    column = "the rows, as sessions that differ would," if against == "row" else spoken(against)
     return (
         f"a smooth remainder of {1e3 * rms:.1f} mm (rms) that follows {column} and that no "
         "effect of the catalogue accounts for; it is not part of the model unless asked for"

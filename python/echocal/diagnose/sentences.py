@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.conditions import QUANTITIES
 from echocal.diagnose.parts import Shifted
 from echocal.observations.quantiles import median, quantiles
 
@@ -13,6 +14,8 @@ __all__ = [
     "parameter_text",
     "quantity_text",
     "shifted_text",
+    "shown",
+    "spoken",
     "telling_column",
     "tendency",
 ]
@@ -51,7 +54,7 @@ def shifted_text(one: Shifted) -> str:
     """Say what a model gains where it was not fitted."""
     low, high = (quantity_text(one.against, end) for end in (one.low, one.high))
     return (
-        f"fitted where {one.against.replace('_', ' ')} is {low} to {high}, {one.rows} rows outside have an "
+        f"fitted where {spoken(one.against)} is {low} to {high}, {one.rows} rows outside have an "
         f"error of {1e3 * one.rms_before_m:.2f} mm before, {1e3 * one.rms_after_m:.2f} mm after"
     )
 
@@ -69,8 +72,12 @@ def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> st
 def shown(name: str, values: Column) -> tuple[Column, str]:
     """Values as people read them, and the label of an axis."""
     unit, factor = _SHOWN.get(name, ("", 1.0))
-    label = name.replace("_", " ")
-    return values * factor, f"{label} [{unit}]" if unit else label
+    return values * factor, f"{spoken(name)} [{unit}]" if unit else spoken(name)
+
+
+def spoken(name: str) -> str:
+    """Name of a column in a sentence: echocal's own in words, any other as its table has it."""
+    return name.replace("_", " ") if name in QUANTITIES or name in _SHOWN else name
 
 
 def telling_column(signal: Column, against: Mapping[str, Column]) -> str | None:

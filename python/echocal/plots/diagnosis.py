@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.sentences import shown, telling_column
 from echocal.errors import writing
+from echocal.plots.labels import fitted
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
@@ -20,6 +21,7 @@ __all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "t
 _BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark: apart without color, too
 _BINS = 30
 _PANELS = 4
+_LABEL = 55  # characters of a line below a panel
 _SAME = 1e-6  # m, far below what any sensor of this kind resolves
 
 
@@ -154,7 +156,7 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
     room = 0.25 * np.ptp(middle) + 1e-3
     ax.set_ylim(middle[0] - room, middle[1] + room)
     ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
-    ax.set(xlabel=label, ylabel="residual [mm]")
+    ax.set(xlabel=fitted(label, _LABEL), ylabel="residual [mm]")
 
 
 def _opacity(rows: int) -> float:

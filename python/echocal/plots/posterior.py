@@ -37,7 +37,8 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set_yticks(range(len(groups)), labels)
     ax.invert_yaxis()
     ax.set(xlim=(0.0, 1.15), xticks=[0.0, 0.25, 0.5, 0.75, 1.0], xlabel="probability")
-    finding = textwrap.fill(f"{diagnosis.verdict}: {lead(diagnosis)}", 2 * _WIDTH)
+    said = lead(diagnosis)
+    finding = textwrap.fill(f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}", 2 * _WIDTH)
     ax.set_title("\n".join([finding, *_remarks(groups, common)]), fontsize=8, loc="left")
 
 

@@ -6,10 +6,12 @@ from matplotlib.axes import Axes
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.sentences import shown
 from echocal.diagnose.unexplained import column_of
+from echocal.plots.labels import fitted
 
 __all__ = ["plot_unexplained"]
 
 _LEFT, _SHAPE = "#8fa0a8", "#7a3b8f"
+_LABEL, _TITLE = 75, 100  # characters of a line
 _MANY = 200  # rows from which on points are faint
 
 
@@ -40,11 +42,7 @@ def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
     low, high = min(ends[0], (shift - 2 * band).min()), max(ends[1], (shift + 2 * band).max())
     ax.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
     ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
-    ax.set(xlabel=label, ylabel="residual [mm]")
-    ax.set_title(
-        f"not explained: {1e3 * found.rms_m:.1f} mm (rms) against {label.partition(' [')[0]}; "
-        "no cause of the catalogue accounts for it",
-        fontsize=8,
-        loc="left",
-    )
+    ax.set(xlabel=fitted(label, _LABEL), ylabel="residual [mm]")
+    title = f"not explained by any cause of the catalogue: {1e3 * found.rms_m:.1f} mm (rms) against {label}"
+    ax.set_title(fitted(title, _TITLE), fontsize=8, loc="left")
     ax.legend(loc="best", frameon=False, fontsize=8)
