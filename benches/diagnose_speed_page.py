@@ -37,13 +37,18 @@ latter.
 
 ## Where the limit lies
 
-{systems} small linear systems are solved for a thousand rows: every hypothesis under each noise (how
-long it remembers, times how large the error of a stand is), the likely ones again for every combination
-of three prior widths a cause. A quick look at each hypothesis bounds what its evidence can be; the
-most promising is weighed first, and those that cannot come within odds of e^25 of it are not weighed.
-More cannot be left out at that stage: with e^18 a set of four causes is missed that holds 0.0009 of the
-probability, for the triple that leads to it is that unlikely. The systems are solved for eight noises at
-a time by vector instructions: {each:.0f} ns each on average, all else in that stage included. At this
+{systems} small linear systems are solved for a thousand rows. Every hypothesis is looked at under each
+noise (how long it remembers, times how large the error of a stand is), which bounds what its evidence
+can be. Those that may be told, or lead to a larger set, are weighed with every combination of three
+prior widths a cause; from three causes on one width is changed at a time, which gives the evidence as if
+the causes were independent after the data, wrong by 1.04 in log evidence at most in 812 sets. What has a
+probability of more than one in a million is then weighed with every combination that matters; only the
+least probable hypotheses, which share 0.001 of the probability, keep their estimates. In 45 tables no
+probability moved by more than 0.0002 against every combination for every hypothesis. Hypotheses within
+odds of e^25 are kept while they may lead to others: with e^18 a set of four causes is missed that holds
+0.0009 of the probability, for the triple that leads to it is that unlikely. The systems are solved for
+eight noises at a time by vector instructions: {each:.0f} ns each on average, all else in that stage
+included. At this
 price five milliseconds pay for {within} systems, and for nothing else: the goal for a thousand rows asks
 for fewer hypotheses, noises or widths, and for a diagnosis without Python around its core. The smaller
 stages are Python that makes objects and calls NumPy on short columns.

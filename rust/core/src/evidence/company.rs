@@ -44,7 +44,7 @@ fn company_of(search: &Search<'_>, leader: usize) -> HashMap<usize, f64> {
         .filter(|forms| forms.len() > ALONE + BESIDE)
         .flatten();
     let pairs = many.map(|&v| search.candidate(vec![leader, v], 1.0));
-    let scored = search.scored(pairs.collect(), None);
+    let scored = search.scored(pairs.collect());
     scored
         .into_iter()
         .map(|c| (c.variants[1], c.score))

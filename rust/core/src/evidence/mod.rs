@@ -3,15 +3,19 @@
 //! Everything that follows (evidence, alias classes, hold-out) works on these sums and costs the
 //! same for a thousand rows and for a million.
 
+mod bounds;
 mod cholesky;
 mod columns;
 mod company;
 mod distinct;
+mod elementary;
 mod following;
 mod gram;
 mod hypothesis;
+mod ladder;
 mod lanes;
 mod legendre;
+mod mixture;
 mod moments;
 mod noises;
 mod normal;
@@ -26,6 +30,7 @@ mod system;
 mod threaded;
 mod weigh;
 mod whiten;
+mod widths;
 
 pub use columns::{Columns, Level, Numbers, Recipe};
 pub use distinct::Distinct;

@@ -2,10 +2,12 @@
 
 use super::company::promising;
 use super::hypothesis::{Layout, Variant};
+use super::ladder::{BESIDE, EXTENDED, NEGLIGIBLE, UNDECIDED, floor};
+use super::mixture::log_sum;
 use super::noises::{allowed, plausible};
 use super::stack::{Stack, Table};
 use super::threaded::each_of;
-use super::weigh::{Scales, Weighed, log_sum};
+use super::weigh::{Care, Scales, Weighed};
 use std::collections::HashMap;
 
 /// Probabilities before the data.
@@ -45,16 +47,12 @@ pub struct Outcome {
     pub weighed: Weighed,
 }
 
-/// The most probable sets that a further cause is added to.
-const EXTENDED: usize = 4;
 /// Causes at once that are tried, while each further one makes a better set.
 const MOST: usize = 6;
-/// The most probable hypotheses that are also tried beside a shape.
-const BESIDE: usize = 8;
-/// Log odds between two forms of the same causes below which neither is better.
-const UNDECIDED: f64 = 1.5;
-/// Log odds beyond which a hypothesis is not reported: a probability below one in a million.
-const NEGLIGIBLE: f64 = 14.0;
+/// Probability that the least probable hypotheses, which are weighed with less care, share.
+const REMOTE: f64 = 1e-3;
+/// Candidates that are scored before it is asked again what still matters; then twice as many, ...
+const FIRST: usize = 16;
 
 pub(super) struct Candidate {
     pub(super) variants: Vec<usize>,
@@ -87,7 +85,7 @@ pub fn posterior(
         });
         causes[at].push(v);
     }
-    let every = Table::of(stack, &vec![true; stack.log_weight.len()]);
+    let every = Table::of(stack, &vec![true; stack.log_weight.len()], threads);
     let share = if shapes.is_empty() {
         1.0
     } else {
@@ -96,7 +94,7 @@ pub fn posterior(
     let mut noises = plausible(&every, variants, &causes, &shapes, threads);
     let mut solved = 0;
     loop {
-        let table = Table::of(stack, &noises);
+        let table = Table::of(stack, &noises, threads);
         let search = Search {
             table: &table,
             variants,
@@ -143,23 +141,23 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// Every hypothesis that is not hopeless under the noises carried along.
     fn found(&self, shapes: &[usize]) -> Vec<Candidate> {
-        let mut found = self.scored(self.singles(), None);
+        let mut found = self.scored(self.singles());
         let promising = promising(self, &found);
         let search = Search {
             causes: &promising,
             ..*self
         };
-        found.extend(search.weigh(search.pairs(), top(&found)));
+        found.extend(search.weigh(search.pairs(), &found, Some(2)));
         for count in 3..=MOST {
             let extended = search.extended(&search.distinct(&found), count);
             let before = top(&found);
-            found.extend(search.weigh(extended, before));
+            found.extend(search.weigh(extended, &found, Some(count)));
             if top(&found) <= before {
                 break;
             }
         }
         let beside = search.beside(&search.distinct(&found), shapes);
-        found.extend(search.weigh(beside, top(&found)));
+        found.extend(search.weigh(beside, &found, None));
         found
     }
 
@@ -263,11 +261,7 @@ impl Search<'_> {
         sorted.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut chosen: Vec<(Vec<usize>, f64, &Candidate)> = Vec::new();
         for candidate in sorted {
-            let causes: Vec<usize> = candidate
-                .variants
-                .iter()
-                .map(|&v| self.variants[v].cause)
-                .collect();
+            let causes = self.causes_of(candidate);
             match chosen.iter_mut().find(|(same, _, _)| *same == causes) {
                 None => chosen.push((causes, candidate.score, candidate)),
                 Some((_, best, preferred)) => {
@@ -292,42 +286,54 @@ impl Search<'_> {
             .sum()
     }
 
-    /// Scores the candidates and keeps those that are not hopeless.
-    fn weigh(&self, candidates: Vec<Candidate>, best: f64) -> Vec<Candidate> {
-        let mut candidates = self.scored(candidates, Some(best));
-        let best = best.max(top(&candidates));
-        candidates.retain(|c| c.score > best - self.prior.hopeless);
-        candidates
-    }
-
-    /// Scores all candidates; where there is a best score so far, those alone that are not hopeless
-    /// beside it: a quick look bounds each, and the most promising is scored before the others.
-    pub(super) fn scored(
+    /// Scores the candidates that matter beside those found before: a quick look bounds each, and
+    /// the most promising are scored first.
+    fn weigh(
         &self,
         mut candidates: Vec<Candidate>,
-        best: Option<f64>,
+        found: &[Candidate],
+        leads: Option<usize>,
     ) -> Vec<Candidate> {
-        if let Some(best) = best {
-            let bounds = self.each(&candidates, Scales::bound);
-            for (candidate, bound) in candidates.iter_mut().zip(bounds) {
-                candidate.score = bound;
-            }
-            candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-            let first = &candidates[..candidates.len().min(1)];
-            let best = self
-                .each(first, Scales::log_evidence)
-                .into_iter()
-                .fold(best, f64::max);
-            candidates.retain(|c| c.score > best - self.prior.hopeless);
+        let bounds = self.each(&candidates, Scales::bound);
+        for (candidate, bound) in candidates.iter_mut().zip(bounds) {
+            candidate.score = bound;
         }
-        let scores = self.each(&candidates, Scales::log_evidence);
+        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let (mut kept, mut batch) = (Vec::new(), FIRST);
+        loop {
+            let floor = floor(self, found.iter().chain(&kept), leads);
+            let matters = candidates.iter().take_while(|c| c.score > floor).count();
+            if matters == 0 {
+                kept.retain(|c: &Candidate| c.score > floor);
+                return kept;
+            }
+            let rest = candidates.split_off(matters.min(batch));
+            kept.extend(self.scored(candidates));
+            (candidates, batch) = (rest, 2 * batch);
+        }
+    }
+
+    /// Scores all candidates.
+    pub(super) fn scored(&self, mut candidates: Vec<Candidate>) -> Vec<Candidate> {
+        let scores = self.each(&candidates, Scales::estimate);
         for (candidate, score) in candidates.iter_mut().zip(scores) {
             candidate.score = score;
         }
         candidates
     }
 
-    /// Log evidence, or a bound on it, of each candidate, its prior included.
+    /// Causes of a candidate.
+    pub(super) fn causes_of(&self, candidate: &Candidate) -> Vec<usize> {
+        let variants = candidate.variants.iter();
+        variants.map(|&v| self.variants[v].cause).collect()
+    }
+
+    /// Log odds against the most probable beyond which a candidate is left out.
+    pub(super) fn hopeless(&self) -> f64 {
+        self.prior.hopeless
+    }
+
+    /// Log evidence, roughly or at most, of each candidate, its prior included.
     fn each(
         &self,
         candidates: &[Candidate],
@@ -346,17 +352,36 @@ impl Search<'_> {
         found.sort_by(|a, b| b.score.total_cmp(&a.score));
         let total = log_sum(found.iter().map(|c| c.score));
         found.retain(|c| c.score > total - NEGLIGIBLE || c.variants.is_empty());
-        each_of(&found, self.threads, || {
+        let mut before = 0.0;
+        let careful = found.into_iter().map(|candidate| {
+            let care = if before < 1.0 - REMOTE {
+                Care::Every
+            } else {
+                Care::Rough
+            };
+            before += (candidate.score - total).exp();
+            (candidate, care)
+        });
+        let careful: Vec<_> = careful.collect();
+        let mut outcomes = each_of(&careful, self.threads, || {
             let (mut scales, mut layout) = (Scales::default(), Layout::default());
-            move |candidate: &Candidate| {
+            move |(candidate, care): &(Candidate, Care)| {
                 layout.fill(candidate.variants.iter().map(|&v| &self.variants[v]));
                 Outcome {
-                    weighed: scales.weigh(self.table, &layout),
+                    weighed: scales.weigh(self.table, &layout, *care),
                     variants: candidate.variants.clone(),
                     prior: candidate.prior,
                 }
             }
-        })
+        });
+        outcomes.sort_by(|a, b| b.log_posterior().total_cmp(&a.log_posterior()));
+        outcomes
+    }
+}
+
+impl Outcome {
+    fn log_posterior(&self) -> f64 {
+        self.weighed.log_evidence + self.prior.ln()
     }
 }
 
@@ -365,6 +390,7 @@ impl Search<'_> {
 pub fn weigh(stack: &Stack<'_>, variants: &[Variant], one_width: bool) -> Weighed {
     let mut layout = Layout::default();
     layout.fill(variants);
-    let table = Table::of(stack, &vec![true; stack.log_weight.len()]);
-    Scales::new(one_width).weigh(&table, &layout)
+    let table = Table::of(stack, &vec![true; stack.log_weight.len()], 1);
+    let care = if one_width { Care::Widest } else { Care::Every };
+    Scales::default().weigh(&table, &layout, care)
 }

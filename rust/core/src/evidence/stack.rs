@@ -1,6 +1,7 @@
 //! The whitened products of every noise, noise by noise and side by side.
 
 use super::lanes::{LANES, Lane};
+use super::threaded::each_of;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Whitened products of the columns under each noise; the last column is what the base simulation
@@ -21,9 +22,8 @@ pub struct Stack<'a> {
 
 /// The same with the noises side by side, several at a time.
 pub(super) struct Table {
-    /// Lower triangle row by row; of each product every group of noises.
-    values: Vec<Lane>,
-    groups: usize,
+    /// Of each group of noises: lower triangle row by row.
+    values: Vec<Vec<Lane>>,
     pub log_weight: Vec<f64>,
     pub width: usize,
     pub degrees: f64,
@@ -43,30 +43,15 @@ pub(super) enum Noises {
 
 impl Table {
     /// The noises in `kept` alone.
-    pub fn of(stack: &Stack<'_>, kept: &[bool]) -> Self {
+    pub fn of(stack: &Stack<'_>, kept: &[bool], threads: usize) -> Self {
         let chosen: Vec<usize> = (0..kept.len()).filter(|&noise| kept[noise]).collect();
-        let (width, groups) = (stack.width, chosen.len().div_ceil(LANES));
-        let area = width * width;
-        let mut values = vec![Lane::all(0.0); width * (width + 1) / 2 * groups];
-        for (group, noises) in chosen.chunks(LANES).enumerate() {
-            // the last noise fills its group up
-            let noise = |lane: usize| noises[lane.min(noises.len() - 1)];
-            let own: [&[f64]; LANES] =
-                core::array::from_fn(|lane| &stack.products[noise(lane) * area..][..area]);
-            let mut place = group;
-            for i in 0..width {
-                for j in 0..=i {
-                    let at = i * width + j;
-                    values[place] = Lane(core::array::from_fn(|lane| own[lane][at]));
-                    place += groups;
-                }
-            }
-        }
+        let groups: Vec<&[usize]> = chosen.chunks(LANES).collect();
         Self {
-            values,
-            groups,
+            values: each_of(&groups, threads, || {
+                |noises: &&[usize]| group(stack, noises)
+            }),
             log_weight: chosen.iter().map(|&n| stack.log_weight[n]).collect(),
-            width,
+            width: stack.width,
             degrees: stack.degrees,
             finest: stack.finest,
             solved: AtomicUsize::new(0),
@@ -83,23 +68,40 @@ impl Table {
         self.log_weight.len()
     }
 
-    /// The product of two columns, of every group of noises.
-    #[inline(always)]
-    fn product(&self, i: usize, j: usize) -> &[Lane] {
-        let (high, low) = if i < j { (j, i) } else { (i, j) };
-        let first = (high * (high + 1) / 2 + low) * self.groups;
-        &self.values[first..first + self.groups]
-    }
-
     /// The product of two columns, of some noises.
     #[inline(always)]
     pub fn some(&self, i: usize, j: usize, noises: &Noises) -> Lane {
-        let product = self.product(i, j);
-        match *noises {
-            Noises::Group(group) => product[group],
-            Noises::Some(places) => {
-                Lane(places.map(|noise| product[noise / LANES].0[noise % LANES]))
+        let (high, low) = if i < j { (j, i) } else { (i, j) };
+        let place = high * (high + 1) / 2 + low;
+        match noises {
+            Noises::Group(group) => self.values[*group][place],
+            Noises::Some(noises) => {
+                let mut found = Lane::all(0.0);
+                for (number, noise) in found.0.iter_mut().zip(noises) {
+                    *number = self.values[noise / LANES][place].0[noise % LANES];
+                }
+                found
             }
         }
     }
+}
+
+/// Products of some noises side by side; the last noise fills the lanes up.
+fn group(stack: &Stack<'_>, noises: &[usize]) -> Vec<Lane> {
+    let (width, area) = (stack.width, stack.width * stack.width);
+    let own: [&[f64]; LANES] = core::array::from_fn(|lane| {
+        &stack.products[noises[lane.min(noises.len() - 1)] * area..][..area]
+    });
+    let mut values = vec![Lane::all(0.0); width * (width + 1) / 2];
+    let mut rest = &mut values[..];
+    for row in 0..width {
+        let (line, others) = rest.split_at_mut(row + 1);
+        for (lane, own) in own.iter().enumerate() {
+            for (value, product) in line.iter_mut().zip(&own[row * width..]) {
+                value.0[lane] = *product;
+            }
+        }
+        rest = others;
+    }
+    values
 }

@@ -1,9 +1,9 @@
 //! The linear system of one hypothesis, under several noises at once.
 #![allow(unsafe_code)]
 
+use super::bounds::Bounds;
 use super::hypothesis::Layout;
-use super::lanes::{LANES, Lane, backward, factor, forward, invert, less, on_widest};
-use super::normal::between;
+use super::lanes::{Lane, backward, factor, forward, invert, less, on_widest};
 use super::stack::{Noises, Table};
 
 /// Part of a sum of squares that arithmetic leaves behind.
@@ -12,8 +12,6 @@ const ROUNDING: f64 = 1e-12;
 const WHITENED: f64 = 1e-9;
 /// Ratios of a pivot and its precision, each of at most one over [`WHITENED`], that fit in a number.
 const FACTORS: usize = 30;
-/// Prior standard deviations; bounds beyond are as good as none.
-const FAR: f64 = 15.0;
 
 /// Evidence for one combination of widths, up to what all have in common, and the variance.
 pub(super) struct Part {
@@ -33,7 +31,9 @@ pub(super) struct System {
     square: Option<Lane>,
     among: Vec<Lane>,
     along: Vec<Lane>,
+    /// `L D L'`, the pivots `D` on the diagonal, and one over each of these.
     lower: Vec<Lane>,
+    inverse_pivot: Vec<Lane>,
     precision: Vec<Lane>,
     half: Vec<Lane>,
     solved: Vec<Lane>,
@@ -52,8 +52,13 @@ impl System {
         part part_avx2 part_avx512 weighed (precisions: &[Lane], changed: usize) -> Part
     }
     on_widest! {
-        /// Finds the coefficients, and the variance of each in `bounded`, over that of the noise.
-        coefficients coefficients_avx2 coefficients_avx512 solve (bounded: &[usize], variances: &mut Vec<Lane>) -> ()
+        /// Log of posterior over prior mass within the bounds, each coefficient with one of the
+        /// widths, given the variance of the noise.
+        within within_avx2 within_avx512 bounded (bounds: &Bounds, variance: &Lane, chosen: &[usize]) -> Lane
+    }
+    on_widest! {
+        /// Finds the coefficients.
+        coefficients coefficients_avx2 coefficients_avx512 solve () -> ()
     }
     on_widest! {
         /// Covariance of two coefficients after the data, over the variance of the noise, for every pair.
@@ -135,56 +140,65 @@ impl System {
         let order = self.order;
         self.lower.resize(order * order, Lane::all(0.0));
         self.half.resize(order, Lane::all(0.0));
+        self.inverse_pivot.resize(order, Lane::all(0.0));
         for i in from..order {
             let line = i * order..i * order + i + 1;
             self.lower[line.clone()].copy_from_slice(&self.among[line]);
             self.lower[i * order + i] = self.lower[i * order + i] + self.precision[i];
         }
-        factor(&mut self.lower, order, &self.precision, from);
+        let inverse = &mut self.inverse_pivot;
+        factor(&mut self.lower, order, &self.precision, inverse, from);
         for i in from..order {
-            let sum = less(
-                self.along[i],
-                &self.lower[i * order..][..i],
-                &self.half[..i],
-            );
-            self.half[i] = sum / self.lower[i * order + i];
+            let line = &self.lower[i * order..][..i];
+            self.half[i] = less(self.along[i], line, &self.half[..i]);
         }
     }
 
     #[inline(always)]
     fn explained(&self) -> Lane {
-        self.half.iter().fold(Lane::all(0.0), |sum, &x| sum + x * x)
+        let half = self.half.iter().zip(&self.inverse_pivot);
+        half.fold(Lane::all(0.0), |sum, (&x, &inverse)| sum + x * x * inverse)
     }
 
-    /// `ln(det(L L') / det(diagonal of precisions))`, with as few logarithms as fit.
+    /// `ln(det(D) / det(diagonal of precisions))`, with as few logarithms as fit.
     #[inline(always)]
     fn log_determinant_ratio(&self) -> Lane {
         let mut sum = Lane::all(0.0);
         for (chunk, precisions) in self.precision.chunks(FACTORS).enumerate() {
             let mut product = Lane::all(1.0);
-            for (i, &precision) in (chunk * FACTORS..).zip(precisions) {
-                let pivot = self.lower[i * self.order + i];
-                product = product * (pivot * pivot / precision);
+            let inverse = &self.inverse_pivot[chunk * FACTORS..];
+            for (&inverse, &precision) in inverse.iter().zip(precisions) {
+                product = product * (inverse * precision);
             }
-            sum = sum + product.ln();
+            sum = sum - product.ln();
         }
         sum
     }
 
     #[inline(always)]
-    fn solve(&mut self, bounded: &[usize], variances: &mut Vec<Lane>) {
-        let order = self.order;
-        self.solved.clone_from(&self.half);
-        backward(&self.lower, order, &mut self.solved);
-        variances.clear();
-        for i in bounded.iter().map(|&i| order - 1 - i) {
-            self.unit.clear();
-            self.unit.resize(order, Lane::all(0.0));
-            self.unit[i] = Lane::all(1.0);
-            forward(&self.lower, order, &mut self.unit, i);
-            let squares = self.unit[i..].iter();
-            variances.push(squares.fold(Lane::all(0.0), |sum, &x| sum + x * x));
-        }
+    fn solve(&mut self) {
+        self.solved.clear();
+        let half = self.half.iter().zip(&self.inverse_pivot);
+        self.solved.extend(half.map(|(&x, &inverse)| x * inverse));
+        backward(&self.lower, self.order, &mut self.solved);
+    }
+
+    #[inline(always)]
+    fn bounded(&mut self, bounds: &Bounds, variance: &Lane, chosen: &[usize]) -> Lane {
+        self.solve();
+        self.unit.resize(self.order, Lane::all(0.0));
+        let (order, lower, solved, unit) = (self.order, &self.lower, &self.solved, &mut self.unit);
+        let inverse = &self.inverse_pivot;
+        let moments = bounds.near.iter().map(|&near| {
+            let i = order - 1 - near;
+            unit[i..order].fill(Lane::all(0.0));
+            unit[i] = Lane::all(1.0);
+            forward(lower, order, unit, i);
+            let squares = unit[i..order].iter().zip(&inverse[i..]);
+            let own = squares.fold(Lane::all(0.0), |sum, (&x, &inverse)| sum + x * x * inverse);
+            (solved[i], own * *variance)
+        });
+        bounds.within(moments, |i| chosen[i])
     }
 
     #[inline(always)]
@@ -192,7 +206,8 @@ impl System {
         into.clear();
         into.resize(self.order * self.order, Lane::all(0.0));
         self.unit.resize(self.order * self.order, Lane::all(0.0));
-        invert(&self.lower, self.order, &mut self.unit, into);
+        let inverse = &self.inverse_pivot;
+        invert(&self.lower, self.order, inverse, &mut self.unit, into);
         into.reverse(); // the last coefficient came first, in lines and columns
     }
 }
@@ -205,56 +220,4 @@ fn rest(table: &Table, layout: &Layout, noises: &Noises, column: usize) -> Lane 
         rest = rest - table.some(column, offset, noises);
     }
     rest
-}
-
-/// Bounds of coefficients that cut off part of a prior.
-#[derive(Default)]
-pub(super) struct Bounds {
-    /// Coefficients that have such bounds.
-    pub near: Vec<usize>,
-    /// Bounds of each, and the log of the prior mass between them for each width.
-    limits: Vec<((f64, f64), Vec<f64>)>,
-}
-
-impl Bounds {
-    pub fn of(layout: &Layout, widths: &[f64]) -> Self {
-        let is_near = |bounds: &(f64, f64)| bounds.0.abs().min(bounds.1.abs()) <= FAR;
-        let near = layout.bounds.iter().enumerate().filter(|(_, b)| is_near(b));
-        let mut found = Self::default();
-        for (i, &bounds) in near {
-            let before = |width: &f64| between(bounds.0 / width, bounds.1 / width).ln();
-            found.near.push(i);
-            found
-                .limits
-                .push((bounds, widths.iter().map(before).collect()));
-        }
-        found
-    }
-
-    /// Log of posterior over prior mass within the bounds, coefficient by coefficient, each with
-    /// one of the widths.
-    pub fn within(
-        &self,
-        system: &System,
-        variances: &[Lane],
-        variance: Lane,
-        chosen: &[usize],
-    ) -> Lane {
-        let mut sum = Lane::all(0.0);
-        for ((&i, (bounds, before)), &own) in self.near.iter().zip(&self.limits).zip(variances) {
-            let mean = system.coefficient(i);
-            for lane in 0..LANES {
-                let deviation = (variance.0[lane] * own.0[lane])
-                    .max(f64::MIN_POSITIVE)
-                    .sqrt();
-                let limit = |bound: f64| (bound - mean.0[lane]) / deviation;
-                let inside = between(limit(bounds.0), limit(bounds.1));
-                if inside < 1.0 {
-                    sum.0[lane] += inside.max(f64::MIN_POSITIVE).ln();
-                }
-                sum.0[lane] -= before[chosen[i]];
-            }
-        }
-        sum
-    }
 }

@@ -62,7 +62,8 @@ pub(super) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
     threads: usize,
     worker: impl Fn() -> W + Sync,
 ) -> Vec<T> {
-    let chunks: Vec<&[I]> = items.chunks(MANY).collect();
+    let size = (items.len() / (4 * threads.max(1))).clamp(1, MANY);
+    let chunks: Vec<&[I]> = items.chunks(size).collect();
     let done = each_part(chunks.len(), threads, || {
         let mut run = worker();
         let chunks = &chunks;
@@ -71,5 +72,5 @@ pub(super) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
     done.into_iter().flatten().collect()
 }
 
-/// Items that are worth a change of hands.
+/// Items that are handed over at once, at most.
 const MANY: usize = 8;
