@@ -14,6 +14,12 @@ from echocal.observations.text import Layout
 CODES = (1.0, 0.0, 2.0)
 TABLE = {"reading_m": [2.0] * 9, "temperature_C": np.arange(10.0, 19.0), "distance_m": [2.0] * 9}
 
+
+def _calibrated() -> echocal.Calibration:
+    data = echocal.read_observations(TABLE, reading_speed=343)
+    return echocal.calibrate(data, Model("331.3+0.6*T"), fit=["zero_error.offset"])
+
+
 REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "a date for a distance": (
         lambda: Model("linear").indicate(np.datetime64("2020-01-01"), temperature=20.0),  # type: ignore[arg-type]
@@ -135,6 +141,61 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         UsageError,
         "n_threads is True; give 1 or more, or None for every processor",
     ),
+    "a file where a model is due": (
+        lambda: echocal.firmware.generate("model.json"),  # type: ignore[arg-type]
+        UsageError,
+        r"firmware is made of a Model, got str; Model.load\(path\) reads a file",
+    ),
+    "a law where a model is due": (
+        lambda: echocal.calibrate(echocal.read_observations(TABLE), "cramer", fit=["zero_error"]),  # type: ignore[arg-type]
+        UsageError,
+        r"calibrate begins with a Model, got 'cramer'; Model\('cramer'\), or Model.load\(path\)",
+    ),
+    "codes in words": (
+        lambda: echocal.firmware.generate(Model("linear"), temperature="fine"),  # type: ignore[arg-type]
+        UsageError,
+        r"temperature is 'fine'; give TemperatureCodes\(lsb, low, high, zero\), or the numbers as a tuple",
+    ),
+    "too many numbers of an echo": (
+        lambda: echocal.firmware.generate(Model("linear"), echo=(1, 2, 3)),  # type: ignore[arg-type]
+        UsageError,
+        r"echo is \(1, 2, 3\); give EchoCodes\(lsb, longest\), or the numbers as a tuple",
+    ),
+    "assumptions as a list": (
+        lambda: echocal.firmware.generate(Model("linear"), assume=["pressure"]),  # type: ignore[arg-type]
+        UsageError,
+        "assume maps conditions to values",
+    ),
+    "a degree below nothing": (
+        lambda: echocal.Regression.polynomial("temperature", -1),
+        UsageError,
+        "degree is -1; give a whole number of 0 or more",
+    ),
+    "a bound in words": (
+        lambda: echocal.verify_model("linear", maximum_permissible_error="3", temperature=20.0, distance=1.0),  # type: ignore[arg-type]
+        UsageError,
+        r"must be a positive length \[m\], got '3'",
+    ),
+    "a prediction without temperature": (
+        lambda: _calibrated().predict(distance=1.0),
+        DataError,
+        r"law '331.3\+0.6\*T' needs temperature \[degC\], which is not given",
+    ),
+    "a prediction without distance": (
+        lambda: _calibrated().predict(temperature=20.0),
+        DataError,
+        "the prediction needs distance, which is not given",
+    ),
+    "a prediction at a word": (
+        lambda: _calibrated().predict(distance="far", temperature=20.0),
+        UsageError,
+        "distance must be real numbers",
+    ),
+    "a prediction of two shapes": (
+        lambda: _calibrated().predict(distance=[1.0, 2.0], temperature=[1.0, 2.0, 3.0]),
+        UsageError,
+        r"shapes do not broadcast: distance \(2,\), temperature \(3,\)",
+    ),
     "assumed humidity of 50": (
         lambda: echocal.firmware.generate(
             Model("linear"), temperature=CODES, assume={"relative_humidity": 50.0}
@@ -224,3 +285,9 @@ def test_data_without_noise_are_diagnosed() -> None:
 def test_a_speed_as_a_number_is_a_base() -> None:
     table = {name: np.resize(column, 40) for name, column in TABLE.items()}
     assert echocal.diagnose(table, base=343).base == echocal.diagnose(table, base="343").base
+
+
+def test_one_text_may_stand_for_a_list_of_one() -> None:
+    assert len(echocal.read_observations(TABLE, trust="temperature_C")) == 9
+    model = Model("cramer", {"temperature_gradient": {"gradient": 0.1}})
+    assert echocal.firmware.generate(model, temperature=CODES, echo=900, accept="temperature_gradient").files

@@ -1,8 +1,12 @@
 """What a device measures, as integers: ticks of a timer, codes of a thermometer and of a hygrometer."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
+from numbers import Real
+from typing import Any, TypeVar
 
-__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes"]
+from echocal.errors import UsageError
+
+__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of"]
 
 
 @dataclass(frozen=True)
@@ -59,3 +63,25 @@ class HumidityCodes:
     low: float = 0.0
     high: float = 1.0
     zero: float = 0.0
+
+
+Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
+
+
+def codes_of(name: str, kind: type[Codes], wish: Any) -> Codes:
+    """Return codes of a kind, which a tuple of numbers may stand for.
+
+    Raises
+    ------
+    UsageError
+        If it is neither.
+    """
+    try:
+        codes = wish if isinstance(wish, kind) else kind(*map(float, wish))
+        if all(isinstance(value, Real) for value in astuple(codes)):
+            return codes
+    except (TypeError, ValueError):
+        pass
+    order = ", ".join(field.name for field in fields(kind))
+    message = f"{name} is {wish!r}; give {kind.__name__}({order}), or the numbers as a tuple"
+    raise UsageError(message)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core, silicon
-from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes
+from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of
 from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
@@ -201,7 +201,7 @@ def generate(
     form : str, optional
         The only form to try, ``"polynomial"``, ``"interpolated_table"``, ``"segments"``, ``"square"``,
         ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the cheapest of all.
-    accept : iterable of str
+    accept : iterable of str, or str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float
         Values of conditions that the device does not measure, e.g. ``{"relative_humidity": 0.5}``;
@@ -245,16 +245,20 @@ def generate(
     >>> int(made.distance_um(11_690, 40))  # 20 degC
     2001613
     """
+    if not isinstance(model, Model):
+        message = f"firmware is made of a Model, got {type(model).__name__}; Model.load(path) reads a file"
+        raise UsageError(message)
     model.refuse_shape("firmware")
     if measure and package == "micropython":
         message = "measure compiles C, and the package micropython holds none: measure another package"
         raise UsageError(message)
-    codes = _warm(temperature)
-    damp = HumidityCodes(*humidity) if isinstance(humidity, tuple) else humidity
-    if damp is not None and "relative_humidity" in (assume or {}):
+    codes = _warm(codes_of("temperature", TemperatureCodes, temperature))
+    damp = None if humidity is None else codes_of("humidity", HumidityCodes, humidity)
+    assume = _mapped(assume)
+    if damp is not None and "relative_humidity" in assume:
         message = "relative_humidity is measured: it cannot be assumed as well"
         raise UsageError(message)
-    air = _assumed(model, assume or {})
+    air = _assumed(model, assume)
     wish = {
         "target": target,
         "package": package,
@@ -268,11 +272,11 @@ def generate(
         "maximum_distance": float(max_distance),
         "maximum_table": _count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
         "threads": _threads(n_threads),
-        "accept": [find_effect(effect).id for effect in accept],
+        "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
         "model_hash": model.hash,
     }
-    wish["command"] = _command(wish, model_name, assume or {}) + (" --measure" if measure else "")
+    wish["command"] = _command(wish, model_name, assume) + (" --measure" if measure else "")
     try:
         core = _core.design_firmware(model._core, wish, progress)
     except BoundError as error:
@@ -287,8 +291,14 @@ def generate(
     return _firmware(core, [one.to_dict() for one in found if one is not None])
 
 
-def _warm(wish: TemperatureCodes | tuple[float, float, float]) -> TemperatureCodes:
-    codes = wish if isinstance(wish, TemperatureCodes) else TemperatureCodes(*wish)
+def _mapped(assume: Mapping[str, float] | None) -> dict[str, float]:
+    if assume is None or isinstance(assume, Mapping):
+        return dict(assume or {})
+    message = f"assume maps conditions to values, {{'relative_humidity': 0.5}}; got {assume!r}"
+    raise UsageError(message)
+
+
+def _warm(codes: TemperatureCodes) -> TemperatureCodes:
     if codes.low < _ABSOLUTE_ZERO:
         message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
         raise UsageError(message)
@@ -338,7 +348,7 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
 def _echo(wish: float | EchoCodes | tuple[float, float]) -> tuple[float, float]:
     """Tick and longest echo time [us]; what range makes sense, the core says."""
     if isinstance(wish, EchoCodes | tuple):
-        codes = wish if isinstance(wish, EchoCodes) else EchoCodes(*wish)
+        codes = codes_of("echo", EchoCodes, wish)
         return float(codes.lsb), float(codes.longest)
     return 1.0, float(_count("echo", wish, 2**31 - 1))
 

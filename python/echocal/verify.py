@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -177,8 +178,8 @@ def _judge(
     where: Callable[[int], dict[str, float]],
     unusable: dict[str, int],
 ) -> Verification:
-    if not 0 < bound < np.inf:
-        message = f"the maximum permissible error must be a positive length, got {bound} m"
+    if not isinstance(bound, Real) or not 0 < float(bound) < np.inf:
+        message = f"the maximum permissible error must be a positive length [m], got {bound!r}"
         raise UsageError(message)
     if np.isnan(errors).any():
         row = int(np.flatnonzero(np.isnan(errors))[0])

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -122,6 +123,9 @@ def calibrate(
 
 def _form(model: Model | Form, fit: Sequence[str] | None) -> Form:
     if not isinstance(model, Model):
+        if isinstance(model, str | Path):
+            message = f"calibrate begins with a Model, got {model!r}; Model('cramer'), or Model.load(path)"
+            raise UsageError(message)
         if fit is not None:
             message = "fit= names parameters of a physical model; this form fits all of its own"
             raise UsageError(message)

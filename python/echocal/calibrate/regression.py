@@ -82,6 +82,9 @@ class Regression:
         law : str
             Law that turns echoes into indications.
         """
+        if not isinstance(degree, int) or degree < 0:
+            message = f"degree is {degree!r}; give a whole number of 0 or more"
+            raise UsageError(message)
         powers = [column if power == 1 else f"{column}^{power}" for power in range(1, degree + 1)]
         return cls(("1", *powers), response, law)
 

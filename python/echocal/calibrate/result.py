@@ -1,6 +1,6 @@
 """What a calibration found, with its uncertainties."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.calibrate.form import Column, Form, Parameter
-from echocal.errors import UsageError
+from echocal.conditions import numbers
+from echocal.errors import DataError, UsageError
+from echocal.model import Model
 
 __all__ = ["Calibration", "Estimate", "Prediction"]
 
@@ -177,16 +179,37 @@ class Calibration:
         Prediction
             In the shape of the columns.
 
+        Raises
+        ------
+        UsageError
+            If a column is no numbers, or the columns do not broadcast.
+        DataError
+            If the form reads a column that is not given.
+
         References
         ----------
         .. [1] JCGM 100:2008 (GUM), 5.2.2, equation (13).
         """
-        arrays = [np.asarray(column, dtype=np.float64) for column in columns.values()]
-        broadcast = dict(zip(columns, np.broadcast_arrays(*arrays), strict=True))
-        value, jacobian = self.form.evaluate(self.values, broadcast)
+        value, jacobian = self._evaluate(columns)
         variance = np.einsum("...i,ij,...j->...", jacobian, self.covariance, jacobian)
         deviation = self.residual_standard_deviation
         return Prediction(value, np.sqrt(variance), np.sqrt(variance + deviation**2))
+
+    def _evaluate(self, columns: Mapping[str, ArrayLike]) -> tuple[Column, NDArray[np.float64]]:
+        arrays = {name: numbers(name, column) for name, column in columns.items()}
+        if isinstance(self.model, Model):
+            self.model.refuse_missing(columns)
+        try:
+            broadcast = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+        except ValueError:
+            shapes = ", ".join(f"{name} {column.shape}" for name, column in arrays.items())
+            message = f"shapes do not broadcast: {shapes}"
+            raise UsageError(message) from None
+        try:
+            return self.form.evaluate(self.values, broadcast)
+        except KeyError as absent:
+            message = f"the prediction needs {absent.args[0]}, which is not given: pass {absent.args[0]}=..."
+            raise DataError(message) from None
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the rows, for JSON (schema ``echocal.calibration/1``)."""

@@ -335,6 +335,10 @@ class Model:
         shape = f", shape against {self.shape.against} (not explained)" if self.shape else ""
         return f"Model({self.law!r}, {self.effects}{air}{shape})"
 
+    def refuse_missing(self, conditions: Mapping[str, Any]) -> None:
+        """Raise `DataError` where a condition that the model needs is not among these names."""
+        self._needs.check({**self.air, **conditions})
+
     def _conditions(self, given: Mapping[str, ArrayLike | None]) -> dict[str, ArrayLike]:
         refuse_unknown(given)
         known = {name: _numeric(name, value) for name, value in given.items() if value is not None}

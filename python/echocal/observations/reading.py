@@ -91,6 +91,7 @@ def read_observations(
     from echocal.observations.source import load
     from echocal.observations.text import Layout
 
+    trust = [trust] if isinstance(trust, str) else trust
     table = load(source, Layout(skip_lines, decimal, encoding))
     codes = Missing(missing)
     codes.refuse_unknown(table.columns)
