@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import accumulate, pairwise
 from typing import Any
 
@@ -32,24 +33,24 @@ class Hypothesis:
     variants: tuple[Variant, ...]
     prior: float
 
-    @property
+    @cached_property
     def causes(self) -> tuple[str, ...]:
         """Ids of its causes."""
         return tuple(variant.cause for variant in self.variants)
 
-    @property
+    @cached_property
     def columns(self) -> tuple[int, ...]:
         """Every column that it uses."""
         return tuple(column for variant in self.variants for column in variant.columns)
 
-    @property
-    def placed(self) -> list[tuple[Variant, slice]]:
+    @cached_property
+    def placed(self) -> tuple[tuple[Variant, slice], ...]:
         """Each variant, and where its coefficients stand among those of the hypothesis."""
         ends = list(accumulate((len(variant.free) for variant in self.variants), initial=0))
         places = (slice(first, last) for first, last in pairwise(ends))
-        return list(zip(self.variants, places, strict=True))
+        return tuple(zip(self.variants, places, strict=True))
 
-    @property
+    @cached_property
     def shape(self) -> str:
         """Column that a shape without a cause is a function of; empty if it has none."""
         return next((v.against for v in self.variants if v.against), "")

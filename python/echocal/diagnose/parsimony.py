@@ -21,7 +21,7 @@ __all__ = ["Ids", "shown"]
 
 Ids = tuple[str, ...]
 
-_WIDTHS = np.array([1 / 3, 1.0, 3.0])  # of the prior, in a mixture: rust/core/src/evidence/weigh.rs
+_WIDTHS = np.array([1 / 3, 1.0, 3.0])  # of the prior, in a mixture: rust/core/src/evidence/widths.rs
 _VISIBLE = 1.0  # signal over noise, summed over rows
 
 

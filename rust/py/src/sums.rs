@@ -62,13 +62,14 @@ impl CoreSums {
         if chosen.iter().flatten().any(|&column| column >= width) {
             return Err(PyValueError::new_err("no such column"));
         }
-        let (products, weights) = py.detach(|| match &chosen {
-            None => self.sums.whiten(&noises, &used, threads),
-            Some(chosen) => {
-                let narrow = self.sums.narrow(chosen);
-                let (some, weights) = narrow.whiten(&noises, &used, threads);
-                (placed(&some, chosen, width), weights)
+        let (products, weights) = py.detach(|| {
+            let all: Vec<usize> = (0..width).collect();
+            let columns = chosen.as_deref().unwrap_or(&all);
+            let (some, weights) = self.sums.whiten(&noises, &used, columns, threads);
+            if columns.len() == width {
+                return (some, weights);
             }
+            (placed(&some, columns, width), weights)
         });
         let shape = [noises.len(), width, width];
         let products = PyArray1::from_vec(py, products).reshape(shape)?;

@@ -17,6 +17,19 @@ pub struct Variant {
     pub weight: f64,
 }
 
+/// Columns of some variants, and the last of all, in ascending order.
+pub(super) fn columns<'a>(
+    variants: impl IntoIterator<Item = &'a Variant>,
+    last: usize,
+) -> Vec<usize> {
+    let each = variants.into_iter();
+    let own = each.flat_map(|variant| variant.offsets.iter().chain(&variant.free));
+    let mut columns: Vec<usize> = own.copied().chain([last]).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    columns
+}
+
 /// Several variants at once, one of each cause, laid out for the arithmetic.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layout {

@@ -1,40 +1,15 @@
 //! No cause, each cause, each pair, larger sets greedily, and the best of all beside a shape.
 
 use super::company::promising;
-use super::hypothesis::{Layout, Variant};
+use super::hypothesis::{Layout, Variant, columns};
 use super::ladder::{BESIDE, EXTENDED, NEGLIGIBLE, UNDECIDED, floor};
 use super::mixture::log_sum;
 use super::noises::{allowed, plausible};
+use super::prior::{Prior, combinations};
 use super::stack::{Stack, Table};
 use super::threaded::each_of;
 use super::weigh::{Care, Scales, Weighed};
 use std::collections::HashMap;
-
-/// Probabilities before the data.
-#[derive(Clone, Copy, Debug)]
-pub struct Prior {
-    /// Of no, one, two and three causes.
-    pub causes: [f64; 4],
-    /// Of a shape without a cause, independently.
-    pub shape: f64,
-    /// Log odds against the most probable hypothesis beyond which one is left out.
-    pub hopeless: f64,
-}
-
-impl Prior {
-    /// Of so many causes; beyond three, each further one is as rare beside the last as the third
-    /// is beside the second.
-    fn of(&self, count: usize) -> f64 {
-        let last = self.causes.len() - 1;
-        let rarer = self.causes[last] / self.causes[last - 1];
-        (last..count).fold(self.causes[count.min(last)], |p, _| p * rarer)
-    }
-}
-
-/// Sets of `chosen` among `all`.
-fn combinations(all: usize, chosen: usize) -> f64 {
-    (0..chosen).fold(1.0, |sets, i| sets * (all - i) as f64 / (i + 1) as f64)
-}
 
 /// A hypothesis with its place in the posterior.
 #[derive(Clone, Debug)]
@@ -85,16 +60,16 @@ pub fn posterior(
         });
         causes[at].push(v);
     }
-    let every = Table::of(stack, &vec![true; stack.log_weight.len()], threads);
+    let all = columns(variants, stack.width - 1);
+    let every = Table::of(stack, &all, threads);
     let share = if shapes.is_empty() {
         1.0
     } else {
         1.0 - prior.shape
     };
     let mut noises = plausible(&every, variants, &causes, &shapes, threads);
-    let mut solved = 0;
     loop {
-        let table = Table::of(stack, &noises, threads);
+        let table = every.only(&noises, &all, threads);
         let search = Search {
             table: &table,
             variants,
@@ -112,9 +87,8 @@ pub fn posterior(
             .all(|(more, held)| *held || !more);
         if complete {
             let outcomes = search.outcomes(found);
-            return (outcomes, noises, solved + table.solved.into_inner());
+            return (outcomes, noises, every.solved());
         }
-        solved += table.solved.into_inner();
         for (held, more) in noises.iter_mut().zip(allowed) {
             *held |= more;
         }
@@ -143,8 +117,14 @@ impl Search<'_> {
     fn found(&self, shapes: &[usize]) -> Vec<Candidate> {
         let mut found = self.scored(self.singles());
         let promising = promising(self, &found);
+        let forms = promising.iter().flatten().map(|&v| &self.variants[v]);
+        let columns = columns(forms, self.table.width - 1);
+        let narrow = self
+            .table
+            .only(&vec![true; self.table.noises()], &columns, self.threads);
         let search = Search {
             causes: &promising,
+            table: &narrow,
             ..*self
         };
         found.extend(search.weigh(search.pairs(), &found, Some(2)));
@@ -156,6 +136,10 @@ impl Search<'_> {
                 break;
             }
         }
+        let search = Search {
+            table: self.table,
+            ..search
+        };
         let beside = search.beside(&search.distinct(&found), shapes);
         found.extend(search.weigh(beside, &found, None));
         found
@@ -390,7 +374,7 @@ impl Outcome {
 pub fn weigh(stack: &Stack<'_>, variants: &[Variant], one_width: bool) -> Weighed {
     let mut layout = Layout::default();
     layout.fill(variants);
-    let table = Table::of(stack, &vec![true; stack.log_weight.len()], 1);
+    let table = Table::of(stack, &columns(variants, stack.width - 1), 1);
     let care = if one_width { Care::Widest } else { Care::Every };
     Scales::default().weigh(&table, &layout, care)
 }

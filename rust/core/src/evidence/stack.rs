@@ -2,6 +2,7 @@
 
 use super::lanes::{LANES, Lane};
 use super::threaded::each_of;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Whitened products of the columns under each noise; the last column is what the base simulation
@@ -20,16 +21,18 @@ pub struct Stack<'a> {
     pub finest: f64,
 }
 
-/// The same with the noises side by side, several at a time.
+/// The same with the noises side by side, several at a time, of some columns.
 pub(super) struct Table {
     /// Of each group of noises: lower triangle row by row.
     values: Vec<Vec<Lane>>,
+    /// Where each column stands; nowhere if it was not kept.
+    place: Vec<usize>,
     pub log_weight: Vec<f64>,
     pub width: usize,
     pub degrees: f64,
     pub finest: f64,
-    /// Linear systems solved so far.
-    pub solved: AtomicUsize,
+    /// Linear systems solved so far, with those of the table that this one was taken from.
+    solved: Arc<AtomicUsize>,
 }
 
 /// Noises whose products are taken side by side.
@@ -42,25 +45,54 @@ pub(super) enum Noises {
 }
 
 impl Table {
-    /// The noises in `kept` alone.
-    pub fn of(stack: &Stack<'_>, kept: &[bool], threads: usize) -> Self {
-        let chosen: Vec<usize> = (0..kept.len()).filter(|&noise| kept[noise]).collect();
-        let groups: Vec<&[usize]> = chosen.chunks(LANES).collect();
+    /// Some columns, in ascending order, under every noise.
+    pub fn of(stack: &Stack<'_>, columns: &[usize], threads: usize) -> Self {
+        let noises: Vec<usize> = (0..stack.log_weight.len()).collect();
+        let groups: Vec<&[usize]> = noises.chunks(LANES).collect();
         Self {
             values: each_of(&groups, threads, || {
-                |noises: &&[usize]| group(stack, noises)
+                |noises: &&[usize]| group(stack, noises, columns)
             }),
-            log_weight: chosen.iter().map(|&n| stack.log_weight[n]).collect(),
+            place: places(columns, stack.width),
+            log_weight: stack.log_weight.to_vec(),
             width: stack.width,
             degrees: stack.degrees,
             finest: stack.finest,
-            solved: AtomicUsize::new(0),
+            solved: Arc::default(),
+        }
+    }
+
+    /// Some of the columns, in ascending order, under the noises in `kept`.
+    pub fn only(&self, kept: &[bool], columns: &[usize], threads: usize) -> Self {
+        let noises: Vec<usize> = (0..kept.len()).filter(|&noise| kept[noise]).collect();
+        let groups: Vec<&[usize]> = noises.chunks(LANES).collect();
+        let values = each_of(&groups, threads, || {
+            |noises: &&[usize]| {
+                let some = Noises::Some(filled(noises));
+                let pairs = columns.iter().enumerate();
+                let line = |(at, &i): (usize, &usize)| {
+                    columns[..=at].iter().map(move |&j| self.some(i, j, &some))
+                };
+                pairs.flat_map(line).collect()
+            }
+        });
+        Self {
+            values,
+            place: places(columns, self.width),
+            log_weight: noises.iter().map(|&n| self.log_weight[n]).collect(),
+            solved: Arc::clone(&self.solved),
+            ..*self
         }
     }
 
     /// Counts systems that are solved.
     pub fn count(&self, systems: usize) {
         self.solved.fetch_add(systems, Ordering::Relaxed);
+    }
+
+    /// Systems solved so far.
+    pub fn solved(&self) -> usize {
+        self.solved.load(Ordering::Relaxed)
     }
 
     /// Number of noises.
@@ -71,6 +103,7 @@ impl Table {
     /// The product of two columns, of some noises.
     #[inline(always)]
     pub fn some(&self, i: usize, j: usize, noises: &Noises) -> Lane {
+        let (i, j) = (self.place[i], self.place[j]);
         let (high, low) = if i < j { (j, i) } else { (i, j) };
         let place = high * (high + 1) / 2 + low;
         match noises {
@@ -86,19 +119,32 @@ impl Table {
     }
 }
 
-/// Products of some noises side by side; the last noise fills the lanes up.
-fn group(stack: &Stack<'_>, noises: &[usize]) -> Vec<Lane> {
+/// Noises for all lanes: the last one fills them up.
+fn filled(noises: &[usize]) -> [usize; LANES] {
+    core::array::from_fn(|lane| noises[lane.min(noises.len() - 1)])
+}
+
+/// Where each of so many columns stands among those chosen.
+fn places(columns: &[usize], width: usize) -> Vec<usize> {
+    let mut place = vec![usize::MAX; width];
+    for (at, &column) in columns.iter().enumerate() {
+        place[column] = at;
+    }
+    place
+}
+
+/// Products of some columns under some noises, side by side.
+fn group(stack: &Stack<'_>, noises: &[usize], columns: &[usize]) -> Vec<Lane> {
     let (width, area) = (stack.width, stack.width * stack.width);
-    let own: [&[f64]; LANES] = core::array::from_fn(|lane| {
-        &stack.products[noises[lane.min(noises.len() - 1)] * area..][..area]
-    });
-    let mut values = vec![Lane::all(0.0); width * (width + 1) / 2];
+    let own = filled(noises).map(|noise| &stack.products[noise * area..][..area]);
+    let mut values = vec![Lane::all(0.0); columns.len() * (columns.len() + 1) / 2];
     let mut rest = &mut values[..];
-    for row in 0..width {
-        let (line, others) = rest.split_at_mut(row + 1);
+    for (at, &row) in columns.iter().enumerate() {
+        let (line, others) = rest.split_at_mut(at + 1);
         for (lane, own) in own.iter().enumerate() {
-            for (value, product) in line.iter_mut().zip(&own[row * width..]) {
-                value.0[lane] = *product;
+            let own = &own[row * width..][..width];
+            for (value, &column) in line.iter_mut().zip(columns) {
+                value.0[lane] = own[column];
             }
         }
         rest = others;

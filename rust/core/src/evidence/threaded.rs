@@ -74,3 +74,38 @@ pub(super) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
 
 /// Items that are handed over at once, at most.
 const MANY: usize = 8;
+
+/// Fills each item's part of some numbers, as many for each, and returns what each gives, in order.
+///
+/// `worker` makes what one thread works with.
+pub(super) fn fill_each<I: Sync, T: Send, W: FnMut(&I, &mut [f64]) -> T>(
+    items: &[I],
+    into: &mut [f64],
+    threads: usize,
+    worker: impl Fn() -> W + Sync,
+) -> Vec<T> {
+    let each = into.len() / items.len().max(1);
+    let fill = |(items, into): (&[I], &mut [f64])| -> Vec<T> {
+        let mut run = worker();
+        let parts = into.chunks_exact_mut(each.max(1));
+        let both = items.iter().zip(parts);
+        both.map(|(item, part)| run(item, part)).collect()
+    };
+    let share = items.len().div_ceil(threads.max(1)).max(1);
+    let shares = items
+        .chunks(share)
+        .zip(into.chunks_mut((share * each).max(1)));
+    std::thread::scope(|scope| {
+        let mut shares = shares.collect::<Vec<_>>().into_iter();
+        let own = shares.next();
+        let others: Vec<_> = shares.map(|part| scope.spawn(|| fill(part))).collect();
+        let mut found = own.map_or_else(Vec::new, fill);
+        for other in others {
+            match other.join() {
+                Ok(more) => found.extend(more),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        found
+    })
+}

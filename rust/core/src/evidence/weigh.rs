@@ -338,7 +338,7 @@ mod tests {
             ],
             ..Layout::default()
         };
-        (Table::of(&stack, &[true; 2], 1), layout)
+        (Table::of(&stack, &[0, 1, 2, 3], 1), layout)
     }
 
     #[test]

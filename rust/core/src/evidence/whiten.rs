@@ -3,7 +3,7 @@
 
 use super::gram::{GROUP, add_products};
 use super::products::Products;
-use super::threaded::each_of;
+use super::threaded::fill_each;
 
 /// White noise on a first-order autoregression, with a random error per stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,10 +42,17 @@ struct Merged {
 }
 
 impl Sums {
-    /// Whitened products under each noise, one matrix after the other, with what the noise adds to
-    /// the log evidence of every hypothesis, over the blocks in use.
+    /// Whitened products of some columns, the first among them, under each noise, one matrix after
+    /// the other, with what the noise adds to the log evidence of every hypothesis, over the blocks
+    /// in use.
     #[must_use]
-    pub fn whiten(&self, noises: &[Noise], used: &[bool], threads: usize) -> (Vec<f64>, Vec<f64>) {
+    pub fn whiten(
+        &self,
+        noises: &[Noise],
+        used: &[bool],
+        chosen: &[usize],
+        threads: usize,
+    ) -> (Vec<f64>, Vec<f64>) {
         let lines = self.lines(used);
         let series: f64 = (self.series.iter().zip(used))
             .filter_map(|(&series, &used)| used.then_some(series))
@@ -53,50 +60,20 @@ impl Sums {
         let merged: Vec<Option<Merged>> = (0..self.products.len())
             .map(|memory| {
                 let wanted = noises.iter().any(|noise| noise.memory == memory);
-                wanted.then(|| self.merged(memory, used, &lines))
+                wanted.then(|| self.merged(memory, used, &lines, chosen))
             })
             .collect();
-        let whitened = each_of(noises, threads, || {
-            |noise: &Noise| {
-                let sums = merged[noise.memory].as_ref();
-                sums.map(|sums| self.whitened(noise, sums, series))
+        let mut products = vec![0.0; noises.len() * chosen.len() * chosen.len()];
+        let weights = fill_each(noises, &mut products, threads, || {
+            let (mut shrunken, mut taken) = (Vec::new(), Vec::new());
+            let merged = &merged;
+            move |noise: &Noise, into: &mut [f64]| {
+                merged[noise.memory].as_ref().map_or(0.0, |sums| {
+                    self.whitened(noise, sums, series, into, [&mut shrunken, &mut taken])
+                })
             }
         });
-        let mut products = Vec::with_capacity(noises.len() * self.width * self.width);
-        let mut weights = Vec::with_capacity(noises.len());
-        for (matrix, weight) in whitened.into_iter().flatten() {
-            products.extend(matrix);
-            weights.push(weight);
-        }
         (products, weights)
-    }
-
-    /// The sums of some columns alone, in this order.
-    #[must_use]
-    pub fn narrow(&self, chosen: &[usize]) -> Self {
-        let width = self.width;
-        let block = |values: &[f64]| -> Vec<f64> {
-            let line = |&i: &usize| chosen.iter().map(move |&j| values[i * width + j]);
-            chosen.iter().flat_map(line).collect()
-        };
-        let own = |sums: &Products| Products {
-            blocks: sums.blocks.each_ref().map(|kind| {
-                let blocks = kind.chunks_exact((width * width).max(1));
-                blocks.flat_map(block).collect()
-            }),
-            cells: sums.cells.each_ref().map(|kind| {
-                let cells = kind.chunks_exact(width.max(1));
-                let some = |cell: &[f64]| -> Vec<f64> { chosen.iter().map(|&j| cell[j]).collect() };
-                cells.flat_map(some).collect()
-            }),
-        };
-        Self {
-            products: self.products.iter().map(own).collect(),
-            width: chosen.len(),
-            cells: self.cells.clone(),
-            series: self.series.clone(),
-            flat_level: self.flat_level,
-        }
     }
 
     /// Which line of group sums each cell adds to; none where its block is not in use.
@@ -121,48 +98,64 @@ impl Sums {
         (lines, count)
     }
 
-    fn merged(&self, memory: usize, used: &[bool], lines: &(Vec<Option<usize>>, usize)) -> Merged {
-        let (area, width) = (self.width * self.width, self.width);
+    fn merged(
+        &self,
+        memory: usize,
+        used: &[bool],
+        lines: &(Vec<Option<usize>>, usize),
+        chosen: &[usize],
+    ) -> Merged {
+        let (width, kept) = (self.width, chosen.len());
         let own = &self.products[memory];
-        let mut all = [(); 4].map(|()| vec![0.0; area]);
+        let mut all = [(); 4].map(|()| vec![0.0; kept * kept]);
         for (sums, blocks) in all.iter_mut().zip(&own.blocks) {
-            for (block, _) in used.iter().enumerate().filter(|&(_, &used)| used) {
-                add(sums, &blocks[block * area..(block + 1) * area]);
+            let each = blocks.chunks_exact((width * width).max(1)).zip(used);
+            for (block, _) in each.filter(|&(_, &used)| used) {
+                for (sums, &row) in sums.chunks_exact_mut(kept.max(1)).zip(chosen) {
+                    add(sums, &block[row * width..][..width], chosen);
+                }
             }
         }
-        let mut groups = [(); 4].map(|()| vec![0.0; lines.1 * width]);
+        let mut groups = [(); 4].map(|()| vec![0.0; lines.1 * kept]);
         for (sums, cells) in groups.iter_mut().zip(&own.cells) {
-            for (cell, line) in lines.0.iter().enumerate() {
-                let Some(line) = line else { continue };
-                let sum = &mut sums[line * width..(line + 1) * width];
-                add(sum, &cells[cell * width..(cell + 1) * width]);
+            for (cell, line) in cells.chunks_exact(width.max(1)).zip(&lines.0) {
+                if let Some(line) = line {
+                    add(&mut sums[line * kept..][..kept], cell, chosen);
+                }
             }
         }
         Merged { all, groups }
     }
 
-    fn whitened(&self, noise: &Noise, sums: &Merged, series: f64) -> (Vec<f64>, f64) {
-        let Noise {
-            rho,
-            first_weight,
-            stand_ratio,
-            log_prior,
-            ..
-        } = *noise;
-        let width = self.width;
-        let mut total = combined(&sums.all, [1.0, rho * rho, -2.0 * rho, first_weight]);
-        let groups = combined(&sums.groups, [1.0, rho * rho, -rho, first_weight]);
-        let mut weight = log_prior + 0.5 * series * first_weight.ln();
+    /// Fills one matrix, with memory for sums over groups; returns the weight of the noise.
+    fn whitened(
+        &self,
+        noise: &Noise,
+        sums: &Merged,
+        series: f64,
+        into: &mut [f64],
+        [shrunken, taken]: [&mut Vec<f64>; 2],
+    ) -> f64 {
+        let (rho, first_weight) = (noise.rho, noise.first_weight);
+        combine(&sums.all, [1.0, rho * rho, -2.0 * rho, first_weight], into);
+        let width = into.len().isqrt();
+        let mut groups = vec![0.0; sums.groups[0].len()];
+        combine(
+            &sums.groups,
+            [1.0, rho * rho, -rho, first_weight],
+            &mut groups,
+        );
+        let mut weight = noise.log_prior + 0.5 * series * first_weight.ln();
         let padded = width.next_multiple_of(GROUP);
-        let mut shrunken = Vec::new();
+        shrunken.clear();
         for line in groups.chunks_exact(width.max(1)) {
             let own = line[0];
             let shrink = if self.flat_level {
                 weight -= 0.5 * own.ln();
                 1.0 / own
             } else {
-                weight -= 0.5 * (stand_ratio * own).ln_1p();
-                stand_ratio / (1.0 + stand_ratio * own)
+                weight -= 0.5 * (noise.stand_ratio * own).ln_1p();
+                noise.stand_ratio / (1.0 + noise.stand_ratio * own)
             };
             if shrink != 0.0 {
                 let root = shrink.sqrt();
@@ -171,15 +164,17 @@ impl Sums {
             }
         }
         if !shrunken.is_empty() {
-            let mut taken = vec![0.0; padded * padded];
-            add_products(&shrunken, padded, &mut taken);
+            taken.clear();
+            taken.resize(padded * padded, 0.0);
+            add_products(shrunken, padded, taken);
             for i in 0..width {
-                for j in 0..width {
-                    total[i * width + j] -= taken[i.min(j) * padded + i.max(j)];
+                for j in i..width {
+                    into[i * width + j] -= taken[i * padded + j];
+                    into[j * width + i] = into[i * width + j];
                 }
             }
         }
-        (total, weight)
+        weight
     }
 
     /// Whether each column is finite; those that are not become zero.
@@ -233,16 +228,23 @@ impl Sums {
     }
 }
 
-fn combined(sums: &[Vec<f64>; 4], factors: [f64; 4]) -> Vec<f64> {
+fn combine(sums: &[Vec<f64>; 4], factors: [f64; 4], into: &mut [f64]) {
     let [present, previous, lagged, first] = sums;
     let rows = present.iter().zip(previous).zip(lagged).zip(first);
-    rows.map(|(((a, b), c), d)| factors[0] * a + factors[1] * b + factors[2] * c + factors[3] * d)
-        .collect()
+    for (sum, (((a, b), c), d)) in into.iter_mut().zip(rows) {
+        *sum = factors[0] * a + factors[1] * b + factors[2] * c + factors[3] * d;
+    }
 }
 
-/// `sums += more`.
-fn add(sums: &mut [f64], more: &[f64]) {
-    for (sum, &value) in sums.iter_mut().zip(more) {
-        *sum += value;
+/// `sums += more`, of some columns.
+fn add(sums: &mut [f64], more: &[f64], chosen: &[usize]) {
+    if chosen.len() == more.len() {
+        for (sum, &value) in sums.iter_mut().zip(more) {
+            *sum += value;
+        }
+    } else {
+        for (sum, &column) in sums.iter_mut().zip(chosen) {
+            *sum += more[column];
+        }
     }
 }
