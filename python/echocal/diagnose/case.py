@@ -55,8 +55,8 @@ class Case:
         key = variant.columns, variant.offset, mean.tobytes()
         if key not in self.signals:
             fixed = [] if variant.offset is None else [variant.offset]
-            columns = self.found.columns.at([*fixed, *variant.free])
-            self.signals[key] = np.asarray(np.concatenate([np.ones(len(fixed)), mean]) @ columns)
+            factors = np.concatenate([np.ones(len(fixed)), mean])
+            self.signals[key] = self.found.columns.combined([*fixed, *variant.free], factors)
         return self.signals[key]
 
     @property

@@ -52,6 +52,10 @@ class Columns:
         made: Column = self._core.made(list(positions), rows)
         return made
 
+    def combined(self, positions: Sequence[int], factors: Column) -> Column:
+        """Sum of some columns, each times its factor, at all rows."""
+        return self._core.combined(list(zip(positions, factors.tolist(), strict=True)))
+
     def slope(self) -> int:
         """Derivative of the base's reading to the distance."""
         return self._core.slope()
@@ -105,6 +109,18 @@ class Columns:
             Lowest degree; if 2, all are without the straight line that is nearest to them.
         """
         return self._core.legendre(np.ascontiguousarray(column), low, high, first, list(scales))
+
+    def waves(self, column: Column, period: float, scales: Sequence[float]) -> list[int]:
+        """Sine and cosine of multiples of a column's phase, without their means.
+
+        Parameters
+        ----------
+        column : ndarray, shape (n,)
+        period : float
+        scales : sequence of float
+            What they are multiplied with, one for each multiple from the first on.
+        """
+        return self._core.waves(np.ascontiguousarray(column), period, list(scales))
 
     def settle(self) -> None:
         """Find what unknown levels take up of each column, once all are there."""

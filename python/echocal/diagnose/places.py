@@ -43,28 +43,30 @@ def places(
     ascending = column if ordered else np.sort(column)
     inner = ascending[:_ENDS][-1], ascending[-_ENDS:][0]
     reach = _reach(ascending, parameter) if along == "distance" else inner
+    look = _Look(
+        effect,
+        {**{p.name: p.neutral for p in effect.parameters}, **at},
+        parameter.name,
+        scene,
+        [scene.residual] if along == "distance" else [scene.leftover, scene.residual],
+        ascending if ordered and scene.groups is None else None,
+    )
     found: set[float] = set()
-    for of in [scene.residual] if along == "distance" else [scene.leftover, scene.residual]:
-        look = _Look(
-            effect,
-            {**{p.name: p.neutral for p in effect.parameters}, **at},
-            parameter.name,
-            scene,
-            of,
-            ascending if ordered and scene.groups is None else None,
-        )
-        found |= _closer(look, parameter, ascending, reach)
+    for of in range(len(look.of)):
+        found |= _closer(look, of, parameter, ascending, reach)
     return _shares(ascending, sorted(found)) if found else []
 
 
-def _closer(look: _Look, parameter: Parameter, ascending: Column, reach: tuple[float, float]) -> set[float]:
+def _closer(
+    look: _Look, of: int, parameter: Parameter, ascending: Column, reach: tuple[float, float]
+) -> set[float]:
     """Where a place explains most, halve the distance to the next one until it is half a row."""
 
     def explained(tried: Sequence[float], around: Sequence[float] = ()) -> dict[float, float]:
         values = dict(zip(tried, _quantiles(ascending, tried), strict=True))
         shown = {q: value for q, value in values.items() if reach[0] <= value <= reach[1]}
         look.at(list(shown.values()), _quantiles(ascending, around))
-        return {q: look.squares(value) for q, value in shown.items()}
+        return {q: look.squares(value, of) for q, value in shown.items()}
 
     scores = explained(parameter.tried)
     step = float(np.diff(parameter.tried).min()) / 2
@@ -96,8 +98,8 @@ class _Look:
     place : str
         Name of the parameter that says where.
     scene : Scene
-    of : ndarray, shape (n,)
-        What is to be explained [m].
+    of : list of ndarray, shape (n,)
+        What is to be explained [m]: either of these.
     ascending : ndarray, shape (n,), or None
         The column along which the places lie, where its rows ascend and no level is to be found:
         between two places then lie rows that follow each other.
@@ -109,7 +111,7 @@ class _Look:
     parameters: dict[str, float]
     place: str
     scene: Scene
-    of: Column
+    of: list[Column]
     ascending: Column | None
     known: dict[float, Matrix] = field(default_factory=dict)
 
@@ -123,11 +125,11 @@ class _Look:
         if not new:
             return
         if self.ascending is not None and len(around) and around[1] in self.known:
-            low, middle, high = around
+            (low, middle, high), count = around, len(self.ascending)
             first, last = np.searchsorted(self.ascending, [low, high], side="right").tolist()
-            first, last = first if low in self.known else 0, last if high in self.known else len(self.of)
+            first, last = first if low in self.known else 0, last if high in self.known else count
             seen = [value for value in dict.fromkeys(around) if value in self.known]
-            if 0 < last - first < len(self.of):
+            if 0 < last - first < count:
                 inside = self._products([*seen, *new], slice(first, last))
                 outside = [self.known[value] - inside[value] for value in seen]
                 if self._same(outside, self.known[middle]):
@@ -138,10 +140,11 @@ class _Look:
                 self.ascending = None  # what begins there goes on to change beyond
         self.known |= self._products(new, slice(None))
 
-    def squares(self, value: float) -> float:
-        """Squares that are explained at a place."""
+    def squares(self, value: float, of: int) -> float:
+        """Squares that are explained at a place, of one of what is to be explained."""
         products = self.known[value]
-        among, along = products[:-1, :-1], products[:-1, -1]
+        own = len(products) - len(self.of)
+        among, along = products[:own, :own], products[:own, own + of]
         return float(np.linalg.lstsq(among, along, rcond=1e-9)[0] @ along)
 
     def _products(self, values: Sequence[float], rows: slice) -> dict[float, Matrix]:
@@ -158,9 +161,9 @@ class _Look:
             ]
             for value in values
         }
-        residual = columns.store(self.of[rows])
+        left = [columns.store(of[rows]) for of in self.of]
         gram = columns.gram()
-        designs = {value: [slope, *own, residual] for value, own in tangents.items()}
+        designs = {value: [slope, *own, *left] for value, own in tangents.items()}
         return {value: gram[np.ix_(design, design)] for value, design in designs.items()}
 
     @staticmethod

@@ -86,14 +86,16 @@ class Table:
             corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
         )
 
-    def correct(self, model: Model, rows: NDArray[Any] | slice | None = None) -> Column:
+    def correct(
+        self, model: Model, rows: NDArray[Any] | slice | None = None, out: Column | None = None
+    ) -> Column:
         """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
         reads = model.reads
         needed = {name: column for name, column in self.conditions.items() if name in reads}
         if rows is None:
-            return np.asarray(model.correct(self.indication, **needed))
+            return np.asarray(model.correct(self.indication, **needed, out=out))
         some = {name: column[rows] for name, column in needed.items()}
-        return np.asarray(model.correct(self.indication[rows], **some))
+        return np.asarray(model.correct(self.indication[rows], **some, out=out))
 
     def air(self) -> dict[str, float]:
         """Median of each recorded quantity of the air but the temperature, which every device has."""

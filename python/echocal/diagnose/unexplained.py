@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
+from echocal.observations.quantiles import spread
 
 __all__ = ["HOUR", "Basis", "column_of", "shape_candidates"]
 
@@ -44,7 +45,7 @@ class Basis:
         """Functions for a column; for the time of day, of the time [s]."""
         if against == HOUR:
             return cls(HOUR, 0.0, 24.0)
-        low, high = np.percentile(column, [0.5, 99.5])  # a few far values must not bend the shape
+        low, high = np.percentile(spread(column), [0.5, 99.5])  # a few far values must not bend the shape
         return cls(against, float(low), float(high))
 
     def at(self, values: Column) -> list[Column]:
@@ -85,7 +86,7 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
     mean = [found.columns.store(constant)] if known_distance else []
     line = list(mean)
     for name, column in against.items():
-        values = len(np.unique(column[: 10**5])) if np.isfinite(column).all() else 0
+        values = _distinct(column) if np.isfinite(column).all() else 0
         if values >= _LEVELS:
             most = min(max(_DEGREES), values // _VALUES)
             basis = Basis.of(name, column)
@@ -102,9 +103,15 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
         found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
-        hour = column_of(HOUR, against)
-        waves = [found.columns.store(wave - wave.mean()) for wave in Basis.of(HOUR, hour).at(hour)]
+        scales = [_SIZE / k for k in range(1, _HARMONICS + 1)]
+        waves = found.columns.waves(elapsed, _DAY, scales)
         found.variants.append(_shape([*mean, *waves], HOUR))
+
+
+def _distinct(column: Column) -> int:
+    """Number of distinct values, or more than any shape asks for."""
+    few = len(np.unique(column[:1000]))
+    return few if few >= _VALUES * max(_DEGREES) else len(np.unique(column[: 10**5]))
 
 
 def _shape(columns: Sequence[int], name: str) -> Variant:

@@ -66,7 +66,10 @@ def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
     elapsed : ndarray, shape (n,)
         Time of each row [s].
     """
-    steps = np.diff(elapsed[np.isfinite(elapsed)])
+    finite = np.isfinite(elapsed)
+    steps = np.diff(elapsed if finite.all() else elapsed[finite])
+    if not len(steps) or steps.min() >= 0.0:
+        return []
     falling, rising = int((steps < 0.0).sum()), int((steps > 0.0).sum())
     if falling <= rising:
         return []
@@ -93,6 +96,9 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
         If the median cannot be, or is ordinary only in another unit.
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
+    usual = form.typical or form.physical
+    if all(_within(unit, end, usual) for end in _ends(values)):
+        return  # and so is their median
     finite = np.isfinite(values)
     known = values if finite.all() else values[finite]
     if form.label or column in trusted or EVERYTHING in trusted or not known.any():
@@ -100,7 +106,7 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
     wrong = impossible(known, assignment)[0]  # single impossible rows are another matter
     possible = known[~wrong] if wrong.any() else known
     median = middle(possible if 2 * len(possible) >= len(known) else known)
-    if _within(unit, median, form.typical or form.physical):
+    if _within(unit, median, usual):
         return
     others = _ordinary_as(median, form)
     if not others and _within(unit, median, form.physical):

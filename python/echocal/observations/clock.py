@@ -43,7 +43,7 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> Instants:
     times = values if pd.api.types.is_datetime64_any_dtype(values) else _parse(values, column)
     if times.dt.tz is None:
         times = _localize(times, column, zone)
-    return np.asarray(times.dt.tz_convert("UTC").dt.tz_localize(None), dtype="datetime64[ns]")
+    return np.array(times.dt.tz_convert("UTC").dt.tz_localize(None), dtype="datetime64[ns]")
 
 
 def elapsed(times: Instants) -> NDArray[np.float64]:

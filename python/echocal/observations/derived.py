@@ -59,11 +59,10 @@ def _rate(elapsed: Column, values: Column) -> Column:
     wait = np.diff(elapsed)
     if len(wait) and wait.min() >= half and np.isfinite(values).all() and np.isfinite(elapsed).all():
         # in order and far enough apart: from neighbor to neighbor
-        before, after = np.append(0.0, wait), np.append(wait, 0.0)
-        rise = np.empty(len(values))
-        rise[1:-1] = values[2:] - values[:-2]
-        rise[0], rise[-1] = values[1] - values[0], values[-1] - values[-2]
-        return np.asarray(rise / (before + after))
+        inner = np.subtract(values[2:], values[:-2], out=rate[1:-1])
+        inner /= elapsed[2:] - elapsed[:-2]
+        rate[0], rate[-1] = (values[1] - values[0]) / wait[0], (values[-1] - values[-2]) / wait[-1]
+        return rate
     known = np.flatnonzero(np.isfinite(elapsed) & np.isfinite(values))
     order = known[np.argsort(elapsed[known], kind="stable")]
     time, value = elapsed[order], values[order]
@@ -86,8 +85,9 @@ def _later(values: Column) -> Iterator[tuple[int, Column]]:
     last = known[-_TREND:]
     ahead = np.arange(len(last), len(last) + _LATER)
     beyond = np.polynomial.Polynomial.fit(np.arange(len(last)), last, min(1, len(last) - 1))(ahead)
+    whole = np.append(known, beyond)
     for rows in range(1, _LATER + 1):
-        moved = np.append(known[rows:], beyond[:rows][-len(known) :])
+        moved = whole[rows : rows + len(known)]
         if known is not values:
             later = np.full(len(values), np.nan)
             later[finite] = moved

@@ -158,7 +158,7 @@ def _mapping(source: Mapping[Any, Any]) -> pd.DataFrame:
         found = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
         message = f"columns must be one-dimensional and of equal length; got {found}"
         raise DataError(message)
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns, copy=False)  # every column is copied when it is read
 
 
 def _column(name: Any, values: Any) -> NDArray[Any]:

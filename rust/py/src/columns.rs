@@ -2,7 +2,8 @@
 
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{
-    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Sums, gram, legendre_lines,
+    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Shape, Sums, gram, legendre_lines,
+    wave_means,
 };
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
@@ -131,12 +132,13 @@ impl CoreColumns {
             let degrees = first..first + scales.len();
             let lines = legendre_lines(degrees.clone(), columns.stored[of], between, first > 1);
             let each = scales.into_iter().zip(degrees).zip(lines);
-            each.map(|((scale, degree), line)| Recipe::Legendre {
-                of,
-                degree,
-                between,
-                line,
-                scale,
+            each.map(|((scale, degree), line)| {
+                let shape = Shape::Legendre {
+                    degree,
+                    between,
+                    line,
+                };
+                Recipe::Of(of, shape, scale)
             })
             .collect()
         })?;
@@ -144,6 +146,34 @@ impl CoreColumns {
             .into_iter()
             .map(|recipe| self.keep(recipe))
             .collect())
+    }
+
+    /// Sine and cosine of multiples of a column's phase in its period, from the first on, one pair per
+    /// scale; less their means.
+    fn waves(
+        &mut self,
+        py: Python<'_>,
+        column: Array,
+        period: f64,
+        scales: Vec<f64>,
+    ) -> PyResult<Vec<usize>> {
+        let of = self.hold(column);
+        let means = self.using(py, |columns| {
+            wave_means(scales.len(), columns.stored[of], period)
+        })?;
+        let mut kept = Vec::new();
+        for (k, (scale, means)) in scales.into_iter().zip(means).enumerate() {
+            for (mean, cosine) in [(means.0, false), (means.1, true)] {
+                let shape = Shape::Wave {
+                    period,
+                    multiple: 1 + k,
+                    cosine,
+                    mean,
+                };
+                kept.push(self.keep(Recipe::Of(of, shape, scale)));
+            }
+        }
+        Ok(kept)
     }
 
     /// Finds what unknown levels take up of the columns: to be done before these are used.
@@ -166,6 +196,22 @@ impl CoreColumns {
         let length = rows.as_ref().map_or(self.distance.bind(py).len(), Vec::len);
         let found = self.using(py, |columns| columns.made(&chosen, rows.as_deref()))?;
         PyArray1::from_vec(py, found).reshape([chosen.len(), length])
+    }
+
+    /// Sum of some columns, each times a factor.
+    fn combined<'py>(
+        &self,
+        py: Python<'py>,
+        chosen: Vec<(usize, f64)>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        if chosen
+            .iter()
+            .any(|&(column, _)| column >= self.recipes.len())
+        {
+            return Err(PyValueError::new_err("no such column"));
+        }
+        let found = self.using(py, |columns| columns.combined(&chosen, available_threads()))?;
+        Ok(PyArray1::from_vec(py, found))
     }
 
     /// Products of every pair of columns from a position on, summed over all rows.

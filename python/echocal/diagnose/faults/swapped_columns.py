@@ -9,6 +9,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.parts import Parameter
+from echocal.diagnose.scene import some
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 
@@ -48,7 +49,7 @@ def detect(view: View) -> Finding | None:
     known = np.flatnonzero(np.isfinite(warm) & np.isfinite(percent))
     if len(known) < _FEWEST:
         return None
-    seam, evidence = _seam(warm[known], percent[known])
+    seam, evidence = _seam(some(warm, known), some(percent, known))
     if evidence <= 0.0:
         return None
     edge = int(known[seam])
@@ -76,10 +77,13 @@ def _seam(warm: Column, percent: Column) -> tuple[int, float]:
     steps = np.empty((2, len(warm) - 1))
     for column, own in zip((warm, percent), steps, strict=True):
         np.abs(np.subtract(column[1:], column[:-1], out=own), out=own)
-    some = steps[:, :: max(1, len(warm) // _ENOUGH)]
-    floor = 0.02 + 0.02 * np.median(some, axis=1, keepdims=True)
-    rough = np.log(steps[0] + floor[0]) - np.log(steps[1] + floor[1])
-    change = np.abs(np.cumsum(rough - rough.mean()))
+    sample = steps[:, :: max(1, len(warm) // _ENOUGH)]
+    floor = 0.02 + 0.02 * np.median(sample, axis=1, keepdims=True)
+    rough = steps[0] + floor[0]
+    rough /= steps[1] + floor[1]
+    np.log(rough, out=rough)
+    rough -= rough.mean()
+    change = np.abs(np.cumsum(rough, out=rough), out=rough)
     jump = steps.sum(axis=0)
     rows = {int(np.argmax(change)) + 1, *(1 + _largest(jump)).tolist()}
     inside = sorted(row for row in rows if _LEAST < row < len(warm) - 2)

@@ -4,7 +4,10 @@
 
 use super::following::Following;
 use super::legendre::Polynomials;
+use super::recipe::{Level, Recipe, Shape};
 use super::source::{Reader, Source};
+use super::threaded::in_spans;
+use super::waves::Waves;
 use crate::batch::Column;
 use crate::batch::staged::{BLOCK, Given, Line, Pass, Reading};
 use crate::chain::Stage;
@@ -27,45 +30,6 @@ impl Numbers<'_> {
             Self::All(value) => Column::constant(value),
         }
     }
-}
-
-/// What a column is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Recipe {
-    /// Derivative of the base's reading to the distance.
-    Slope,
-    /// A column that is there, by position.
-    Stored(usize),
-    /// Change of the base's reading if an effect were there \[m\].
-    Shift(Term, Level),
-    /// Derivative of the reading to a parameter of an effect, times a scale; without what an
-    /// unknown level takes up.
-    Tangent(Term, Level, usize, f64),
-    /// Legendre polynomial of a column that is there, scaled to -1..1 between two values and cut
-    /// off at one and a half.
-    Legendre {
-        /// Position of the column.
-        of: usize,
-        /// Degree of the polynomial.
-        degree: usize,
-        /// Values that stand for -1 and 1.
-        between: (f64, f64),
-        /// The straight line that is taken off the polynomial: its value at 0, and its slope.
-        line: (f64, f64),
-        /// What the rest is multiplied with.
-        scale: f64,
-    },
-}
-
-/// Distance at which an effect is looked at.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Level {
-    /// That of the base: the effect does nothing where it is looked at.
-    OfBase,
-    /// The base's distance, with an effect at work.
-    Known,
-    /// The distance of each group if the effect were there \[m\].
-    OfGroups(Vec<f64>),
 }
 
 /// A table with the columns that are to be made from it.
@@ -119,6 +83,29 @@ impl Columns<'_> {
         self.taken = taken;
     }
 
+    /// Sum of some columns, each times a factor, at every row; on at most so many threads.
+    #[must_use]
+    pub fn combined(&self, chosen: &[(usize, f64)], threads: usize) -> Vec<f64> {
+        let worker = || {
+            let mut reader = self.maker();
+            let mut line = Line::of(0.0);
+            move |first: usize, end: usize| {
+                let mut sums = vec![0.0; end - first];
+                for (block, sums) in (first..).step_by(BLOCK).zip(sums.chunks_mut(BLOCK)) {
+                    let base = reader.base(block, sums.len());
+                    for &(recipe, factor) in chosen {
+                        reader.leveled(&base, recipe, block, sums.len(), &mut line);
+                        for (sum, value) in sums.iter_mut().zip(line.0) {
+                            *sum += factor * value;
+                        }
+                    }
+                }
+                sums
+            }
+        };
+        in_spans(self.distance.len(), threads, worker).concat()
+    }
+
     fn maker(&self) -> Maker<'_> {
         Maker {
             of: self,
@@ -129,6 +116,7 @@ impl Columns<'_> {
             passes: [Pass::new(), Pass::new(), Pass::new()],
             following: Following::new(),
             polynomials: Polynomials::default(),
+            waves: Waves::default(),
             distance: Line::of(0.0),
         }
     }
@@ -191,6 +179,7 @@ struct Maker<'a> {
     passes: [Pass; 3],
     following: Following,
     polynomials: Polynomials,
+    waves: Waves,
     distance: Line,
 }
 
@@ -262,17 +251,43 @@ impl Maker<'_> {
                 let at = (level, *parameter);
                 self.tangent(base, term, at, *scale, (first, count), line);
             }
-            Recipe::Legendre {
-                of,
+            Recipe::Of(of, shape, scale) => {
+                let values = &self.of.stored[*of][rows];
+                self.shape((*of, first), shape, *scale, values, line);
+            }
+        }
+    }
+
+    /// A function of a block's values of a column, times a scale.
+    fn shape(
+        &mut self,
+        (of, first): (usize, usize),
+        shape: &Shape,
+        scale: f64,
+        values: &[f64],
+        line: &mut Line,
+    ) {
+        match *shape {
+            Shape::Legendre {
                 degree,
                 between,
                 line: (level, slope),
-                scale,
             } => {
-                let values = &self.of.stored[*of][rows];
-                let (x, polynomial) = self.polynomials.of((*of, *between, first), values, *degree);
+                let (x, polynomial) = self.polynomials.of((of, between, first), values, degree);
                 for ((number, x), p) in line.0.iter_mut().zip(&x.0).zip(&polynomial.0) {
                     *number = scale * (p - level - slope * x);
+                }
+            }
+            Shape::Wave {
+                period,
+                multiple,
+                cosine,
+                mean,
+            } => {
+                let wave = (multiple, cosine);
+                self.waves.of((of, period, first), values, wave, line);
+                for number in &mut line.0 {
+                    *number = scale * (*number - mean);
                 }
             }
         }

@@ -1,7 +1,8 @@
 //! Columns that are multiples of others: one is made for all.
 
-use super::columns::{Columns, Recipe};
+use super::columns::Columns;
 use super::products::Products;
+use super::recipe::Recipe;
 
 /// Recipes of which none is a multiple of another, and which each column is a multiple of.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +91,7 @@ fn multiple(recipe: &Recipe, made: &Recipe) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::columns::Level;
+    use crate::evidence::recipe::Level;
     use crate::model::Term;
 
     fn tangent(id: &str, scale: f64) -> Option<Recipe> {

@@ -4,7 +4,9 @@
 use crate::batch::staged::Line;
 
 /// Rows that a line is taken over: what it is short of is far below any size that shows.
-const MOST_OF_A_LINE: usize = 100_000;
+const MOST: usize = 100_000;
+/// Rows that follow each other among those: a prime, so that no period of a table is missed.
+const RUN: usize = 97;
 
 /// A column, the values that stand for -1 and 1, and the first row of a block.
 type Key = (usize, (f64, f64), usize);
@@ -72,6 +74,12 @@ fn next((ahead, behind): (f64, f64), x: f64, now: f64, before: f64) -> f64 {
     ahead * x * now - behind * before
 }
 
+/// Numbers of a column; of very many, those of evenly spread runs.
+pub(super) fn spread(column: &[f64]) -> impl Iterator<Item = f64> {
+    let parts = column.chunks(RUN * (1 + column.len() / MOST));
+    parts.flat_map(|part| &part[..part.len().min(RUN)]).copied()
+}
+
 /// Straight lines, or means alone, that are nearest to the polynomials of some degrees over the
 /// rows; of many rows, over some evenly spread.
 pub fn legendre_lines(
@@ -83,7 +91,7 @@ pub fn legendre_lines(
     let steps: Vec<_> = (0..degrees.end).map(factors).collect();
     let (mut n, mut x1, mut x2) = (0.0, 0.0, 0.0);
     let mut sums = vec![(0.0, 0.0); degrees.end];
-    for &value in column.iter().step_by(1 + column.len() / MOST_OF_A_LINE) {
+    for value in spread(column) {
         let x = scaled(value, between);
         n += 1.0;
         x1 += x;
