@@ -10,8 +10,10 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 import echocal
 from echocal import Model
 from echocal.diagnose.average import Member
-from echocal.diagnose.design import Prospect, best_plan
+from echocal.diagnose.design import best_plan
 from echocal.diagnose.noise import Noise
+from echocal.diagnose.prospect import Prospect
+from echocal.diagnose.ranges import grid, guards
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
 
@@ -80,15 +82,73 @@ def test_bad_ranges(ranges: dict[str, Any], words: str) -> None:
         echocal.diagnose(data, reference_distance=2.0, can_vary=ranges)
 
 
-def test_a_prospect_without_noise_can_be_planned() -> None:
-    members = [
-        Member(tuple(effects), 0.5, Model("linear", effects))
-        for effects in ({}, {"zero_error": {"offset": 1e-3}})
-    ]
-    at = {"distance": np.array([0.3, 1.0, 3.0]), "temperature": np.full(3, 20.0)}
+def prospect(effects: list[dict[str, Any]], at: dict[str, np.ndarray], variance: float) -> Prospect:
+    members = [Member(tuple(e), 1 / len(effects), Model("linear", e)) for e in effects]
     still = Noise(0.0, 0.0, 0.0, 1.0)
-    prospect = Prospect.of(members, at, still, 0.0, True, np.empty(0))
-    assert best_plan(prospect, np.array([0.5, 0.5]), 10, 0).expected > 0.5
+    return Prospect.of(members, Model("linear"), at, still, variance, True, np.empty(0))
+
+
+NINE = {"distance": np.repeat([0.3, 1.0, 3.0], 3), "temperature": np.tile([5.0, 20.0, 35.0], 3)}
+
+
+def test_a_prospect_without_noise_can_be_planned() -> None:
+    seen = prospect([{}, {"zero_error": {"offset": 1e-3}}], NINE, 0.0)
+    assert best_plan(seen, np.array([0.5, 0.5]), np.arange(2), 10, 0).expected > 0.5
+
+
+def test_exact_aliases_are_one_class_and_what_a_place_can_tell_is_not() -> None:
+    alike = prospect(
+        [
+            {},
+            {"reference_scale": {"scale": -2e-3}},
+            {"clock_error": {"frequency_error": 3e-3}},
+            {"zero_error": {"offset": 2e-3}},
+            {"fixed_delay": {"delay": 12e-6}},
+        ],
+        NINE,
+        1e-6,
+    )
+    none, scale, clock, offset, delay = alike.aliases([0, 1, 1, 1, 1]).tolist()
+    assert scale == clock
+    assert len({none, scale, offset, delay}) == 4
+    assert len(set(alike.aliases([0, 1, 2, 1, 1]).tolist())) == 5  # two causes are not one
+
+
+def test_a_promise_counts_what_is_outside_the_members_as_lost() -> None:
+    seen = prospect([{}, {"zero_error": {"offset": 0.1}}], NINE, 1e-6)
+    plan = best_plan(seen, np.array([0.5, 0.3]), np.arange(2), 10, 0)
+    assert plan.now == pytest.approx(0.5)
+    assert plan.expected == pytest.approx(0.8, abs=1e-3)
+
+
+def test_a_promise_is_kept_by_its_own_members() -> None:
+    """Draw the truth and readings of the plan's places, weigh the members by hand, count."""
+    random = np.random.default_rng()
+    effects = [{}, {"zero_error": {"offset": 2e-3}}, {"reference_scale": {"scale": 1e-3}}]
+    seen, rows = prospect(effects, NINE, 9e-6), 6
+    probability = np.array([0.5, 0.3, 0.2])
+    where = np.array([0, 2, 6, 8])
+    plan = best_plan(seen, probability, np.arange(3), rows, 0, where)
+    counts = np.array(plan.rows)
+    trials = 20_000
+    truth = random.choice(3, trials, p=probability)
+    tape = 1e-6 * (1.0 + np.equal.outer(*2 * [NINE["distance"][where]]))
+    spread = tape + np.diag(9e-6 / counts)
+    drawn = seen.shift[truth][:, where] + random.multivariate_normal(np.zeros(4), spread, trials)
+    left = drawn[:, None] - seen.shift[None][:, :, where]
+    log = np.log(probability) - 0.5 * np.einsum("nmi,ij,nmj->nm", left, np.linalg.inv(spread), left)
+    hits = int((log.argmax(axis=1) == truth).sum())
+    assert plan.expected == pytest.approx(hits / trials, abs=0.03)
+
+
+@pytest.mark.parametrize("names", [("distance",), ("temperature",), ("distance", "temperature")])
+def test_the_guards_are_the_corners_and_the_middle(names: tuple[str, ...]) -> None:
+    places = grid({name: RANGES[name] for name in names})
+    *ends, middle = guards(places)
+    corners = {tuple(column[i] for column in places.values()) for i in ends}
+    assert corners == set(product(*(RANGES[name] for name in names)))
+    center = {"distance": (0.2 * 4.0) ** 0.5, "temperature": 22.5}
+    assert [places[name][middle] for name in names] == pytest.approx([center[name] for name in names])
 
 
 def test_the_average_warns_where_causes_part() -> None:

@@ -31,11 +31,15 @@ class Member:
         Relative to the other members; together they hold one.
     model : Model
         The base extended by these causes, with the covariance of their parameters.
+    posterior : float
+        Of these causes and nothing unexplained, among all sets that compete; the members together
+        hold less than one.
     """
 
     ids: tuple[str, ...]
     probability: float
     model: Model
+    posterior: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -7,110 +7,18 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.average import Member
-from echocal.diagnose.noise import Noise
+from echocal.diagnose.prospect import Prospect
 
-__all__ = ["Plan", "Prospect", "best_plan"]
+__all__ = ["Plan", "best_plan"]
 
 Matrix = NDArray[np.float64]
 
-_FREE = 1.0  # m^2: variance of a level that nobody knows
 _ALIKE = 0.9  # overlap from which on no design tells two members apart
-_DRAWS = 600
+_DRAWS = 400  # readings of each member
 _BETTER = 0.01  # probability that a further place must add
 _MOST = 5  # places
 _SPREAD = 20  # places, evenly over the grid and its ends, that say whether members can be told apart
 _ROUNDS = 4  # of exchanging every place for a better one
-_LEAST = 1e-12  # m^2: 1 um, below what any sensor of this kind resolves; a column of constants has no noise
-_TAPE = 1e-3  # m, standard deviation of a new stand's distance: a tape errs by 0.5 to 2 mm (CATALOGUE)
-
-
-@dataclass(frozen=True)
-class Prospect:
-    """What each member predicts where one could measure.
-
-    Attributes
-    ----------
-    mean : ndarray, shape (m, p)
-        Reading at each place [m].
-    spread : ndarray, shape (m, p, p)
-        Covariance of these readings from what the member's parameters leave open [m^2].
-    distance, slope : ndarray, shape (p,)
-        Distance [m], and derivative of the reading to it.
-    noise : Noise
-    variance : float
-        Of the innovations [m^2].
-    level_known : bool
-        Whether the distance of new rows would be known.
-    stands : ndarray
-        Distances at which there are rows already [m].
-    """
-
-    mean: Matrix
-    spread: Matrix
-    distance: Matrix
-    slope: Matrix
-    noise: Noise
-    variance: float
-    level_known: bool
-    stands: Matrix
-
-    @classmethod
-    def of(
-        cls,
-        members: Sequence[Member],
-        conditions: dict[str, Matrix],
-        noise: Noise,
-        variance: float,
-        level_known: bool,
-        stands: Matrix,
-    ) -> "Prospect":
-        """Ask each member's model, with its exact derivatives."""
-        means, spreads = [], []
-        for member in members:
-            jacobian = member.model.jacobian(**conditions)
-            means.append(member.model.indicate(**conditions))
-            covariance = member.model.covariance
-            tangents = jacobian[:, 1:]
-            none = np.zeros((len(tangents), len(tangents)))
-            spreads.append(none if covariance is None else tangents @ covariance @ tangents.T)
-            slope = jacobian[:, 0]
-        distance = conditions["distance"]
-        variance = max(variance, _LEAST)
-        return cls(np.array(means), np.array(spreads), distance, slope, noise, variance, level_known, stands)
-
-    def covariance(self, places: NDArray[np.int64], rows: Sequence[int]) -> Matrix:
-        """Covariance of the mean reading at each place; shape (m, designs, k, k)."""
-        among = self.spread[:, places[:, :, None], places[:, None, :]]
-        shot = np.array([self._of_mean(n) for n in rows])
-        among = among + np.diag(shot) + self._of_stands(self.distance[places])
-        if not self.level_known:
-            slope = self.slope[places]
-            among = among + _FREE * slope[:, :, None] * slope[:, None, :]
-        return np.asarray(among)
-
-    def _of_stands(self, at: Matrix) -> Matrix:
-        """Covariance of the stands' own errors, each of which is in all rows of its stand.
-
-        From rows of one stand nobody learns how large they are, and what was learned there has that
-        stand's error in it: seen from any other stand, it is in all of them.
-        """
-        new = ~np.isin(at, self.stands)
-        many = len(self.stands) > 1
-        size = self.noise.stand_ratio * self.variance if many else _TAPE**2
-        own = (at[:, :, None] == at[:, None, :]) & new[:, :, None]
-        learned = 0.0 if many else 1.0 * (new[:, :, None] & new[:, None, :])
-        return np.asarray(size * (own + learned))
-
-    def _of_mean(self, n: int) -> float:
-        """Variance of the mean of `n` rows in succession, whose noise remembers."""
-        rho, memory = self.noise.rho, self.noise.memory
-        first = self.variance / self.noise.first_weight
-        if rho == memory:
-            return first / n
-        second = self.variance * (rho - memory) * (1 - rho * memory) / (1 - rho**2)
-        lags = np.arange(1, n)
-        return float((n * first + 2 * ((n - lags) * second * rho ** (lags - 1)).sum()) / n**2)
 
 
 @dataclass(frozen=True)
@@ -124,7 +32,8 @@ class Plan:
     classes : tuple of tuple of int
         Members that no place in reach tells apart.
     now, expected : float
-        Probability of the right class before, and its expectation after.
+        Probability that the first name is right (it or an exact alias) before, and its expectation
+        after.
     """
 
     places: tuple[int, ...]
@@ -137,31 +46,34 @@ class Plan:
 def best_plan(
     prospect: Prospect,
     probability: Matrix,
+    same: NDArray[np.int64],
     rows: int,
     seed: int,
-    corners: NDArray[np.int64] | None = None,
+    guards: NDArray[np.int64] | None = None,
 ) -> Plan:
-    """Find the places at which the members' predictions overlap least.
+    """Find the places to measure at, and what they promise.
 
-    Rows at the corners of what can be varied guard against causes that are not among the members:
-    where there are rows enough, every corner gets some, and the place left over is the one at which
-    the members, given the corners, overlap least.
+    Every corner of what can be varied and its middle, where there are rows enough: no choice by
+    what the members predict did better where it was tried (docs/diagnose.md), and these places
+    guard against causes that are not among the members.
 
-    Without corners, places join one by one, each where the union bound on the probability of error that the
-    Bhattacharyya coefficients of the predictive distributions give [1]_ is least, and are then
-    exchanged one by one until none is better elsewhere. The expected probability of the right
-    class is then simulated: readings drawn from each member's predictive distribution, and
-    weighed by all. A further place is kept if it adds to that.
+    Where the guards are too many, places join one by one, each where the union bound on the
+    probability of error that the Bhattacharyya coefficients of the predictive distributions give
+    [1]_ is least, and are then exchanged one by one until none is better elsewhere. A further
+    place is kept if the promise gains by it.
 
     Parameters
     ----------
     prospect : Prospect
     probability : ndarray, shape (m,)
+        Of each member; what they leave of one is of causes that no rows are known to tell.
+    same : ndarray of int, shape (m,)
+        The class of exact aliases that each is of.
     rows : int
         To be shared between the places.
     seed : int
-    corners : ndarray of int, optional
-        Places at the ends of all that can be varied.
+    guards : ndarray of int, optional
+        Places to measure at whatever the members say.
 
     References
     ----------
@@ -169,20 +81,23 @@ def best_plan(
        selection. IEEE Trans. Commun. Technol. 15, 52-60. https://doi.org/10.1109/TCOM.1967.1089532
     """
     classes = _classes(prospect, rows)
-    if corners is not None and 1 < len(corners) < rows:
-        shares = _shares(rows, len(corners) + 1)
-        places = np.append(corners, 0)
-        places = _moved(prospect, probability, places, shares, len(corners))
-        return _plan(prospect, probability, places, shares, classes, seed)
+    now = float(np.bincount(same, probability).max())
+
+    def plan(places: NDArray[np.int64]) -> Plan:
+        shares = _shares(rows, len(places))
+        expected = _promise(prospect, probability, same, places, shares, seed)
+        return Plan(tuple(places.tolist()), shares, classes, now, expected)
+
+    if guards is not None and 1 < len(guards) <= rows:
+        return plan(guards)
     places = np.empty(0, dtype=np.int64)
     best: Plan | None = None
     for count in range(1, _MOST + 1):
-        shares = _shares(rows, count)
-        places = _exchanged(prospect, probability, np.append(places, 0), shares)
-        plan = _plan(prospect, probability, places, shares, classes, seed)
-        if best is not None and count > 2 and plan.expected < best.expected + _BETTER:
+        places = _exchanged(prospect, probability, np.append(places, 0), _shares(rows, count))
+        more = plan(places)
+        if best is not None and count > 2 and more.expected < best.expected + _BETTER:
             break
-        best = plan if best is None or plan.expected > best.expected else best
+        best = more if best is None or more.expected > best.expected else best
     assert best is not None
     return best
 
@@ -204,7 +119,7 @@ def _moved(
     prospect: Prospect, probability: Matrix, places: NDArray[np.int64], shares: tuple[int, ...], which: int
 ) -> NDArray[np.int64]:
     """Move one place to where the members overlap least."""
-    anywhere = np.arange(prospect.mean.shape[1])
+    anywhere = np.arange(prospect.shift.shape[1])
     designs = np.tile(places, (len(anywhere), 1))
     designs[:, which] = anywhere
     return np.asarray(designs[_least(_overlaps(prospect, designs, shares), probability)])
@@ -217,7 +132,7 @@ def _shares(rows: int, places: int) -> tuple[int, ...]:
 def _overlaps(prospect: Prospect, designs: NDArray[np.int64], rows: Sequence[int]) -> Matrix:
     """Bhattacharyya coefficient of every two members under every design; shape (m, m, designs)."""
     spread = prospect.covariance(designs, rows)
-    mean = prospect.mean[:, designs]
+    mean = prospect.shift[:, designs]
     m = len(mean)
     logs = np.linalg.slogdet(spread)[1]
     overlap = np.ones((m, m, len(designs)))
@@ -240,7 +155,7 @@ def _classes(prospect: Prospect, rows: int) -> tuple[tuple[int, ...], ...]:
     """Members that no two places (of some, all over the grid) tell apart, chained."""
     from scipy.sparse.csgraph import connected_components  # takes long to import
 
-    count = prospect.mean.shape[1]
+    count = prospect.shift.shape[1]
     some = np.unique(np.linspace(0, count - 1, min(count, _SPREAD)).round().astype(np.int64))
     pairs = np.array(list(combinations(some.tolist(), 2)))
     least = _overlaps(prospect, pairs, _shares(rows, 2)).min(axis=2)
@@ -248,28 +163,27 @@ def _classes(prospect: Prospect, rows: int) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(np.flatnonzero(labels == label).tolist()) for label in dict.fromkeys(labels.tolist()))
 
 
-def _plan(
+def _promise(
     prospect: Prospect,
     probability: Matrix,
+    same: NDArray[np.int64],
     places: NDArray[np.int64],
     rows: tuple[int, ...],
-    classes: tuple[tuple[int, ...], ...],
     seed: int,
-) -> Plan:
-    """Simulate what the right class would hold after measuring."""
-    spread = prospect.covariance(places[None], rows)[:, 0]
-    mean = prospect.mean[:, places]
-    random = np.random.default_rng(seed)
-    share = np.array([probability[list(c)].sum() for c in classes])
-    roots, inverses = np.linalg.cholesky(spread), np.linalg.inv(spread)
-    offset = np.log(probability) - 0.5 * np.linalg.slogdet(spread)[1]
-    expected = 0.0
-    for group in classes:
-        for truth in group:
-            drawn = mean[truth] + random.normal(size=(_DRAWS, len(places))) @ roots[truth].T
-            left = drawn[:, None] - mean
-            log = offset - 0.5 * np.einsum("dmi,mij,dmj->dm", left, inverses, left)
-            weight = np.exp(log - log.max(axis=1, keepdims=True))
-            right = weight[:, list(group)].sum(axis=1) / weight.sum(axis=1)
-            expected += float(probability[truth] * right.mean())
-    return Plan(tuple(places.tolist()), rows, classes, float((share**2).sum()), expected)
+) -> float:
+    """Simulate how probable the most probable class would be after measuring.
+
+    Readings are drawn from each member in turn and weighed by all. Nobody learns of a cause that is
+    not among the members, so what probability they leave of one is lost.
+    """
+    mean = prospect.shift[:, places]
+    roots = np.linalg.cholesky(prospect.covariance(places[None], rows)[:, 0])
+    normal = np.random.default_rng(seed).normal(size=(_DRAWS, len(places)))
+    drawn = (mean[:, None] + normal @ roots.swapaxes(1, 2)).reshape(-1, len(places))
+    left = (drawn - mean[:, None]) @ np.linalg.inv(roots).swapaxes(1, 2)
+    size = np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
+    log = (np.log(probability) - size)[:, None] - 0.5 * (left**2).sum(axis=2)
+    weight = np.exp(log - log.max(axis=0))
+    shares = np.eye(same.max() + 1)[same].T @ weight
+    first = shares.max(axis=0) / shares.sum(axis=0)
+    return float(probability @ first.reshape(len(mean), -1).mean(axis=1))

@@ -144,9 +144,8 @@ def proposal_text(proposal: NextMeasurement) -> str:
     where = "; ".join(f"{count} at {place}" for count, place in zip(rows, places, strict=True))
     where = f" at {places[0]}" if len(places) == 1 else f", {where}"
     return (
-        f"{pair}: measure {sum(rows)} rows{where} (the right one has a "
-        f"probability of about {proposal.probability_now:.2f} now, and would then have "
-        f"{proposal.expected_probability:.2f})"
+        f"{pair}: measure {sum(rows)} rows{where} (the first name is right with a probability of "
+        f"about {proposal.probability_now:.2f} now, and of {proposal.expected_probability:.2f} then)"
     )
 
 

@@ -1,6 +1,6 @@
 """The credible set as models."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,8 @@ from echocal.diagnose.judge import Judgment
 from echocal.model import Model
 
 __all__ = ["members"]
+
+Ids = tuple[str, ...]
 
 _SHARE = 0.99  # probability that the members hold together
 _MOST = 10
@@ -33,10 +35,29 @@ def members(
     """
     refuted = {id_ for r in judgment.refuted for id_ in (r.id, *r.indistinguishable_from)}
     left_out = {UNKNOWN, *refuted}
-    shares: dict[tuple[str, ...], float] = {}
+    shares: dict[Ids, float] = {}
+    alone: dict[Ids, float] = {}
     for ids, p in ranking.sets:
-        named = tuple(id_ for id_ in ids if id_ not in left_out)
+        named = _named(ids, left_out)
         shares[named] = shares.get(named, 0.0) + p
+        alone[named] = alone.get(named, 0.0) + p * (UNKNOWN not in ids)
+    chosen = _chosen(shares, claimed)
+    forms: dict[Ids, list[Weighed]] = {}
+    for weighed in ranking.weighed:
+        forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
+    weights = np.array([max(shares[named], _LEAST) for named in chosen])
+    return tuple(
+        Member(named, weight, _model(case, _best(forms[named], left_out, stack)), max(alone[named], _LEAST))
+        for named, weight in zip(chosen, (weights / weights.sum()).tolist(), strict=True)
+    )
+
+
+def _named(ids: Iterable[str], left_out: Set[str]) -> Ids:
+    return tuple(sorted(id_ for id_ in ids if id_ not in left_out))
+
+
+def _chosen(shares: Mapping[Ids, float], claimed: Sequence[Claim]) -> list[Ids]:
+    """Sets that hold most of the probability, and those that the geometry cannot tell from the best."""
     ordered = sorted(shares, key=lambda named: -shares[named])
     chosen, held = [], 0.0
     for named in ordered[:_MOST]:
@@ -47,15 +68,10 @@ def members(
     for named in _mimics(ordered[0], claimed):
         if named in shares and named not in chosen and len(chosen) < _MOST:
             chosen.append(named)
-    weights = np.array([max(shares[named], _LEAST) for named in chosen])
-    weights /= weights.sum()
-    return tuple(
-        Member(named, float(weight), _model(case, _best(ranking, named, left_out, stack)))
-        for named, weight in zip(chosen, weights, strict=True)
-    )
+    return chosen
 
 
-def _mimics(best: tuple[str, ...], claimed: Sequence[Claim]) -> list[tuple[str, ...]]:
+def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
     """The most probable set with one cause replaced by one that it cannot be told from."""
     return [
         tuple(sorted(rival if id_ == claim.cause else id_ for id_ in best))
@@ -64,13 +80,8 @@ def _mimics(best: tuple[str, ...], claimed: Sequence[Claim]) -> list[tuple[str, 
     ]
 
 
-def _best(ranking: Ranking, named: tuple[str, ...], left_out: Set[str], stack: Stack) -> Weighed:
+def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack) -> Weighed:
     """The best hypothesis of a set; weighed again without what is left out, if it had any of it."""
-    same = [
-        w
-        for w in ranking.weighed
-        if tuple(sorted(id_ for id_ in w.hypothesis.causes if id_ not in left_out)) == named
-    ]
     best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes])
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:

@@ -1,6 +1,7 @@
 """What to measure next: where causes that these data cannot separate would differ."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,10 +9,11 @@ from numpy.typing import NDArray
 from echocal.diagnose.average import Member
 from echocal.diagnose.case import Case
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.design import Plan, Prospect, best_plan
+from echocal.diagnose.design import Plan, best_plan
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.parts import NextMeasurement
-from echocal.diagnose.ranges import Ranges, corners, grid
+from echocal.diagnose.prospect import Prospect
+from echocal.diagnose.ranges import Ranges, grid, guards
 
 __all__ = ["propose"]
 
@@ -43,11 +45,13 @@ def propose(
     varied = grid(ranges, {"distance": stands})
     conditions = _conditions(case, varied)
     known = case.table.reference is not None or "distance" in ranges
-    prospect = Prospect.of(members, conditions, noise, variance, known, stands)
-    if not np.isfinite(prospect.mean).all() or not np.isfinite(prospect.spread).all():
+    base = replace(case.base, air={**case.base.air, **case.table.air()}).model()
+    prospect = Prospect.of(members, base, conditions, noise, variance, known, stands)
+    if not np.isfinite(prospect.shift).all() or not np.isfinite(prospect.spread).all():
         return _sides(members, (tuple(range(len(members))),), claimed)
-    probability = np.array([member.probability for member in members])
-    plan = best_plan(prospect, probability, _ROWS, case.seed, corners(varied))
+    probability = np.array([member.posterior for member in members])
+    same = prospect.aliases([len(member.ids) for member in members])
+    plan = best_plan(prospect, probability, same, _ROWS, case.seed, guards(varied))
     rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
     return (*rows, *_sides(members, plan.classes, claimed))
 

@@ -178,8 +178,8 @@ class NextMeasurement:
         Where to measure, or ``{"side_measurement": ...}``.
     separates : tuple of str
     expected_probability : float or None
-        Probability that the right one of the causes (or what no row in reach tells from it) would
-        then have, by simulation; None for a side measurement.
+        Probability that the first set of effects would then be the right one, exact aliases
+        counted as one, by simulation; None for a side measurement.
     probability_now : float or None
         The same before measuring.
     """

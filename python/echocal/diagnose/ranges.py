@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from echocal.errors import UsageError
 from echocal.observations.units import FORMS
 
-__all__ = ["Ranges", "checked_ranges", "corners", "grid", "parsed_range"]
+__all__ = ["Ranges", "checked_ranges", "grid", "guards", "parsed_range"]
 
 Ranges = Mapping[str, tuple[float, float]]
 Column = NDArray[np.float64]
 
-_POINTS = {1: 9, 2: 7, 3: 4}
+_POINTS = {1: 9, 2: 7, 3: 3}
 """Levels of each condition, by how many vary; more vary at their ends alone."""
 
 _PHYSICAL = {form.quantity: form.physical for form in FORMS}
@@ -87,7 +87,12 @@ def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[st
     return {name: points[:, i] for i, name in enumerate(ranges)}
 
 
-def corners(places: Mapping[str, Column]) -> NDArray[np.int64]:
-    """Places at which everything is at one of its ends."""
-    ends = [(column == column.min()) | (column == column.max()) for column in places.values()]
-    return np.flatnonzero(np.all(ends, axis=0))
+def guards(places: Mapping[str, Column]) -> NDArray[np.int64]:
+    """Places at which everything is at one of its ends, and the one nearest to the middle of all."""
+    ends, off = [], np.zeros(len(next(iter(places.values()))))
+    for name, column in places.items():
+        value = np.log(column) if name == "distance" else column
+        low, high = value.min(), value.max()
+        ends.append((value == low) | (value == high))
+        off += ((value - low) / (high - low) - 0.5) ** 2
+    return np.append(np.flatnonzero(np.all(ends, axis=0)), off.argmin())

@@ -95,6 +95,6 @@ def _places(plan: NextMeasurement, names: list[str], ax: Axes) -> None:
 def _title(plan: NextMeasurement) -> str:
     shown_names = ", ".join(plan.separates[:4]) + (", ..." if len(plan.separates) > 4 else "")
     return (
-        f"tells apart: {shown_names}\nthe right one: {plan.probability_now:.2f} probable now, "
-        f"{plan.expected_probability:.2f} expected then"
+        f"tells apart: {shown_names}\nthe first name is right with a probability of "
+        f"{plan.probability_now:.2f} now, {plan.expected_probability:.2f} then"
     )
