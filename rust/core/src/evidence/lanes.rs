@@ -20,8 +20,10 @@ impl Lane {
 
     #[inline(always)]
     pub fn map(mut self, with: impl Fn(f64) -> f64) -> Self {
-        for number in &mut self.0 {
-            *number = with(*number);
+        let mut lane = 0; // an iterator is a call for each lane where little is optimized
+        while lane < LANES {
+            self.0[lane] = with(self.0[lane]);
+            lane += 1;
         }
         self
     }
@@ -54,8 +56,10 @@ impl Lane {
 
     #[inline(always)]
     fn both(mut self, other: Self, with: impl Fn(f64, f64) -> f64) -> Self {
-        for (number, other) in self.0.iter_mut().zip(other.0) {
-            *number = with(*number, other);
+        let mut lane = 0;
+        while lane < LANES {
+            self.0[lane] = with(self.0[lane], other.0[lane]);
+            lane += 1;
         }
         self
     }
