@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,8 @@ class Base:
         if isinstance(base, Model):
             base.refuse_shape("the base of a diagnosis")
             return cls(base.law, base.effects, base.air)
-        law = Model(str(base) if isinstance(base, Real) and not isinstance(base, bool) else base).law  # type: ignore[arg-type]
+        speed = isinstance(base, Real) and not isinstance(base, bool)
+        law = Model(str(base) if speed else cast("str", base)).law  # which refuses what is neither
         try:
             return cls("linear", {}, device_speed=float(law))
         except ValueError:
