@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from CoolProp.CoolProp import PropsSI
-from hidden_effects import echo, gas, thermometer
+from hidden_effects import echo, gas, likelihood, omniscient, thermometer
 from hidden_effects.aliases import label, same_class
 from hidden_effects.answers import _judged
 from hidden_effects.cases import Case, Spec, build
@@ -15,6 +15,7 @@ from hidden_effects.menu import SHARES, fits, menu
 from hidden_effects.page import page
 from hidden_effects.score import beyond_chance, calibration_error, part
 from hidden_effects.targets import verdict
+from scipy.stats import multivariate_normal, norm, t
 
 ROOT = Path(__file__).parents[1]
 
@@ -135,3 +136,25 @@ def test_the_page_is_fresh() -> None:
     summary = json.loads((ROOT / "benches" / "diagnosis.json").read_text())
     shown = (ROOT / "docs" / "diagnosis-benchmark.md").read_text()
     assert shown == page(summary), "run python benches/diagnosis.py --docs"
+
+
+def test_densities_are_those_of_the_draws() -> None:
+    """Closed forms against the normal density of the whole covariance."""
+    rows = hidden("zero_error", design="b").rows
+    left = np.random.default_rng().normal(0.0, 2e-3, (len(rows), 3))
+    same = rows.stand[:, None] == rows.stand
+    covariance = 1.5e-3**2 * np.eye(len(rows)) + 0.5e-3**2 * same
+    expected = multivariate_normal(cov=covariance).logpdf(left.T)
+    assert likelihood.taped(rows, left, 0.5e-3) == pytest.approx(expected)
+    assert likelihood.normal(left) == pytest.approx(norm(scale=1.5e-3).logpdf(left).sum(0))
+    assert likelihood.heavy(left) == pytest.approx(t(4, scale=1.5e-3 / np.sqrt(2)).logpdf(left).sum(0))
+
+
+def test_a_judge_who_knows_names_what_is_plain() -> None:
+    opinion = omniscient.judge(hidden("temperature_lag", design="b"))
+    assert opinion.detected
+    assert opinion.named == "temperature_lag"
+    assert opinion.credible() == ["temperature_lag"]
+    assert sum(opinion.probability.values()) == pytest.approx(1.0)
+    for knows in (True, False):
+        assert omniscient.detection(hidden("speed_slope", design="a"), 8.0, knows_noise=knows) > 0

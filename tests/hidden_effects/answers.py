@@ -2,6 +2,7 @@
 
 import time
 import warnings
+from collections.abc import Mapping
 from dataclasses import asdict
 from functools import cache
 from typing import Any
@@ -76,6 +77,7 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
         "no_effect_probability": sum(p for ids, p in posterior.items() if not _mean_causes() & set(ids)),
         "strict": top in truth,
         "class": _class_right(case, top),
+        **_told(case, answer["causes"], named),
         "covered": bool(credible & truth),
         "credible_sets": len(credible),  # exact aliases count as one
         "named": named,
@@ -85,6 +87,21 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
         "strict_counts": _counts(case, believed, exact=True),
         "class_counts": _counts(case, believed, exact=False),
     }
+
+
+def _told(case: Case, causes: list[dict[str, Any]], named: Mapping[str, float]) -> Record:
+    """Whether the one cause told, or one that it says it cannot be told from, is the planted one.
+
+    `told` is None where all that is told is a tape that does err; `class_told` holds the names.
+    """
+    true_noise = {"reference_error"} - set(case.spec.causes) if case.spec.tape else set()
+    heads = [c for c in causes if c["id"] in named and c["id"] not in true_noise]
+    if not case.spec.causes or (not heads and named):
+        return {"told": None, "class_told": []}
+    said = [id_ for c in heads for id_ in (c["id"], *c["indistinguishable_from"])]
+    truth = case.spec.causes[0]
+    right = len(heads) == 1 and any(same_class(case, truth, id_) for id_ in said)
+    return {"told": right, "class_told": labels(said)}
 
 
 def acceptable(case: Case) -> set[tuple[str, ...]]:

@@ -50,6 +50,18 @@ _WHY = """Where they come from, by what is planted (the simulator is richer than
 """
 
 
+_JUDGES = """## What could be reached
+
+`python benches/diagnosis_ceiling.py RECORDS --docs` asks two judges about the same cases (`RECORDS` is
+what `diagnosis.py --records` wrote). Both use Bayes' theorem on how the cases were drawn: they know every
+cause that may be there and none else, the shape that it would have in this very case, its sign and the
+distribution of its size; for the power, its very size. One knows the kinds of noise with their exact
+size, too; the other reckons with all of them at any size, as everybody must who has only the table. By
+Neyman and Pearson no rule finds more than they do, at as many false alarms. The engine knows none of
+that, and 61 causes.
+"""
+
+
 def page(summary: Summary) -> str:
     """Markdown of a summary."""
     return "\n".join([_HEAD, *_facts(summary), *_targets(summary), *_tables(summary)]) + "\n"
@@ -102,8 +114,17 @@ def _targets(s: Summary) -> Iterator[str]:
     yield "![Reliability of the first name's probability](diagnosis-benchmark.png)\n"
 
 
+def _ceiling(rows: list[Summary]) -> Iterator[str]:
+    yield _JUDGES
+    keys = ["design", "figure", "cases", "engine", "guesses", "knows"]
+    told = [[_plain(row[key]) for key in keys] for row in rows]
+    yield from _table([*keys[:4], "who guesses the noise", "who knows it"], told)
+
+
 def _tables(s: Summary) -> Iterator[str]:
     designs = list(s["cases"])
+    if "ceiling" in s:
+        yield from _ceiling(s["ceiling"])
     yield "## False alarms by noise\n"
     nulls = [[kind, *(_figure(by.get(d)) for d in designs)] for kind, by in s["nulls"].items()]
     yield from _table(["noise", *designs], nulls)

@@ -39,6 +39,10 @@ def _detected(records: Sequence[Record]) -> list[Record]:
     return [r for r in of(records, "prior", "wild") if r["verdict"] != "nothing"]
 
 
+def _told(records: Sequence[Record]) -> list[Record]:
+    return [r for r in _detected(records) if r["told"] is not None]
+
+
 def _beside_unknown(records: Sequence[Record]) -> list[Record]:
     return [r for r in of(records, "unknown") if r["verdict"] != "nothing"]
 
@@ -94,8 +98,18 @@ TARGETS = (
     ),
     Target(
         "alias class right, if detected",
-        lambda rs: part(_detected(rs), lambda r: r["class"]),
+        lambda rs: part(_told(rs), lambda r: r["told"]),
         dict.fromkeys("abc", (0.92, None)),
+    ),
+    Target(
+        "names in the class told",
+        lambda rs: resampled(_told(rs), lambda told: float(np.mean([len(r["class_told"]) for r in told]))),
+        dict.fromkeys("abc", (None, None)),
+    ),
+    Target(
+        "first set of the posterior in the right class",
+        lambda rs: part(_detected(rs), lambda r: r["class"]),
+        dict.fromkeys("abc", (None, None)),
     ),
     Target(
         "strict top-1 with nothing",

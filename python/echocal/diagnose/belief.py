@@ -19,7 +19,7 @@ from echocal.diagnose.evidence import Stack, Weighed, weigh
 from echocal.diagnose.faults import Faults
 from echocal.diagnose.hypotheses import posterior
 from echocal.diagnose.noise import Noise
-from echocal.diagnose.noises.weighing import NoiseShares, weigh_noises
+from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
 from echocal.diagnose.notes import unexplained
 from echocal.diagnose.parts import Unexplained
 from echocal.diagnose.progress import Steps
@@ -28,7 +28,9 @@ from echocal.diagnose.steadiness import unsteady
 
 __all__ = ["Belief", "believe"]
 
-_IN_DOUBT = 0.4  # probability of no effect below which some effect is told, though each may be unlikely
+_IN_DOUBT = 0.44  # probability of no effect below which some effect is told, though each may be unlikely
+_IN_DOUBT_AMID_NOISE = 0.25  # the same, where noise remembers or stands err: what else does it do?
+_UNUSUAL = 0.5  # probability from which on such noise is reckoned to be there
 _LIKELY = 0.5  # probability from which on a claim enters the model; if none is, all do
 
 
@@ -77,7 +79,7 @@ def believe(case: Case, faults: Faults, work: Steps) -> Belief:
     work.begin("weighing noises")
     shares = weigh_noises(case, weighed, carried, steps)
     ranking = rank(shares.weighed, case.found.competing)
-    best, listed = _claimed(case, ranking, carried)
+    best, listed = _claimed(case, ranking, carried, shares)
     whole = best
     noise, _ = carried.likeliest(best)
     remainder = unexplained(case, ranking)
@@ -91,12 +93,14 @@ def believe(case: Case, faults: Faults, work: Steps) -> Belief:
     return Belief(stack, carried, shares, ranking, best, listed, likely, noise, remainder, varying)
 
 
-def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, list[Claim]]:
+def _claimed(
+    case: Case, ranking: Ranking, carried: Stack, shares: NoiseShares
+) -> tuple[Weighed, list[Claim]]:
     """Claims of the best hypothesis.
 
-    Causes that these data cannot tell apart share what probability their class has: a set of causes,
-    or nothing, wins over one cause more only if it wins over the whole class of that cause; and
-    nothing, only where it is not in doubt.
+    Some effect is claimed where no effect is in doubt, however the probability is shared. Causes
+    that these data cannot tell apart share what probability their class has: a set of causes wins
+    over one cause more only if it wins over the whole class of that cause.
     """
     best = ranking.best()
     if best is None:
@@ -107,10 +111,17 @@ def _claimed(case: Case, ranking: Ranking, carried: Stack) -> tuple[Weighed, lis
         ids = effects_named(best.hypothesis)
         (more,) = (claim for claim in instead if claim.cause not in ids)
         alone, beside = ranking.more(ids, (more.cause, *more.rivals))
-        if beside <= alone and (ids or alone >= _IN_DOUBT):
+        if beside <= alone if ids else alone >= _in_doubt(ranking, shares):
             break
         best, claimed = grown, instead
     return best, claimed
+
+
+def _in_doubt(ranking: Ranking, shares: NoiseShares) -> float:
+    """Probability of no effect below which some effect is told."""
+    guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
+    there = (sum(found.get(guard.FACTS.id, 0.0) for found in guards) for guard in GUARDS)
+    return _IN_DOUBT_AMID_NOISE if max(there) > _UNUSUAL else _IN_DOUBT
 
 
 def _spared(

@@ -55,9 +55,8 @@ class Joint:
 
     @property
     def telling(self) -> tuple[Finding, ...]:
-        """Findings that a verdict counts: what every table is guarded against anyhow, only if sure."""
-        telling = (f for f in self.findings if f.share > _MATTERS and f.facts.id != "correlated_noise")
-        return tuple(f for f in telling if f.facts.id != "reference_error" or f.probability >= NAMED)
+        """Findings that a verdict counts; noise that remembers is no error of the readings."""
+        return tuple(f for f in self.findings if f.share > _MATTERS and f.facts.id != "correlated_noise")
 
 
 def join(ranking: Ranking, found: Iterable[Finding], shares: NoiseShares, carried: Stack) -> Joint:
