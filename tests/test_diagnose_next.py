@@ -13,7 +13,7 @@ from echocal.diagnose.average import Member
 from echocal.diagnose.design import best_plan
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.prospect import Prospect
-from echocal.diagnose.ranges import grid, guards
+from echocal.diagnose.ranges import grid, guards, parsed_ranges
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
 
@@ -65,14 +65,15 @@ def test_without_another_distance_less_can_be_told(open_case: echocal.Diagnosis)
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ({"humidity": (0, 1)}, "does not record"),
+        ({"humidity": (0, 1)}, r"does not record; it can be distance \(in m\), temperature \(in degC\):"),
+        ({"temperature_rate": (0, 1)}, "does not record"),
         ({"distance": (4.0, 0.2)}, "lower one first"),
         ({"distance": (0.0, 2.0)}, "give a positive one"),
         ({"temperature": (1.0,)}, "two ends"),
         ({"temperature": 3.0}, "two ends"),
         ({"temperature": ("a", "b")}, "two ends"),
-        ({"temperature": (-400.0, 5.0)}, "a table holds -95 to 100"),
-        ({"distance": (0.2, 400.0)}, "a table holds 0 to 100"),
+        ({"temperature": (-400.0, 5.0)}, "a table holds -95 to 100 degC"),
+        ({"distance": (0.2, 400.0)}, "a table holds 0 to 100 m"),
         ({"temperature": (1.0, float("nan"))}, "two ends"),
     ],
 )
@@ -86,6 +87,12 @@ def prospect(effects: list[dict[str, Any]], at: dict[str, np.ndarray], variance:
     members = [Member(tuple(e), 1 / len(effects), Model("linear", e)) for e in effects]
     still = Noise(0.0, 0.0, 0.0, 1.0)
     return Prospect.of(members, Model("linear"), at, still, variance, True, np.empty(0))
+
+
+def test_a_condition_is_given_one_range() -> None:
+    assert parsed_ranges(["distance=0.2:4", "temperature=5:40"]) == RANGES
+    with pytest.raises(echocal.UsageError, match=r"distance twice: 0.2:4 and 1:2"):
+        parsed_ranges(["distance=0.2:4", "distance=1:2"])
 
 
 NINE = {"distance": np.repeat([0.3, 1.0, 3.0], 3), "temperature": np.tile([5.0, 20.0, 35.0], 3)}

@@ -24,7 +24,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.diagnose.ranges import parsed_range
+from echocal.diagnose.ranges import parsed_ranges
 from echocal.errors import DataWarning, UsageError
 from echocal.model import Model
 from echocal.report import print_diagnosis
@@ -127,7 +127,7 @@ def _ranges(first: list[str] | None, more: list[str] | None) -> dict[str, tuple[
         message = f"'{more[0]}' is one argument too many: a diagnosis reads one table"
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *(more or ())) for text in joined.split()]
-    return dict(parsed_range(text) for text in texts) or None
+    return parsed_ranges(texts) or None
 
 
 def _time(text: str | None) -> str | float | None:

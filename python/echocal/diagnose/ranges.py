@@ -1,7 +1,7 @@
 """What a user can vary: names and ranges of conditions for the next measurements."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from numbers import Real
 from typing import Any
@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.conditions import QUANTITIES
 from echocal.errors import UsageError
 from echocal.observations.units import FORMS
 
-__all__ = ["Ranges", "checked_ranges", "grid", "guards", "parsed_range"]
+__all__ = ["Ranges", "checked_ranges", "grid", "guards", "parsed_ranges"]
 
 Ranges = Mapping[str, tuple[float, float]]
 Column = NDArray[np.float64]
@@ -24,10 +25,32 @@ _PHYSICAL = {form.quantity: form.physical for form in FORMS}
 _PHYSICAL["distance"] = _PHYSICAL["reference_distance"]
 """What a table of measurements may hold."""
 
+_UNITS = {"distance": " m"} | {
+    name: "" if quantity.unit == "1" else f" {quantity.unit}"
+    for name, quantity in QUANTITIES.items()
+    if quantity.derived_from is None
+}
+"""Of what a person can vary; what is derived follows from it."""
+
 _PRESENT = 3  # levels of the table that are tried too
 
 
-def parsed_range(text: str) -> tuple[str, tuple[float, float]]:
+def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Read several, each of another condition."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        name, ends = _parsed(text)
+        if name in ranges:
+            low, high = ranges[name]
+            message = (
+                f"--can-vary gives {name} twice: {low:g}:{high:g} and {ends[0]:g}:{ends[1]:g}; give one range"
+            )
+            raise UsageError(message)
+        ranges[name] = ends
+    return ranges
+
+
+def _parsed(text: str) -> tuple[str, tuple[float, float]]:
     """Read ``distance=0.2:4``."""
     name, equals, ends = text.partition("=")
     low, colon, high = ends.partition(":")
@@ -45,11 +68,12 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
     if not isinstance(can_vary, Mapping):
         message = f"can_vary maps conditions to two ends, {{'distance': (0.2, 4.0)}}; got {can_vary!r}"
         raise UsageError(message)
-    names = ["distance", *(name for name in recorded if name != "elapsed_time")]
+    names = ["distance", *(name for name in recorded if name in _UNITS and name != "elapsed_time")]
     for name, ends in can_vary.items():
         if name not in names:
+            known = ", ".join(f"{name} (in{_UNITS[name]})" if _UNITS[name] else name for name in names)
             message = (
-                f"can_vary names '{name}', which the table does not record; it can be {', '.join(names)}: a "
+                f"can_vary names '{name}', which the table does not record; it can be {known}: a "
                 "condition that nobody records separates nothing"
             )
             raise UsageError(message)
@@ -61,7 +85,9 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
             raise UsageError(message)
         low, high = _PHYSICAL.get(name, (-math.inf, math.inf))
         if not low <= ends[0] < ends[1] <= high:
-            message = f"can_vary gives {name} the range {ends!r}; a table holds {low:g} to {high:g}"
+            message = (
+                f"can_vary gives {name} the range {ends!r}; a table holds {low:g} to {high:g}{_UNITS[name]}"
+            )
             raise UsageError(message)
     return {name: (float(low), float(high)) for name, (low, high) in can_vary.items()}
 
