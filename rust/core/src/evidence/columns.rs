@@ -13,6 +13,7 @@ use crate::batch::staged::{BLOCK, Given, Line, Pass, Reading};
 use crate::chain::Stage;
 use crate::conditions::Quantity;
 use crate::model::{Model, Term};
+use crate::simd::{InstructionSet, active};
 
 /// Rows of a table: borrowed columns, or one number for all rows.
 #[derive(Clone, Copy, Debug)]
@@ -185,14 +186,32 @@ struct Maker<'a> {
 
 impl Reader for Maker<'_> {
     fn read(&mut self, first: usize, count: usize, into: &mut [Line]) {
-        let base = self.base(first, count);
-        for (recipe, line) in into.iter_mut().enumerate() {
-            self.leveled(&base, recipe, first, count, line);
+        match active() {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the instruction set is available, or a wider one.
+            InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe {
+                self.read_avx2(first, count, into);
+            },
+            _ => self.read_all(first, count, into),
         }
     }
 }
 
 impl Maker<'_> {
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn read_avx2(&mut self, first: usize, count: usize, into: &mut [Line]) {
+        self.read_all(first, count, into);
+    }
+
+    #[inline(always)]
+    fn read_all(&mut self, first: usize, count: usize, into: &mut [Line]) {
+        let base = self.base(first, count);
+        for (recipe, line) in into.iter_mut().enumerate() {
+            self.leveled(&base, recipe, first, count, line);
+        }
+    }
+
     /// The base simulation with its derivative to the distance.
     fn base(&mut self, first: usize, count: usize) -> Reading {
         // SAFETY: the distance and the recorded columns are as long as the table.
@@ -202,6 +221,7 @@ impl Maker<'_> {
     }
 
     /// A column, without what an unknown level takes up.
+    #[inline(always)]
     fn leveled(
         &mut self,
         base: &Reading,
@@ -226,6 +246,7 @@ impl Maker<'_> {
         }
     }
 
+    #[inline(always)]
     fn make(
         &mut self,
         base: &Reading,
@@ -259,6 +280,7 @@ impl Maker<'_> {
     }
 
     /// A function of a block's values of a column, times a scale.
+    #[inline(always)]
     fn shape(
         &mut self,
         (of, first): (usize, usize),
@@ -294,6 +316,7 @@ impl Maker<'_> {
     }
 
     /// Derivative of the reading to a parameter, at a level, times a scale.
+    #[inline(always)]
     fn tangent(
         &mut self,
         base: &Reading,

@@ -37,6 +37,7 @@ impl Following {
 
     /// Derivative of the reading to a parameter of an effect, times a scale; nothing is written, and
     /// `false` told, where an effect of the model shares its stage.
+    #[inline(always)]
     pub(super) fn tangent(
         &mut self,
         model: &Model,

@@ -17,6 +17,8 @@ pub(super) struct Rows<'a> {
     pub row: usize,
     /// Numbers from one panel to the next.
     pub panel: usize,
+    /// Panels that are not zero, in order.
+    pub panels: &'a [usize],
 }
 
 impl Rows<'_> {
@@ -34,21 +36,23 @@ impl Rows<'_> {
 pub(super) fn add_products(rows: &[f64], width: usize, sums: &mut [f64]) {
     assert!(rows.len().is_multiple_of(width.max(1)));
     let chosen: Vec<u32> = (0..).take(rows.len() / width.max(1)).collect();
+    let panels: Vec<usize> = (0..width / GROUP).collect();
     let rows = Rows {
         numbers: rows,
         row: width,
         panel: GROUP,
+        panels: &panels,
     };
     add_chosen(rows, &chosen, width, sums);
 }
 
 /// The same of some rows; where `sums` has one line, those of the first column alone.
 pub(super) fn add_chosen(rows: Rows<'_>, chosen: &[u32], width: usize, sums: &mut [f64]) {
-    let Some(&last) = chosen.iter().max() else {
+    let (Some(&row), Some(&panel)) = (chosen.iter().max(), rows.panels.iter().max()) else {
         return;
     };
-    let end = last as usize * rows.row + (width / GROUP).saturating_sub(1) * rows.panel + GROUP;
-    assert!(width.is_multiple_of(GROUP) && end <= rows.numbers.len());
+    let end = row as usize * rows.row + panel * rows.panel + GROUP;
+    assert!((1 + panel) * GROUP <= width && end <= rows.numbers.len());
     assert!(sums.len() == width * width || sums.len() == width);
     match active() {
         #[cfg(target_arch = "x86_64")]
@@ -84,18 +88,25 @@ unsafe fn all<V: Vector<Element = f64>, const HEIGHT: usize>(
     width: usize,
     sums: &mut [f64],
 ) {
-    // SAFETY: a tile ends within the width, a multiple of the group and so of both sizes.
+    let mut columns = Vec::with_capacity(width / V::WIDTH);
+    for &panel in rows.panels {
+        columns.extend((panel * GROUP..(1 + panel) * GROUP).step_by(V::WIDTH));
+    }
+    // SAFETY: a tile lies within panels, whose width is a multiple of both sizes.
     unsafe {
         if sums.len() == width {
-            return line::<V, 1>(rows, chosen, width, sums, 0);
+            return line::<V, 1>(rows, chosen, width, sums, 0, &columns);
         }
-        for first in (0..width).step_by(HEIGHT) {
-            line::<V, HEIGHT>(rows, chosen, width, sums, first);
+        for (k, panel) in rows.panels.iter().enumerate() {
+            let beside = &columns[k * (GROUP / V::WIDTH)..]; // from the diagonal to the right
+            for first in (panel * GROUP..(1 + panel) * GROUP).step_by(HEIGHT) {
+                line::<V, HEIGHT>(rows, chosen, width, sums, first, beside);
+            }
         }
     }
 }
 
-/// Tiles from the diagonal to the right.
+/// Tiles of some lines beside each other.
 #[inline(always)]
 unsafe fn line<V: Vector<Element = f64>, const HEIGHT: usize>(
     rows: Rows<'_>,
@@ -103,17 +114,16 @@ unsafe fn line<V: Vector<Element = f64>, const HEIGHT: usize>(
     width: usize,
     sums: &mut [f64],
     first: usize,
+    columns: &[usize],
 ) {
-    let mut column = first / GROUP * GROUP;
+    let (threes, rest) = columns.as_chunks::<3>();
     // SAFETY: the caller's.
     unsafe {
-        while column + 3 * V::WIDTH <= width {
-            tile::<V, HEIGHT, 3>(rows, chosen, width, sums, first, column);
-            column += 3 * V::WIDTH;
+        for &three in threes {
+            tile::<V, HEIGHT, 3>(rows, chosen, width, sums, first, three);
         }
-        while column < width {
-            tile::<V, HEIGHT, 1>(rows, chosen, width, sums, first, column);
-            column += V::WIDTH;
+        for &column in rest {
+            tile::<V, HEIGHT, 1>(rows, chosen, width, sums, first, [column]);
         }
     }
 }
@@ -125,20 +135,20 @@ unsafe fn tile<V: Vector<Element = f64>, const HEIGHT: usize, const VECTORS: usi
     width: usize,
     sums: &mut [f64],
     line: usize,
-    column: usize,
+    columns: [usize; VECTORS],
 ) {
     let mut own = [[V::constant(0.0); VECTORS]; HEIGHT];
     let target = sums.as_mut_ptr();
     let above = rows.column(line);
     let mut beside = [above; VECTORS];
     for j in 0..VECTORS {
-        beside[j] = rows.column(column + j * V::WIDTH);
+        beside[j] = rows.column(columns[j]);
     }
     // SAFETY: the caller guarantees that the tile lies within the width, and has the rows.
     unsafe {
         for i in 0..HEIGHT {
             for j in 0..VECTORS {
-                own[i][j] = V::load(target.add((line + i) * width + column + j * V::WIDTH));
+                own[i][j] = V::load(target.add((line + i) * width + columns[j]));
             }
         }
         for &row in chosen {
@@ -156,7 +166,7 @@ unsafe fn tile<V: Vector<Element = f64>, const HEIGHT: usize, const VECTORS: usi
         }
         for i in 0..HEIGHT {
             for j in 0..VECTORS {
-                own[i][j].store(target.add((line + i) * width + column + j * V::WIDTH));
+                own[i][j].store(target.add((line + i) * width + columns[j]));
             }
         }
     }
@@ -204,6 +214,7 @@ mod tests {
             numbers: &numbers,
             row: GROUP,
             panel: GROUP * count,
+            panels: &[0, 1, 2, 3, 4],
         };
         let (mut whole, mut line) = (vec![0.0; width * width], vec![0.0; width]);
         add_chosen(rows, &[0, 2, 3], width, &mut whole);

@@ -35,6 +35,7 @@ impl Default for Polynomials {
 
 impl Polynomials {
     /// Scaled values and the polynomial of a degree; ascending degrees cost one step each.
+    #[inline(always)]
     pub fn of(&mut self, key: Key, values: &[f64], degree: usize) -> (&Line, &Line) {
         if self.key != Some(key) || degree < self.degree {
             *self = Self {

@@ -25,6 +25,8 @@ const IN_FLIGHT: usize = 4;
 pub(super) struct Panels {
     groups: Vec<Group>,
     width: usize,
+    /// Panels of which some row is not zero.
+    active: Vec<usize>,
 }
 
 impl Panels {
@@ -33,6 +35,7 @@ impl Panels {
         Self {
             groups: vec![Group([0.0; GROUP]); width / GROUP * ROWS],
             width,
+            active: Vec::new(),
         }
     }
 
@@ -46,7 +49,17 @@ impl Panels {
             numbers,
             row: GROUP,
             panel: PANEL,
+            panels: &self.active,
         }
+    }
+
+    /// Finds out which panels are zero up to a row, to be left out of sums: where an effect has not
+    /// begun, what it would add is nought.
+    pub(super) fn leave_out_zeros(&mut self, count: usize) {
+        let panels = self.groups.chunks_exact(ROWS).enumerate();
+        let zero = |group: &Group| group.0 == [0.0; GROUP];
+        let others = panels.filter(|(_, panel)| !panel[1..=count].iter().all(zero));
+        self.active = others.map(|(place, _)| place).collect();
     }
 
     fn target(&mut self, column: usize) -> *mut f64 {

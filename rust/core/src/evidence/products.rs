@@ -148,11 +148,14 @@ fn add(sums: &mut [f64], more: &[f64]) {
 
 /// Both triangles, without the padding.
 pub(super) fn triangles(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
-    let mut result = Vec::with_capacity(sums.len() / (width * width) * columns * columns);
-    for matrix in sums.chunks_exact(width * width) {
+    let mut result = vec![0.0; sums.len() / (width * width).max(1) * columns * columns];
+    let matrices = result.chunks_exact_mut((columns * columns).max(1));
+    for (whole, upper) in matrices.zip(sums.chunks_exact((width * width).max(1))) {
         for i in 0..columns {
-            for j in 0..columns {
-                result.push(matrix[i.min(j) * width + i.max(j)]);
+            let line = &upper[i * width + i..i * width + columns];
+            whole[i * columns + i..(i + 1) * columns].copy_from_slice(line);
+            for (j, &value) in (i..).zip(line) {
+                whole[j * columns + i] = value;
             }
         }
     }

@@ -102,6 +102,7 @@ pub fn gram(source: &dyn Source, threads: usize) -> Vec<f64> {
                 let count = BLOCK.min(end - block);
                 reader.read(block, count, &mut lines);
                 panels.fill(&lines, count);
+                panels.leave_out_zeros(count);
                 add_chosen(panels.rows(), &chosen[..count], width, &mut sums);
             }
             sums
@@ -181,7 +182,7 @@ impl<'a> Span<'a> {
             self.plain.fill(&self.lines, count);
             self.plain.last(count, &mut self.last[0]);
             self.sort(first.max(block)..block + count, block);
-            self.add(0);
+            self.add(0, count);
             match active() {
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: the instruction set is available.
@@ -218,19 +219,24 @@ impl<'a> Span<'a> {
                 .for_each(|last| last.copy_from_slice(&plain[0]));
         }
         self.made.differ::<V>(&self.plain, count);
-        self.add(1);
+        self.add(1, count);
         for (k, &memory) in self.plan.memories.iter().enumerate() {
             self.made.keep(&self.last[1 + k]);
             self.made.remember::<V>(&self.plain, memory, starts);
             self.made.last(count, &mut self.last[1 + k]);
-            self.add(KINDS + k);
+            self.add(KINDS + k, count);
         }
     }
 
     /// Adds the products of one kind: of the plain rows, or of those that were made last.
-    fn add(&mut self, kind: usize) {
+    fn add(&mut self, kind: usize, count: usize) {
         let (width, kinds) = (self.plan.width, KINDS + self.plan.memories.len());
-        let panels = if kind == 0 { &self.plain } else { &self.made };
+        let panels = if kind == 0 {
+            &mut self.plain
+        } else {
+            &mut self.made
+        };
+        panels.leave_out_zeros(count);
         let Parts { blocks, cells } = &mut self.parts;
         self.blocks.add(panels, kind, kinds, width * width, blocks);
         self.cells.add(panels, kind, kinds, width, cells);
