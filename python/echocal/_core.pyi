@@ -73,9 +73,9 @@ def weigh(
     log_weight: NDArray[np.float64],
     degrees: float,
     finest: float,
-    forms: list[_Form],
+    hypotheses: list[list[_Form]],
     one_width: bool,
-) -> _Weighed: ...
+) -> list[_Weighed]: ...
 def posterior(
     products: NDArray[np.float64],
     log_weight: NDArray[np.float64],

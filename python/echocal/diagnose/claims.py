@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.alias import Geometry
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
-from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh, weigh_each
 from echocal.diagnose.hypotheses import preferred
 from echocal.diagnose.parsimony import Ids, shown
 from echocal.registry import find_effect
@@ -24,6 +24,7 @@ __all__ = [
     "effects_named",
     "effects_of",
     "free_size",
+    "free_sizes",
     "rank",
     "resized",
     "sizes",
@@ -274,11 +275,17 @@ def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, f
 
 def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -> tuple[float, float]:
     """Size that a known correction would have if theory did not fix it, and its uncertainty."""
-    column, _ = found.size_tangents[cause]
-    variants = [v for v in beside.variants if v.cause != cause]
-    free = Variant(cause, free=(column,), bounds=((-np.inf, np.inf),))
-    weighed = weigh(Hypothesis((free, *variants), 1.0), stack)
-    return float(weighed.mean[0]), float(np.sqrt(weighed.covariance[0, 0]))
+    return free_sizes(cause, found, [beside], stack)[0]
+
+
+def free_sizes(
+    cause: str, found: Candidates, beside: Sequence[Hypothesis], stack: Stack
+) -> list[tuple[float, float]]:
+    """Free sizes of a known correction beside each of several hypotheses."""
+    free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
+    others = [tuple(v for v in hypothesis.variants if v.cause != cause) for hypothesis in beside]
+    fits = weigh_each([Hypothesis((free, *variants), 1.0) for variants in others], stack)
+    return [(float(fit.mean[0]), float(np.sqrt(fit.covariance[0, 0]))) for fit in fits]
 
 
 def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:

@@ -13,7 +13,7 @@ from echocal import _core
 from echocal.diagnose.candidates import Variant
 from echocal.diagnose.noise import FINEST, Noise, Whitened
 
-__all__ = ["Hypothesis", "Stack", "Weighed", "weigh"]
+__all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
 
 Matrix = NDArray[np.floating[Any]]
 
@@ -162,7 +162,12 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> W
     .. [1] MacKay, D. J. C. (1992). Bayesian interpolation. Neural Computation 4, 415-447.
        https://doi.org/10.1162/neco.1992.4.3.415
     """
-    forms = [form(variant) for variant in hypothesis.variants]
-    return Weighed(
-        hypothesis, *_core.weigh(stack.products, stack.log_weight, stack.degrees, FINEST**2, forms, one_width)
-    )
+    return weigh_each([hypothesis], stack, one_width=one_width)[0]
+
+
+def weigh_each(hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False) -> list[Weighed]:
+    """Weigh several hypotheses, each by itself, on several threads."""
+    forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
+    given = stack.products, stack.log_weight, stack.degrees, FINEST**2
+    found = _core.weigh(*given, forms, one_width)
+    return [Weighed(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]

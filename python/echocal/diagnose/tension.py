@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import Case
-from echocal.diagnose.claims import free_size, without
+from echocal.diagnose.claims import free_sizes, without
 from echocal.diagnose.evidence import Hypothesis, Stack
 
 __all__ = ["reconciled"]
@@ -41,10 +41,10 @@ def reconciled(
         )
     moved = []
     named = without(beside, UNKNOWN)
-    size, uncertainty = free_size(cause, case.found, named, stack)
-    for variant in case.found.shapes.values():
-        shaped = replace(named, variants=(*named.variants, variant))
-        there, error = free_size(cause, case.found, shaped, stack)
+    shapes = list(case.found.shapes.values())
+    shaped = [replace(named, variants=(*named.variants, variant)) for variant in shapes]
+    (size, uncertainty), *fits = free_sizes(cause, case.found, [named, *shaped], stack)
+    for variant, (there, error) in zip(shapes, fits, strict=True):
         closer = abs(size - known) - abs(there - known)
         if closer > _MOVED * uncertainty:
             moved.append((closer, variant.against, there, error))

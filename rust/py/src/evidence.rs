@@ -63,35 +63,6 @@ fn stack<'a>(
     })
 }
 
-/// The columns that some forms use, and the last one, alone.
-fn narrow(stack: &Stack<'_>, mut forms: Vec<Form>) -> PyResult<(Vec<f64>, usize, Vec<Form>)> {
-    let width = stack.width;
-    let each = forms
-        .iter()
-        .flat_map(|(_, offsets, free, ..)| offsets.iter().chain(free));
-    let mut used: Vec<usize> = each.copied().chain([width - 1]).collect();
-    used.sort_unstable();
-    used.dedup();
-    if used.last() != Some(&(width - 1)) {
-        return Err(PyValueError::new_err(
-            "a form has columns that are not there",
-        ));
-    }
-    for (_, offsets, free, ..) in &mut forms {
-        for column in offsets.iter_mut().chain(free) {
-            *column = used.partition_point(|&other| other < *column);
-        }
-    }
-    let mut chosen = Vec::with_capacity(stack.log_weight.len() * used.len() * used.len());
-    for noise in stack.products.chunks_exact(width * width) {
-        for &i in &used {
-            let line = &noise[i * width..(i + 1) * width];
-            chosen.extend(used.iter().map(|&j| line[j]));
-        }
-    }
-    Ok((chosen, used.len(), forms))
-}
-
 fn variants(forms: Vec<Form>, width: usize) -> PyResult<Vec<Variant>> {
     let variant = |(cause, offsets, free, bounds, weight): Form| {
         if free.len() != bounds.len() || offsets.iter().chain(&free).any(|&column| column >= width)
@@ -143,7 +114,7 @@ pub fn left_over(
     ))
 }
 
-/// Weighs one hypothesis, all its forms at once.
+/// Weighs hypotheses, each by itself.
 #[pyfunction]
 pub fn weigh<'py>(
     py: Python<'py>,
@@ -151,19 +122,15 @@ pub fn weigh<'py>(
     log_weight: PyReadonlyArray1<'py, f64>,
     degrees: f64,
     finest: f64,
-    forms: Vec<Form>,
+    hypotheses: Vec<Vec<Form>>,
     one_width: bool,
-) -> PyResult<Result<'py>> {
-    let whole = stack(&products, &log_weight, degrees, finest)?;
-    let (products, width, forms) = narrow(&whole, forms)?;
-    let stack = Stack {
-        products: &products,
-        width,
-        ..whole
-    };
-    let variants = variants(forms, stack.width)?;
-    let weighed = py.detach(|| evidence::weigh(&stack, &variants, one_width));
-    result(py, weighed)
+) -> PyResult<Vec<Result<'py>>> {
+    let stack = stack(&products, &log_weight, degrees, finest)?;
+    let each = hypotheses.into_iter();
+    let hypotheses: PyResult<Vec<_>> = each.map(|forms| variants(forms, stack.width)).collect();
+    let (hypotheses, threads) = (hypotheses?, available_threads());
+    let weighed = py.detach(|| evidence::weigh(&stack, &hypotheses, one_width, threads));
+    weighed.into_iter().map(|one| result(py, one)).collect()
 }
 
 /// Weighs every hypothesis that competes: forms, prior and result of each; the noises carried

@@ -369,12 +369,21 @@ impl Outcome {
     }
 }
 
-/// Weighs one hypothesis by itself; with `one_width` with the widest prior alone.
+/// Weighs hypotheses, each by itself; with `one_width` with the widest prior alone.
 #[must_use]
-pub fn weigh(stack: &Stack<'_>, variants: &[Variant], one_width: bool) -> Weighed {
-    let mut layout = Layout::default();
-    layout.fill(variants);
-    let table = Table::of(stack, &columns(variants, stack.width - 1), 1);
+pub fn weigh(
+    stack: &Stack<'_>,
+    hypotheses: &[Vec<Variant>],
+    one_width: bool,
+    threads: usize,
+) -> Vec<Weighed> {
     let care = if one_width { Care::Widest } else { Care::Every };
-    Scales::default().weigh(&table, &layout, care)
+    each_of(hypotheses, threads, || {
+        let (mut scales, mut layout) = (Scales::default(), Layout::default());
+        move |variants: &Vec<Variant>| {
+            layout.fill(variants);
+            let table = Table::of(stack, &columns(variants, stack.width - 1), 1);
+            scales.weigh(&table, &layout, care)
+        }
+    })
 }
