@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 import echocal
 from echocal.diagnose.candidates import Variant
 from echocal.diagnose.columns import Columns
-from echocal.diagnose.evidence import Hypothesis, Stack, weigh
+from echocal.diagnose.evidence import Hypothesis, Stack, weigh, weigh_each
 from echocal.diagnose.noise import NOISES, Noise, Sums, Whitened
 
 
@@ -86,6 +86,18 @@ def test_bounds_cut_the_prior_off() -> None:
     ]
     assert evidence[1] == pytest.approx(evidence[0] + np.log(2), abs=0.02)  # twice the prior density
     assert evidence[2] < evidence[0] - 10  # the wrong sign
+
+
+def test_hypotheses_side_by_side_are_each_by_itself() -> None:
+    parts = sums(np.random.default_rng().normal(size=(9, 90)), np.repeat(np.arange(5), 18), flat_level=False)
+    stack = Stack(*parts.whiten_all(NOISES[True]), 90, NOISES[True])
+    forms = [Variant(f"x{i}", free=(i,), bounds=((-1.0, 2.0),)) for i in range(1, 8)]
+    hypotheses = [Hypothesis(tuple(forms[:count]), 1.0) for count in range(5)]
+    for hypothesis, found in zip(hypotheses, weigh_each(hypotheses, stack), strict=True):
+        alone = weigh(hypothesis, stack)
+        assert found.log_evidence == alone.log_evidence
+        np.testing.assert_array_equal(found.mean, alone.mean)
+        np.testing.assert_array_equal(found.covariance, alone.covariance)
 
 
 def test_noises_have_a_prior_of_one() -> None:
