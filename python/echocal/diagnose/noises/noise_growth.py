@@ -36,13 +36,11 @@ def fit(trace: Trace) -> Likelihood | None:
     if not rise > _WORTH:
         return None
     # what was learned of one row tells of the next by its innovation, of nearly the same distance
-    logs, scales = np.empty((2, len(KERNELS), len(_GROWTH)))
-    for j, growth in enumerate(_GROWTH):
-        wide = 1 + growth * distance
-        level = trace.innovation / wide
-        for i, freedom in enumerate(KERNELS):
-            scales[i, j] = scale_of(level, freedom)
-            logs[i, j] = (log_density(level, scales[i, j], freedom) - np.log(wide)).sum()
+    wide = 1 + np.outer(_GROWTH, distance)
+    level, widening = trace.innovation / wide, np.log(wide).sum(axis=1)
+    scales = np.stack([scale_of(level, freedom) for freedom in KERNELS])
+    each = zip(scales, KERNELS, strict=True)
+    logs = np.stack([log_density(level, s[:, None], freedom).sum(axis=1) - widening for s, freedom in each])
     profile = np.logaddexp.reduce(logs, axis=0) - np.log(len(KERNELS))
     best = int(profile.argmax())
     share = np.exp(profile - profile[best])

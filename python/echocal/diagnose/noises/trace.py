@@ -28,15 +28,14 @@ def log_density(values: Column, scale: Column | float, freedom: float) -> Column
     return np.asarray(constant - np.log(scale) - 0.5 * (freedom + 1) * np.log1p(square / freedom))
 
 
-def scale_of(values: Column, freedom: float) -> float:
-    """Scale of greatest likelihood."""
-    scale = float(np.sqrt(np.mean(values**2))) + 1e-12
-    if np.isinf(freedom):
-        return scale
-    for _ in range(_ROUNDS):
-        weight = (freedom + 1) / (freedom + (values / scale) ** 2)
-        scale = float(np.sqrt(np.mean(weight * values**2))) + 1e-12
-    return scale
+def scale_of(values: Column, freedom: float) -> Column:
+    """Scale of greatest likelihood, along the last axis."""
+    square = values**2
+    scale = np.sqrt(square.mean(axis=-1, keepdims=True)) + 1e-12
+    for _ in range(0 if np.isinf(freedom) else _ROUNDS):
+        weight = (freedom + 1) / (freedom + square / scale**2)
+        scale = np.sqrt((weight * square).mean(axis=-1, keepdims=True)) + 1e-12
+    return np.asarray(scale[..., 0])
 
 
 @dataclass(frozen=True)
