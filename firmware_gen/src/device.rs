@@ -244,6 +244,17 @@ impl Device {
         (0..first).flat_map(row).collect()
     }
 
+    /// Conditions that have more than one code, the first counted in any case.
+    #[must_use]
+    pub fn varied(&self) -> usize {
+        1 + self
+            .conditions
+            .iter()
+            .skip(1)
+            .filter(|axis| axis.len() > 1)
+            .count()
+    }
+
     /// Condition values of row `row`, in the units of their axes.
     #[must_use]
     pub fn values(&self, row: usize) -> Vec<f64> {

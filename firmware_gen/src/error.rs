@@ -27,6 +27,9 @@ pub enum Error {
     /// The program breaks a promise on some input: a defect of the design, tried again with the next candidate.
     #[error("{0}")]
     Proof(String),
+    /// The program goes beyond the error allowed \[unit\] on some input: tried again with the next candidate.
+    #[error("an error of {0} units is beyond what was claimed")]
+    Beyond(f64),
     /// A template failed: a defect of this crate.
     #[error("template {0}")]
     Template(String),

@@ -57,15 +57,4 @@ impl Output {
     pub fn is_coarse(&self) -> bool {
         *self != Self::MICROMETERS
     }
-
-    /// The error that rounding to nearest, or else down, is sure to add \[unit\] where that matters: nearly half of
-    /// one, or a whole one.
-    #[must_use]
-    pub fn rounding(&self, nearest: bool) -> f64 {
-        match (self.is_coarse(), nearest) {
-            (false, _) => 0.0,
-            (true, true) => 0.45,
-            (true, false) => 0.9,
-        }
-    }
 }

@@ -25,6 +25,7 @@ fn run(program: &Program, reference: &dyn Reference) -> Result<Proof, Error> {
         device: &device,
         reference,
         maximum_distance: 0.5,
+        most: f64::INFINITY,
         threads: 3,
     };
     prove(program, claim, &mut |_| true)
@@ -140,10 +141,37 @@ fn saying_stop_stops() {
         device: &device,
         reference: &truth,
         maximum_distance: 0.5,
+        most: f64::INFINITY,
         threads: 1,
     };
     assert!(matches!(
         prove(&exact(), claim, &mut |_| false),
         Err(Error::Stopped)
     ));
+}
+
+#[test]
+fn what_goes_beyond_the_claim_is_left_early() {
+    let device = device();
+    let claim = Claim {
+        device: &device,
+        reference: &truth,
+        maximum_distance: 0.5,
+        most: 100.0,
+        threads: 1,
+    };
+    let short = program(|builder, echo, _| {
+        let factor = builder.constant(160);
+        builder.multiply(echo, factor)
+    });
+    let mut checked = 0;
+    let mut listen = |inputs| {
+        checked = inputs;
+        true
+    };
+    let Err(Error::Beyond(error)) = prove(&short, claim, &mut listen) else {
+        panic!("10 um per echo code are not beyond 100 um");
+    };
+    assert!((error - 29_410.0).abs() < 1e-6);
+    assert!(checked < 21 * 5001, "the first row was enough");
 }

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from toolchain import C_COMPILERS, build, hash_of_all
 
-from echocal import Model, UsageError, firmware
+from echocal import BoundError, Model, UsageError, firmware
 from echocal.firmware import Firmware, HumidityCodes
 
 COARSE: dict[str, Any] = {"temperature": (1.0, -20.0, 60.0), "humidity": (0.05, 0.0, 1.0), "echo": 26_000}
@@ -127,3 +127,27 @@ def test_no_tables_where_none_are_allowed() -> None:
     )
     assert made.report["table_bytes"] == 0
     assert made.report["error_proven_m"] <= 1e-3
+
+
+def test_a_humidity_of_one_code_is_checked_and_costs_nothing() -> None:
+    axes: dict[str, Any] = {"temperature": (0.5, -20.0, 60.0), "echo": 26_000}
+    damp = firmware.generate(Model("cramer"), "avr", humidity=(0.01, 0.5, 0.5), **axes)
+    dry = firmware.generate(Model("cramer"), "avr", assume={"relative_humidity": 0.5}, **axes)
+    assert damp.report["form"] == dry.report["form"]
+    assert damp.outputs(20_000, 40, [49, 50, 51]).tolist() == [
+        -(2**31),
+        int(dry.outputs(20_000, 40)),
+        -(2**31),
+    ]
+
+
+@pytest.mark.parametrize(("unit", "bound"), [("mm", 0.52e-3), ("cm", 5.5e-3)])
+def test_a_tight_bound_in_a_coarse_unit_is_answered(unit: str, bound: float) -> None:
+    axes: dict[str, Any] = {"temperature": (0.5, -20.0, 60.0), "humidity": (0.02, 0.0, 1.0), "echo": 26_000}
+    made = firmware.generate(Model("cramer"), "avr", output_unit=unit, max_error=bound, **axes)
+    assert 0.49 * bound < made.report["error_proven_m"] <= bound
+
+
+def test_a_bound_below_the_rounding_is_answered_with_the_best() -> None:
+    with pytest.raises(BoundError, match=r"the best reachable is 0\.50"):
+        firmware.generate(Model("cramer"), "avr", output_unit="mm", max_error=0.45e-3, **COARSE)

@@ -107,6 +107,9 @@ pub enum Progress<'a> {
 /// How the caller listens; `false` stops.
 pub type Listen<'a> = &'a mut dyn FnMut(Progress<'_>) -> bool;
 
+/// Candidates that may turn out not to meet the bound before only those are tried that probably do.
+const PATIENCE: usize = 200;
+
 /// Find the cheapest program that meets the bound on every input.
 ///
 /// # Errors
@@ -115,27 +118,31 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error>
     check(&request)?;
     let search = Search::new(request)?;
     // The cheapest last; rounding can make a candidate dearer, which then waits for its turn again.
-    let key = |candidate: &search::Candidate| std::cmp::Reverse(request.prefer.key(candidate.cost));
+    let key =
+        |candidate: &search::Candidate<'_>| std::cmp::Reverse(request.prefer.key(candidate.cost));
     let mut candidates = search.candidates();
     candidates.reverse(); // of equals, the one proposed first comes first
     candidates.sort_by_key(key);
     let bound = request.maximum_error * request.device.output.per_meter;
     let mut failed = Vec::new();
+    let mut tried = 0;
     while let Some(mut candidate) = candidates.pop() {
         if candidate.screened == f64::INFINITY
             && candidate.floor() <= bound
+            && candidate.least() <= bound
+            && (tried < PATIENCE || candidate.likely() <= bound)
             && search.refine(&mut candidate)
         {
+            tried += 1;
             let place = candidates.partition_point(|other| key(other) <= key(&candidate));
             candidates.insert(place, candidate);
             continue;
         }
         if candidate.screened <= bound {
-            match search.prove(&candidate, listen) {
-                Ok((program, proof)) if proof.bounded.error <= bound => {
-                    return Ok(candidate.proven(program, proof));
-                }
-                Ok(_) | Err(Error::Proof(_)) => {}
+            match search.prove(&candidate, bound, listen) {
+                Ok((program, proof)) => return Ok(candidate.proven(program, proof)),
+                Err(Error::Beyond(error)) => candidate.screened = error,
+                Err(Error::Proof(_)) => {}
                 Err(error) => return Err(error),
             }
         }
@@ -181,7 +188,7 @@ fn check_form(request: &Request<'_>) -> Result<(), Error> {
         (true, 1) => Err(Error::Request(format!(
             "form '{form}' is of temperature and humidity, and the device measures no humidity: give its codes, or another form"
         ))),
-        (false, 2) => Err(Error::Request(format!(
+        (false, 2) if request.device.varied() == 2 => Err(Error::Request(format!(
             "form '{form}' is of the temperature alone, and the device measures humidity too: 'additive' joins such forms"
         ))),
         _ => Ok(()),

@@ -7,10 +7,13 @@ use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
 use crate::reference::{Line, sample};
 use crate::target::Cost;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// One form in one format.
-pub(super) struct Candidate {
+pub(super) struct Candidate<'a> {
+    /// What the form must follow.
+    fit: Rc<Fit<'a>>,
     form: Box<dyn Form>,
     tail: Tail,
     /// Error that the tail leaves whatever the form does \[unit\].
@@ -22,10 +25,20 @@ pub(super) struct Candidate {
     pub(super) cost: Cost,
 }
 
-impl Candidate {
+impl Candidate<'_> {
     /// The error that it cannot undercut \[unit\].
     pub(super) fn floor(&self) -> f64 {
         self.form.floor().max(self.rest) + self.rounding
+    }
+
+    /// The error that it can hardly undercut, from what its parts reach as they are rounded \[unit\].
+    pub(super) fn least(&self) -> f64 {
+        SURE.mul_add(self.form.least(&self.fit).max(self.rest), self.rounding)
+    }
+
+    /// The error that it probably has \[unit\].
+    pub(super) fn likely(&self) -> f64 {
+        self.form.likely(&self.fit).max(self.rest) + self.rounding
     }
 
     pub(super) fn proven(self, program: Program, proof: Proof) -> Design {
@@ -43,6 +56,8 @@ pub(super) struct Search<'a> {
     /// Rows that stand for all until the proof.
     picked: Vec<usize>,
     lines: Vec<Line>,
+    /// The farthest that a sample of the truth lies from a whole unit \[unit\].
+    farthest: f64,
 }
 
 /// Columns of the second condition that the search looks at.
@@ -51,6 +66,16 @@ const COLUMNS: usize = 17;
 const ENOUGH: usize = 400;
 /// Every so many rows are screened where there are many; no divisor of [`COLUMNS`].
 const STRIDE: usize = 5;
+/// Error that rounding down is sure to add where that matters: nearly a whole unit \[unit\].
+const CUT_OFF: f64 = 0.9;
+/// Share of the worst rounding that falls together with the worst error of a form.
+const TOGETHER: f64 = 0.98;
+/// Most candidates that are looked at closely where none meets the bound.
+const LIKELIEST: usize = 12;
+/// Share of the bound up to which what refining left is looked at more closely.
+const SLACK: f64 = 1.02;
+/// Share of what a part reaches alone that it needs among others, too; rounding several jointly may save the rest.
+const SURE: f64 = 0.9;
 
 impl<'a> Search<'a> {
     pub(super) fn new(request: Request<'a>) -> Result<Self, Error> {
@@ -61,18 +86,27 @@ impl<'a> Search<'a> {
             &picked,
             request.maximum_distance,
         )?;
+        let truths = lines.iter().flat_map(Line::samples);
+        let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
+            most.max((truth - truth.round()).abs())
+        });
         Ok(Self {
             request,
             picked,
             lines,
+            farthest,
         })
     }
 
-    pub(super) fn candidates(&self) -> Vec<Candidate> {
+    pub(super) fn candidates(&self) -> Vec<Candidate<'a>> {
         let tails = self.tails();
         let of_tail = |tail: &Tail| {
-            let fit = self.fit(tail);
-            let two = self.request.device.conditions.len() == 2;
+            let fit = Rc::new(self.fit(tail));
+            let cost = self.cost_of(tail);
+            let named =
+                |names: &[&str]| self.request.form.is_some_and(|form| names.contains(&form));
+            // A second condition of one code is checked, and adds nothing.
+            let two = self.request.device.varied() == 2 || named(&OF_TWO);
             let wanted = |name: &str| {
                 OF_TWO.contains(&name) == two && self.request.form.is_none_or(|form| form == name)
             };
@@ -80,7 +114,7 @@ impl<'a> Search<'a> {
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
                 .into_iter()
-                .filter_map(|form| self.candidate(form, *tail))
+                .filter_map(|form| self.candidate(form, *tail, cost, &fit))
                 .collect::<Vec<_>>()
         };
         tails.iter().flat_map(of_tail).collect()
@@ -94,7 +128,12 @@ impl<'a> Search<'a> {
 
     /// What the way in which a tail rounds adds in any case \[unit\].
     fn rounding(&self, tail: &Tail) -> f64 {
-        self.request.device.output.rounding(tail.rounded)
+        let output = &self.request.device.output;
+        match (output.is_coarse(), tail.rounded) {
+            (false, _) => 0.0,
+            (true, true) => TOGETHER * self.farthest,
+            (true, false) => CUT_OFF,
+        }
     }
 
     /// The bound \[unit\].
@@ -128,15 +167,23 @@ impl<'a> Search<'a> {
                 .map(|line| tail.lever(line) / unit)
                 .collect(),
             core: self.request.target,
+            lines: Default::default(),
         }
     }
 
     /// `None` where some value fits no type, or the tables are larger than allowed.
-    fn candidate(&self, form: Box<dyn Form>, tail: Tail) -> Option<Candidate> {
+    fn candidate(
+        &self,
+        form: Box<dyn Form>,
+        tail: Tail,
+        cost_of_tail: Cost,
+        fit: &Rc<Fit<'a>>,
+    ) -> Option<Candidate<'a>> {
         let rest = tail.rest(&self.lines);
         if let Some(cost) = form.estimate() {
             return Some(Candidate {
-                cost: cost + self.cost_of(&tail),
+                cost: cost + cost_of_tail,
+                fit: Rc::clone(fit),
                 form,
                 tail,
                 rest,
@@ -155,7 +202,8 @@ impl<'a> Search<'a> {
         let program = self.program(form.as_ref(), &tail, rows)?;
         let allowed = program.table_bytes() <= self.request.maximum_table;
         let cost = self.request.target.cost(&program);
-        allowed.then_some(Candidate {
+        allowed.then(|| Candidate {
+            fit: Rc::clone(fit),
             form,
             tail,
             rest,
@@ -190,8 +238,20 @@ impl<'a> Search<'a> {
     }
 
     /// Round jointly and look at a few echo times of every row; `false` if the program is no longer possible.
-    pub(super) fn refine(&self, candidate: &mut Candidate) -> bool {
-        candidate.form.refine(&self.fit(&candidate.tail));
+    pub(super) fn refine(&self, candidate: &mut Candidate<'_>) -> bool {
+        candidate.form.refine(&candidate.fit);
+        if let Some(reached) = candidate.form.reached() {
+            let likely = reached + candidate.rounding;
+            if likely > SLACK * self.bound() {
+                candidate.screened = likely;
+                return true;
+            }
+        }
+        self.look_at(candidate)
+    }
+
+    /// Build the program and look at a few echo times of every row; `false` if there is no program.
+    fn look_at(&self, candidate: &mut Candidate<'_>) -> bool {
         let rows = self.picked.clone();
         let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail, rows) else {
             return false;
@@ -225,7 +285,8 @@ impl<'a> Search<'a> {
     /// Check the candidate, its types now following from every row, on every input.
     pub(super) fn prove(
         &self,
-        candidate: &Candidate,
+        candidate: &Candidate<'_>,
+        most: f64,
         listen: Listen<'_>,
     ) -> Result<(Program, Proof), Error> {
         let all = (0..self.request.device.rows()).collect();
@@ -246,6 +307,7 @@ impl<'a> Search<'a> {
             device,
             reference,
             maximum_distance,
+            most,
             threads,
         };
         let proof = prove(&program, claim, &mut |inputs| {
@@ -257,28 +319,18 @@ impl<'a> Search<'a> {
     /// Prove the best of what failed, and say what it reaches.
     pub(super) fn unreachable(
         &self,
-        mut failed: Vec<Candidate>,
+        failed: Vec<Candidate<'_>>,
         listen: Listen<'_>,
     ) -> Result<Design, Error> {
-        failed.sort_by(|a, b| a.floor().total_cmp(&b.floor()));
-        let mut best = f64::INFINITY;
-        for candidate in failed
-            .iter_mut()
-            .filter(|candidate| candidate.screened == f64::INFINITY)
-        {
-            if candidate.floor() < best && self.refine(candidate) {
-                best = best.min(candidate.screened);
-            }
-        }
-        // What was never screened is worse than the best, or has larger tables than allowed.
-        failed.retain(|candidate| candidate.screened.is_finite());
-        failed.sort_by(|a, b| a.screened.total_cmp(&b.screened));
-        for candidate in failed {
-            let (program, proof) = match self.prove(&candidate, listen) {
+        for candidate in self.likeliest(failed) {
+            let (program, proof) = match self.prove(&candidate, f64::INFINITY, listen) {
                 Ok(found) => found,
                 Err(Error::Proof(_)) => continue,
                 Err(error) => return Err(error),
             };
+            if proof.bounded.error <= self.bound() {
+                return Ok(candidate.proven(program, proof)); // one that seemed unlikely
+            }
             return Err(Error::Bound(Box::new(Reachable {
                 asked: self.request.maximum_error,
                 best: proof.bounded.error * self.request.device.output.lsb,
@@ -287,6 +339,38 @@ impl<'a> Search<'a> {
             })));
         }
         Err(self.nothing())
+    }
+
+    /// What failed and has a program, the most exact first.
+    fn likeliest<'b>(&self, mut failed: Vec<Candidate<'b>>) -> Vec<Candidate<'b>> {
+        let screened = failed.iter().map(|candidate| candidate.screened);
+        let mut best = screened.fold(f64::INFINITY, f64::min);
+        failed.sort_by(|a, b| a.floor().total_cmp(&b.floor()));
+        for candidate in &mut failed {
+            if candidate.screened == f64::INFINITY
+                && candidate.floor() < best
+                && candidate.least() < best
+                && self.refine(candidate)
+            {
+                best = best.min(candidate.screened);
+            }
+        }
+        // What was never screened is worse than the best, or has larger tables than allowed.
+        failed.retain(|candidate| candidate.screened.is_finite());
+        failed.sort_by(|a, b| a.screened.total_cmp(&b.screened));
+        let mut best = f64::INFINITY;
+        let (mut found, mut rest) = (Vec::new(), Vec::new());
+        for mut candidate in failed {
+            if found.len() >= LIKELIEST || candidate.screened >= best {
+                rest.push(candidate);
+            } else if self.look_at(&mut candidate) {
+                best = best.min(candidate.screened);
+                found.push(candidate);
+            }
+        }
+        found.sort_by(|a, b| a.screened.total_cmp(&b.screened));
+        found.extend(rest); // for where the proof finds fault with the best
+        found
     }
 
     /// Why there is not even a candidate.

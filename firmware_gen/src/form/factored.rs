@@ -111,11 +111,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
             .map(|format| blank(format, 16))
             .collect()
     } else {
-        let largest = slope.abs().max(end.abs()) * last;
-        let shift = (PRODUCT_BITS - largest.log2()).floor() as i32;
-        let shift = shift.clamp(0, MOST_PLACES) as u32;
-        let flat = (bend.abs() * f64::from(shift).exp2()).round() as i64;
-        vec![blank((1, 0, flat, 0), shift)]
+        vec![word_format(bend, slope.abs().max(end.abs()) * last, blank)]
     };
     let useful = formats
         .into_iter()
@@ -123,6 +119,18 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     useful
         .filter_map(|form| Some(Box::new(form.fitted(fit, &sample)?) as _))
         .collect()
+}
+
+/// One line as it is, and the other with as many places as the product of both, at most `largest`, leaves room for.
+fn word_format(
+    bend: f64,
+    largest: f64,
+    blank: impl Fn((i64, u32, i64, i64), u32) -> Factored,
+) -> Factored {
+    let shift = (PRODUCT_BITS - largest.log2()).floor() as i32;
+    let shift = shift.clamp(0, MOST_PLACES) as u32;
+    let flat = (bend.abs() * f64::from(shift).exp2()).round() as i64;
+    blank((1, 0, flat, 0), shift)
 }
 
 /// Numbers `(steep, its places, flat, lean)` whose curvature is next to `wanted`, and whose first line fits 16 bits.

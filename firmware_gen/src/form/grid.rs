@@ -32,7 +32,11 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         return Vec::new();
     }
     let plane = Plane::new(fit);
-    let lines: Vec<Vec<f64>> = plane.lines(DEGREE).into_iter().map(|line| line.0).collect();
+    let lines: Vec<Vec<f64>> = plane
+        .lines(DEGREE)
+        .iter()
+        .map(|line| line.0.clone())
+        .collect();
     let wide = fit.device.conditions[1].codes;
     let wide = (wide.maximum - wide.minimum) as usize;
     let steps = |codes: usize| 1..usize::BITS - codes.leading_zeros() + 1;

@@ -16,12 +16,14 @@ mod tail;
 /// Forms of two conditions; all others are of the temperature alone.
 pub const OF_TWO: [&str; 2] = [additive::NAME, grid::NAME];
 
+use additive::Lines;
 pub use tail::Tail;
 
 use crate::device::Device;
 use crate::ir::{Builder, Value};
 use crate::target::{Cost, Target};
 use std::fmt::Debug;
+use std::sync::OnceLock;
 
 /// What a form must follow: the speed factor at every combination of conditions.
 #[derive(Debug)]
@@ -40,7 +42,12 @@ pub struct Fit<'a> {
     pub maximum_table: usize,
     /// Where it is to run.
     pub core: Target,
+    /// Polynomials in the second condition, by degree, once somebody asked for them.
+    pub lines: [OnceLock<Lines>; DEGREES],
 }
+
+/// Degrees of [`Fit::lines`], from 0 on.
+const DEGREES: usize = 4;
 
 impl Fit<'_> {
     /// The largest error that factors `given` would cause \[unit\].
@@ -66,6 +73,22 @@ pub trait Form: Debug + Send + Sync {
 
     /// The error \[unit\] that no rounding of this form can undercut.
     fn floor(&self) -> f64;
+
+    /// The error \[unit\] that its parts reach where the others are ideal, as they are rounded: it can hardly undercut
+    /// that. What parts are tried for one candidate is known for the next that has them.
+    fn least(&self, _fit: &Fit<'_>) -> f64 {
+        self.floor()
+    }
+
+    /// The error \[unit\] that it has where those of its parts meet.
+    fn likely(&self, fit: &Fit<'_>) -> f64 {
+        self.least(fit)
+    }
+
+    /// The error \[unit\] that refining left, before the distance is rounded, where that is known.
+    fn reached(&self) -> Option<f64> {
+        None
+    }
 
     /// What it costs, where that is known without building a program.
     fn estimate(&self) -> Option<Cost> {

@@ -77,6 +77,8 @@ pub struct Claim<'a> {
     pub reference: &'a dyn Reference,
     /// The bounded domain: distances up to this \[m\].
     pub maximum_distance: f64,
+    /// The error in the bounded domain from which on the rest of the proof is of no use \[unit\].
+    pub most: f64,
     /// Threads to use.
     pub threads: usize,
 }
@@ -100,12 +102,18 @@ impl Work {
         send: &mpsc::Sender<Message>,
     ) -> Result<(), Error> {
         let mut checker = Checker::new(program, claim)?;
+        let rows = claim.device.rows();
+        let stride = stride(rows);
         loop {
-            let row = self.next.fetch_add(1, Ordering::Relaxed);
-            if row >= claim.device.rows() || self.stop.load(Ordering::Relaxed) {
+            let turn = self.next.fetch_add(1, Ordering::Relaxed);
+            if turn >= rows || self.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
+            let row = turn * stride % rows;
             let result = checker.row(row)?;
+            if result.bounded.error > claim.most {
+                return Err(Error::Beyond(result.bounded.error));
+            }
             self.done
                 .fetch_add(claim.device.echo.len() as u64, Ordering::Relaxed);
             let _ = send.send(Ok((row, result)));
@@ -143,11 +151,27 @@ impl Work {
     }
 }
 
+/// How far the next row to be checked lies from the last: each comes once, and soon some from everywhere, so that a
+/// program that goes too far somewhere does so early.
+fn stride(rows: usize) -> usize {
+    let divisor = |a: usize, b: usize| {
+        let (mut a, mut b) = (a, b);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let golden = rows * 5 / 8;
+    (golden.max(1)..)
+        .find(|stride| divisor(*stride, rows) == 1)
+        .unwrap_or(1)
+}
+
 /// Check `program` on every input. `progress` hears how many inputs are done and says whether to go on.
 ///
 /// # Errors
-/// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, or
-/// `progress` said stop.
+/// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, the
+/// error goes beyond the claim, or `progress` said stop.
 pub fn prove(
     program: &Program,
     claim: Claim<'_>,

@@ -243,7 +243,7 @@ fn to_python(error: &Error) -> PyErr {
         Error::Codes(_) | Error::Request(_) | Error::Refused(_) => "UsageError",
         Error::Model(_) => "ModelError",
         Error::Bound(_) => "BoundError",
-        Error::Stopped | Error::Proof(_) | Error::Template(_) => "EchocalError",
+        Error::Stopped | Error::Proof(_) | Error::Beyond(_) | Error::Template(_) => "EchocalError",
     };
     raise(class, error.to_string())
 }

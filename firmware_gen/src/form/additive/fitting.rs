@@ -1,7 +1,7 @@
 //! Choosing the forms' constants one after the other, each given the others as they are rounded: at every temperature
 //! the bound leaves an interval for the value that is sought, and the form is fitted to its middle, weighted by its width.
 
-use super::Additive;
+use super::{Additive, Base, Growth, Settled, twin};
 use crate::device::Device;
 use crate::form::{Fit, Form, factors};
 use crate::minimax::{Points, minimax};
@@ -23,7 +23,7 @@ pub(in crate::form) struct Plane<'a> {
 }
 
 /// Coefficients in powers of the second condition's code, and the error left \[unit\], at each temperature.
-pub(in crate::form) type Lines = Vec<(Vec<f64>, f64)>;
+pub type Lines = Vec<(Vec<f64>, f64)>;
 
 impl<'a> Plane<'a> {
     pub(in crate::form) fn new(fit: &'a Fit<'a>) -> Self {
@@ -48,7 +48,12 @@ impl<'a> Plane<'a> {
     }
 
     /// The best polynomial in the second condition at each temperature.
-    pub(in crate::form) fn lines(&self, degree: usize) -> Lines {
+    pub(in crate::form) fn lines(&self, degree: usize) -> &'a Lines {
+        let fit: &'a Fit<'a> = self.fit;
+        fit.lines[degree].get_or_init(|| self.fitted(degree))
+    }
+
+    fn fitted(&self, degree: usize) -> Lines {
         let line = |index: usize| {
             let (y, weight) = self.row(index);
             minimax(
@@ -90,6 +95,7 @@ impl<'a> Plane<'a> {
             bound,
             maximum_table: self.fit.maximum_table,
             core: self.fit.core,
+            lines: Default::default(),
         }
     }
 
@@ -116,53 +122,129 @@ impl<'a> Plane<'a> {
     }
 }
 
+impl Base {
+    /// The error that it leaves at the least humidity, where nothing comes on top of it \[unit\].
+    pub(super) fn least(&self, plane: &Plane<'_>) -> f64 {
+        *self.least.get_or_init(|| {
+            let rows = 0..plane.device.rows();
+            let (target, weight) = rows
+                .map(|index| plane.row(index))
+                .map(|(y, w)| (y[0], w[0]))
+                .unzip();
+            let fit = plane.sub(target, weight, plane.fit.bound * SPARE);
+            let mut form = self.form.duplicate();
+            form.refine(&fit);
+            fit.error(&factors(form.as_ref(), &fit))
+        })
+    }
+}
+
+impl Growth {
+    /// Its forms, fitted beside an ideal base.
+    pub(super) fn settled(&self, plane: &Plane<'_>) -> &Settled {
+        self.settled.get_or_init(|| {
+            let lines = plane.lines(if self.bend.is_some() { 2 } else { 1 });
+            let mut found = Settled {
+                slope: self.slope.duplicate(),
+                bend: twin(self.bend.as_ref()),
+                least: 0.0,
+            };
+            if let Some((form, more)) = &mut found.bend {
+                form.refine(&plane.ideal(lines, 2, self.bits + *more));
+            }
+            let square = plane.square(found.bend.as_ref());
+            let base: Vec<f64> = lines.iter().map(|(line, _)| line[0]).collect();
+            let fit = plane.beside(&base, self.bits, &square);
+            found.slope.refine(&fit);
+            let slope = values(found.slope.as_ref(), &fit);
+            found.least = plane.spread(plane.part(&slope, self.bits, &square));
+            found
+        })
+    }
+}
+
 impl Additive {
     /// Fit each form to what the others leave, as they are rounded.
     pub(super) fn settle(&mut self, plane: &Plane<'_>) {
-        let lines = plane.lines(if self.bend.is_some() { 2 } else { 1 });
-        let mut base: Vec<f64> = lines.iter().map(|(line, _)| line[0]).collect();
-        if let Some((form, more)) = &mut self.bend {
-            form.refine(&plane.ideal(&lines, 2, self.bits + *more));
-        }
+        let first = self.growth_part.settled(plane);
+        self.slope = first.slope.duplicate();
+        self.bend = twin(first.bend.as_ref());
+        let square = plane.square(self.bend.as_ref());
         let mut best: Option<(f64, Self)> = None;
-        for _ in 0..ROUNDS {
-            let square = self.square(plane);
-            let unit = f64::from(self.bits).exp2();
-            let fit = plane.room(
-                |damp| damp / unit,
-                // The product is cut off: half a unit on average.
-                |index, k| base[index] - 0.5 + plane.damp[k] * square(index, k) / unit,
-            );
-            self.slope.refine(&fit);
-            let slope = values(self.slope.as_ref(), &fit);
-            let part = |index: usize, k: usize| {
-                (plane.damp[k] * (slope[index] + square(index, k)) / unit).floor()
-            };
-            let fit = plane.room(|_| 1.0, part);
-            self.base.refine(&fit);
-            base = values(self.base.as_ref(), &fit);
-            let error = plane.error(&base, part);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                let base = plane.values(self.base.as_ref());
+                self.slope.refine(&plane.beside(&base, self.bits, &square));
+            }
+            let slope = plane.values(self.slope.as_ref());
+            let part = plane.part(&slope, self.bits, &square);
+            self.base.refine(&plane.room(|_| 1.0, &part));
+            let base = plane.values(self.base.as_ref());
+            let error = plane.error(&base, &part);
             if best.as_ref().is_none_or(|best| error < best.0) {
                 best = Some((error, self.copy()));
             }
         }
-        if let Some((_, found)) = best {
+        if let Some((error, found)) = best {
             *self = found;
+            self.reached = Some(error);
         }
+    }
+}
+
+impl Plane<'_> {
+    /// The values of a form at each temperature.
+    fn values(&self, form: &dyn Form) -> Vec<f64> {
+        values(
+            form,
+            &self.sub(vec![0.0; self.device.rows()], Vec::new(), 0.0),
+        )
+    }
+
+    /// What the slope must follow beside a base.
+    fn beside(&self, base: &[f64], bits: u32, square: impl Fn(usize, usize) -> f64) -> Fit<'_> {
+        let unit = f64::from(bits).exp2();
+        self.room(
+            |damp| damp / unit,
+            // The product is cut off: half a unit on average.
+            |index, k| base[index] - 0.5 + self.damp[k] * square(index, k) / unit,
+        )
+    }
+
+    /// What humidity adds at a temperature and a code of the second condition.
+    fn part(
+        &self,
+        slope: &[f64],
+        bits: u32,
+        square: impl Fn(usize, usize) -> f64,
+    ) -> impl Fn(usize, usize) -> f64 {
+        let unit = f64::from(bits).exp2();
+        move |index, k| (self.damp[k] * (slope[index] + square(index, k)) / unit).floor()
     }
 
     /// What the square adds to the slope at a temperature and a code of the second condition.
-    fn square(&self, plane: &Plane<'_>) -> impl Fn(usize, usize) -> f64 + use<> {
-        let damp = plane.damp.clone();
-        let bend = self.bend.as_ref().map(|(form, more)| {
-            let fit = plane.sub(vec![0.0; plane.device.rows()], Vec::new(), 0.0);
-            (values(form.as_ref(), &fit), f64::from(*more).exp2())
-        });
+    fn square(&self, bend: Option<&(Box<dyn Form>, u32)>) -> impl Fn(usize, usize) -> f64 + use<> {
+        let damp = self.damp.clone();
+        let bend = bend.map(|(form, more)| (self.values(form.as_ref()), f64::from(*more).exp2()));
         move |index, k| {
             bend.as_ref().map_or(0.0, |(values, unit)| {
                 (damp[k] * values[index] / unit).floor()
             })
         }
+    }
+
+    /// The largest error \[unit\] that is left beside the best base there could be.
+    fn spread(&self, part: impl Fn(usize, usize) -> f64) -> f64 {
+        let spread = |index: usize| {
+            let (y, weight) = self.row(index);
+            let rests = y.iter().enumerate().map(|(k, y)| y - part(index, k));
+            let (low, high) = rests
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rest| {
+                    (rest.min(low), rest.max(high))
+                });
+            (high - low) / 2.0 * weight.iter().copied().fold(f64::INFINITY, f64::min)
+        };
+        (0..self.device.rows()).map(spread).fold(0.0, f64::max)
     }
 }
 

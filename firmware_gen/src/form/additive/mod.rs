@@ -6,7 +6,9 @@ use super::tail::floor_shift;
 use super::{FORMS, Fit, Form, OF_TWO};
 use crate::ir::{Builder, Value};
 use crate::target::Cost;
+pub use fitting::Lines;
 pub(super) use fitting::Plane;
+use std::sync::{Arc, OnceLock};
 
 /// Name of the form.
 pub const NAME: &str = "additive";
@@ -30,6 +32,39 @@ struct Additive {
     floor: f64,
     /// What the forms cost alone, together.
     cost: Cost,
+    /// The error that refining left \[unit\].
+    reached: Option<f64>,
+    /// What is known of its parts, which other candidates have, too.
+    base_part: Arc<Base>,
+    growth_part: Arc<Growth>,
+}
+
+/// A form at the least humidity, where it stands alone.
+#[derive(Debug)]
+struct Base {
+    form: Box<dyn Form>,
+    cost: Cost,
+    /// The error that it leaves there, rounded \[unit\].
+    least: OnceLock<f64>,
+}
+
+/// What humidity adds.
+#[derive(Debug)]
+struct Growth {
+    slope: Box<dyn Form>,
+    bits: u32,
+    bend: Option<(Box<dyn Form>, u32)>,
+    cost: Cost,
+    /// Its forms fitted beside an ideal base.
+    settled: OnceLock<Settled>,
+}
+
+/// Forms of a [`Growth`] with their constants, and the error that they leave beside whatever base \[unit\].
+#[derive(Debug)]
+struct Settled {
+    slope: Box<dyn Form>,
+    bend: Option<(Box<dyn Form>, u32)>,
+    least: f64,
 }
 
 /// Every pair of forms that could stay within the bound.
@@ -38,31 +73,35 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let mut found: Vec<Box<dyn Form>> = Vec::new();
     for degree in [1, 2] {
         let lines = plane.lines(degree);
-        let floor = plane.residual(&lines);
+        let floor = plane.residual(lines);
         if floor >= fit.bound {
             continue;
         }
-        let bases = forms(&plane.ideal(&lines, 0, 0));
+        let bases: Vec<Arc<Base>> = forms(&plane.ideal(lines, 0, 0))
+            .into_iter()
+            .map(Base::new)
+            .collect();
         for bits in if fit.core.byte_shifts {
             &SHIFTS[..1]
         } else {
             &SHIFTS
         } {
             let bits = *bits;
-            let slopes = forms(&plane.ideal(&lines, 1, bits));
+            let slopes = forms(&plane.ideal(lines, 1, bits));
             let bends: Vec<Option<(Priced, u32)>> = if degree == 1 {
                 vec![None]
             } else {
                 let of = |more: &u32| {
-                    let found = forms(&plane.ideal(&lines, 2, bits + more)).into_iter();
+                    let found = forms(&plane.ideal(lines, 2, bits + more)).into_iter();
                     found.map(|form| Some((form, *more))).collect::<Vec<_>>()
                 };
                 SQUARE_SHIFTS.iter().flat_map(of).collect()
             };
             for bend in &bends {
                 for slope in &slopes {
-                    let joined = |base| Additive::join(base, slope, bend.as_ref(), bits, floor);
-                    found.extend(bases.iter().map(|base| Box::new(joined(base)) as _));
+                    let growth = Arc::new(Growth::new(slope, bend.as_ref(), bits));
+                    let joined = |base| Box::new(Additive::join(base, &growth, floor)) as _;
+                    found.extend(bases.iter().map(joined));
                 }
             }
         }
@@ -112,34 +151,60 @@ fn cost(form: &dyn Form, fit: &Fit<'_>) -> Option<Cost> {
     allowed.then(|| fit.core.cost(&program))
 }
 
-impl Additive {
-    fn join(
-        base: &Priced,
-        slope: &Priced,
-        bend: Option<&(Priced, u32)>,
-        bits: u32,
-        floor: f64,
-    ) -> Self {
+impl Base {
+    fn new((cost, form): Priced) -> Arc<Self> {
+        Arc::new(Self {
+            form,
+            cost,
+            least: OnceLock::new(),
+        })
+    }
+}
+
+impl Growth {
+    fn new(slope: &Priced, bend: Option<&(Priced, u32)>, bits: u32) -> Self {
         let more = bend.map_or_else(Cost::default, |((cost, _), _)| *cost);
         Self {
-            base: base.1.duplicate(),
             slope: slope.1.duplicate(),
             bits,
             bend: bend.map(|((_, form), more)| (form.duplicate(), *more)),
+            cost: slope.0 + more,
+            settled: OnceLock::new(),
+        }
+    }
+}
+
+/// A form and its binary places, once more.
+fn twin(bend: Option<&(Box<dyn Form>, u32)>) -> Option<(Box<dyn Form>, u32)> {
+    bend.map(|(form, bits)| (form.duplicate(), *bits))
+}
+
+impl Additive {
+    fn join(base: &Arc<Base>, growth: &Arc<Growth>, floor: f64) -> Self {
+        Self {
+            base: base.form.duplicate(),
+            slope: growth.slope.duplicate(),
+            bits: growth.bits,
+            bend: twin(growth.bend.as_ref()),
             floor,
-            cost: base.0 + slope.0 + more,
+            cost: base.cost + growth.cost,
+            reached: None,
+            base_part: Arc::clone(base),
+            growth_part: Arc::clone(growth),
         }
     }
 
     fn copy(&self) -> Self {
-        let bend = self.bend.as_ref();
         Self {
             base: self.base.duplicate(),
             slope: self.slope.duplicate(),
             bits: self.bits,
-            bend: bend.map(|(form, bits)| (form.duplicate(), *bits)),
+            bend: twin(self.bend.as_ref()),
             floor: self.floor,
             cost: self.cost,
+            reached: self.reached,
+            base_part: Arc::clone(&self.base_part),
+            growth_part: Arc::clone(&self.growth_part),
         }
     }
 
@@ -180,6 +245,24 @@ impl Form for Additive {
 
     fn floor(&self) -> f64 {
         self.floor
+    }
+
+    fn least(&self, fit: &Fit<'_>) -> f64 {
+        let plane = Plane::new(fit);
+        let base = self.base_part.least(&plane);
+        if base > fit.bound {
+            return base;
+        }
+        base.max(self.growth_part.settled(&plane).least)
+    }
+
+    fn likely(&self, fit: &Fit<'_>) -> f64 {
+        let plane = Plane::new(fit);
+        self.base_part.least(&plane) + self.growth_part.settled(&plane).least
+    }
+
+    fn reached(&self) -> Option<f64> {
+        self.reached
     }
 
     fn estimate(&self) -> Option<Cost> {
