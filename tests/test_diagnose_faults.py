@@ -247,3 +247,19 @@ def test_facts_are_complete() -> None:
         assert facts.to_dict()["parameters"]
         assert find_cause(facts.id) is facts
     assert {facts.id for facts in FAULTS} <= set(ids)
+
+
+def test_a_sensor_that_was_bumped_loses_no_rows() -> None:
+    """Rows before the bump are far from those after it, and none of them is another echo."""
+    random = np.random.default_rng()
+    distance = random.uniform(0.3, 4.0, 3000)
+    bump = np.where(np.arange(3000) < random.integers(400, 850), 0.0, -0.03)
+    table = {
+        "time_s": np.arange(3000.0) * 300,
+        "distance_m": distance,
+        "temperature_C": 15 + 8 * np.sin(np.arange(3000) / 40),
+        "reading_m": distance + bump + random.normal(0, 1.5e-3, 3000),
+    }
+    diagnosis = echocal.diagnose(table)
+    assert diagnosis.rows["used"] == 3000
+    assert "step_change" in [c.id for c in diagnosis.causes if c.kind == "effect"]

@@ -21,14 +21,14 @@ Record = dict[str, Any]
 SEED = int(os.environ.get("ECHOCAL_SEED", np.random.SeedSequence().generate_state(1)[0]))
 BY_CHANCE = 1e-5
 RATES = {
-    "quiet": 0.93,
-    "power8": 0.77,
-    "class": 0.80,
-    "covered": 0.955,
-    "no wrong name": 0.97,
-    "unnamed": 0.84,
+    "quiet": 0.95,
+    "power8": 0.90,
+    "class": 0.88,
+    "covered": 0.97,
+    "no wrong name": 0.985,
+    "unnamed": 0.90,
 }
-"""At or below the lower ends of Wilson's 95 % intervals of two benchmarks, 1,798 cases in designs a and b."""
+"""At or below the lower ends of Wilson's 95 % intervals of a benchmark and 1,960 cases before it."""
 
 COUNTS = {"null": {"a": 24, "b": 30}, "power8": {"b": 20}, "wild": {"a": 20, "b": 30}, "unknown": {"b": 15}}
 
@@ -70,9 +70,9 @@ def test_what_is_there_is_seen(records: list[Record]) -> None:
     right(some(records, "power8"), lambda r: r["verdict"] != "nothing", RATES["power8"])
 
 
-def test_the_first_name_is_of_the_right_class(records: list[Record]) -> None:
-    found = [r for r in some(records, "wild") if r["verdict"] != "nothing"]
-    right(found, lambda r: r["class"], RATES["class"])
+def test_the_class_that_is_told_holds_the_cause(records: list[Record]) -> None:
+    found = [r for r in some(records, "wild") if r["verdict"] != "nothing" and r["told"] is not None]
+    right(found, lambda r: r["told"], RATES["class"])
 
 
 def test_the_credible_set_holds_the_truth(records: list[Record]) -> None:

@@ -39,13 +39,14 @@ _WHY = """Where they come from, by what is planted (the simulator is richer than
   does grow with the distance (`noise_growth`).
 - `clock_temperature_coefficient`: at a size that the prior does not know, a slope and an intercept (or a
   scale) together make the same and are more usual.
+- `correlated_noise` in c: the planted one is convection, which does grow with the distance (`noise_growth`).
+- `step_change` of some centimeters in c: most rows are after it, so those before it read far too long, and
+  are left out as echoes over a longer way. This is a fault of the engine.
 - pairs with `humidity`, a lag or a shift of the time stamps, in b: the oracle's air departs from the engine's
   law by 0.05 to 0.1 m/s, smoothly; in rows that follow each other this is `correlated_noise`.
 - `blanking_distance` in b: a fifth of the rows reads one wrong distance. Where that is near the true one, or
   near a unit's factor of it, it is taken for another echo, an error of the tape or a wrong unit.
-- `cycle_slip` in b: slips follow the strength of the echo, which follows the distance and the air, and five
-  distances do not tell their mean from `amplitude_walk`. `polling_jitter` of a third of the noise or less has
-  no skewness that could show; its mean is a delay.
+- `polling_jitter` of a third of the noise or less has no skewness that could show; its mean is a delay.
 - Of the rest some are what a probability of 0.9 allows: one in ten.
 """
 

@@ -9,15 +9,38 @@ from echocal.diagnose.faults.view import View
 __all__ = ["count_evidence", "wild_side"]
 
 _USUAL = 0.02  # part of the rows of a table with such a fault
+_BUMPED = 50  # rows on either side of a moment when the sensor moved, at least
+_DISTANCES = 10  # of these rows: one target, and all echoes from it, may be misread
 
 
 def wild_side(view: View, sign: int, least: float = 0.0) -> NDArray[np.bool_]:
-    """Far rows that read too long (+1) or too short (-1), by a part of the distance at least."""
+    """Far rows that read too long (+1) or too short (-1), by a part of the distance at least.
+
+    None, if most rows before or after some moment are off as far: then the sensor moved.
+    """
     rows = far(view)
     if not rows.any():
         return rows
     with np.errstate(invalid="ignore"):
-        return np.asarray(rows & (sign * view.deviation > least * np.abs(view.expected)))
+        rows = rows & (sign * view.deviation > least * np.abs(view.expected))
+    return np.zeros_like(rows) if _moved(view, rows) else rows
+
+
+def _moved(view: View, rows: NDArray[np.bool_]) -> bool:
+    """Whether these rows begin or end a table, among rows that are off by half as much and more."""
+    where = np.flatnonzero(rows)
+    if len(where) < _BUMPED:
+        return False
+    early, late = np.quantile(where, [0.01, 0.99]).astype(np.int64)
+    for stretch in (slice(0, late + 1), slice(early, len(rows))):
+        known = view.good[stretch]
+        distances = len(np.unique(view.expected[stretch][known]))
+        others = len(rows) - len(known)
+        if distances < max(_DISTANCES, 0.2 * len(known)) or min(len(known), others) < _BUMPED:
+            continue
+        if abs(np.median(view.deviation[stretch][known])) > 0.5 * abs(np.median(view.deviation[rows])):
+            return True
+    return False
 
 
 def count_evidence(view: View, count: int) -> float:
