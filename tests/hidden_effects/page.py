@@ -29,24 +29,27 @@ number of cases.
 """
 
 
-_WHY = """Where they come from, by what is planted (the simulator is richer than the engine, on purpose):
+_WHY = """Where they come from, here and in earlier runs, by what is planted (the simulator is richer than the
+engine, on purpose):
 
+- convection (`null`, and `correlated_noise` in c): the planted noise remembers more the farther the target
+  is; the engine's remembers alike everywhere. What that leaves looks like a scale, a thermometer or
+  `noise_growth`.
 - `amplitude_walk`: the planted one is a rise of some cycles under the absorption of the real air; what the
   engine's formula leaves of it is nearly constant and follows the warmth: a delay, or an error of the
   thermometer, beside it.
 - `temperature_radiation`: the planted sun warms a thermometer slowly, so that `temperature_lag` beside it is
   half true. `temperature_lag` itself: correcting it amplifies the thermometer's own noise, and the scatter
-  does grow with the distance (`noise_growth`).
+  does grow with the distance (`noise_growth`); a large one leaves a remainder of second order that remembers.
 - `clock_temperature_coefficient`: at a size that the prior does not know, a slope and an intercept (or a
   scale) together make the same and are more usual.
-- `correlated_noise` in c: the planted one is convection, which does grow with the distance (`noise_growth`).
-- `step_change` of some centimeters in c: most rows are after it, so those before it read far too long, and
-  are left out as echoes over a longer way. This is a fault of the engine.
+- `reading_quantization` in b: at five distances rounding errs alike in all rows of a stand, as a tape would.
 - pairs with `humidity`, a lag or a shift of the time stamps, in b: the oracle's air departs from the engine's
   law by 0.05 to 0.1 m/s, smoothly; in rows that follow each other this is `correlated_noise`.
 - `blanking_distance` in b: a fifth of the rows reads one wrong distance. Where that is near the true one, or
   near a unit's factor of it, it is taken for another echo, an error of the tape or a wrong unit.
-- `polling_jitter` of a third of the noise or less has no skewness that could show; its mean is a delay.
+- `polling_jitter` of a third of the noise or less has no skewness that could show; its mean is a delay. The
+  26 rows of a are skewed by chance now and then, and are then called `polling_jitter`.
 - Of the rest some are what a probability of 0.9 allows: one in ten.
 """
 
