@@ -1,28 +1,15 @@
 """What no diagnosis could do better on the cases of a benchmark: judges that know how they were drawn."""
 
 import json
-import os
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-for library in ("OMP", "OPENBLAS", "RAYON"):  # before numpy: a process of ours is one thread
-    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-
-import typer  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.progress import track  # noqa: E402
-
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
-
-from hidden_effects.ceiling import ceiling, look  # noqa: E402
-from hidden_effects.page import page  # noqa: E402
-
-PAGE = ROOT / "docs" / "diagnosis-benchmark.md"
-RESULTS = ROOT / "benches" / "diagnosis.json"
-Record = dict[str, Any]
+import typer
+from diagnosis import PAGE, RESULTS, write  # first: it sets the threads, and where the tests are
+from hidden_effects.ceiling import ceiling, look
+from rich.console import Console
+from rich.progress import track
 
 
 def main(
@@ -45,10 +32,7 @@ def main(
         summary = json.loads(RESULTS.read_text(encoding="utf-8"))
         if summary["seed"] != outcome["seed"]:
             raise SystemExit(f"{RESULTS.name} is of seed {summary['seed']}, {records} of {outcome['seed']}")
-        summary["ceiling"] = rows
-        text = json.dumps(summary, indent=1) + "\n"
-        RESULTS.write_text(text, encoding="utf-8")
-        PAGE.write_text(page(json.loads(text)), encoding="utf-8")
+        write({**summary, "ceiling": rows})
 
 
 if __name__ == "__main__":

@@ -40,6 +40,18 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         "no column holds an echo time or a distance reading; accepted: echo_us, echo_ms, echo_s, reading_m, "
         'reading_cm, reading_mm, reading_inch. The table has: SR_U, battery. Say which it is: --column "',
     ),
+    "misspelled echo column": (
+        {"time": ["2026-01-01"], "ehco_us": [5800.0]},
+        {},
+        DataError,
+        'Did you mean: --column "ehco_us=echo_us"',
+    ),
+    "no column that could be an echo": (
+        {"temperature_C": [20.0], "distance_m": [1.0]},
+        {},
+        DataError,
+        "The table has: temperature_C, distance_m. Record one of them",
+    ),
     "unknown unit": (
         {**ECHO, "temperature_R": [500.0] * 3},
         {},

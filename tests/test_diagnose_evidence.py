@@ -6,10 +6,11 @@ from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 import echocal
-from echocal.diagnose.candidates import Variant
+from echocal.diagnose.candidates import Candidates, Variant
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh, weigh_each
 from echocal.diagnose.noise import NOISES, Noise, Sums, Whitened
+from echocal.diagnose.unexplained import HOUR, Basis, column_of, shape_candidates
 
 
 def sums(columns: np.ndarray, groups: np.ndarray, *, flat_level: bool) -> Sums:
@@ -127,3 +128,16 @@ def test_many_noises_at_once_are_each_by_itself() -> None:
         one = parts.whiten(noise, use)
         np.testing.assert_array_equal(matrix, one.products)
         assert weight == one.log_weight
+
+
+def test_shapes_are_weighed_as_they_are_told() -> None:
+    """Columns of the core, made a block at a time, are the functions that a model gets, less their means."""
+    against = {"time": np.sort(np.random.default_rng().uniform(0, 9 * 86400.0, 700))}
+    found = Candidates(Columns(echocal.Model("linear"), np.ones(700), {}, None))
+    shape_candidates(found, against, known_distance=False)
+    for name in (HOUR, "time"):
+        column = column_of(name, against)
+        told = np.array(Basis.of(name, column).at(column))
+        weighed = found.columns.at(found.shapes[name].free)
+        left = (weighed - weighed.mean(axis=1, keepdims=True)) - (told - told.mean(axis=1, keepdims=True))
+        assert np.abs(left).max() < 1e-12, name

@@ -1,6 +1,7 @@
 """What the judges of `omniscient` reach, beside what the engine reached on the same cases."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,10 @@ _ALLOWED = 0.02  # false alarms
 
 def look(record: Record) -> Record:
     """What the judges say of a case; empty where they have nothing to say."""
-    spec = Spec(*(record[name] for name in ("design", "stratum")), tuple(record["causes"]), **_rest(record))
-    case, said = build(spec), {}
+    drawn = {field.name: record[field.name] for field in fields(Spec)}
+    spec = Spec(**{**drawn, "causes": tuple(record["causes"])})
+    case = build(spec)
+    said: Record = {}
     for stratum, strength in _POWER.items():
         if spec.stratum in ("null", stratum):
             said[stratum] = {
@@ -36,10 +39,6 @@ def look(record: Record) -> Record:
         said |= {"strict": first == truth, "size": len(credible), "covered": truth in credible}
         said |= {"class": right, "detected": opinion.detected}
     return said
-
-
-def _rest(record: Record) -> Record:
-    return {name: record[name] for name in ("noise", "tape", "seed")}
 
 
 def ceiling(records: Sequence[Record], looks: Sequence[Record]) -> list[Record]:

@@ -21,6 +21,7 @@ _VALUES = 2  # distinct values of the column per degree: freer, a shape would be
 _HARMONICS = 2
 _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
 _SCALES = tuple(_SIZE / degree for degree in range(1, max(_DEGREES) + 1))
+_WAVES = tuple(_SIZE / multiple for multiple in range(1, _HARMONICS + 1))
 _DAY = 86400.0
 _LEVELS = 6  # fewer distinct values cannot show a smooth shape
 
@@ -51,8 +52,8 @@ class Basis:
     def at(self, values: Column) -> list[Column]:
         """Every function, in units of its prior standard deviation [m]."""
         if self.against == HOUR:
-            phases = [2 * np.pi * k * values / 24.0 for k in range(1, _HARMONICS + 1)]
-            return [_SIZE / k * wave(p) for k, p in enumerate(phases, 1) for wave in (np.sin, np.cos)]
+            phase = 2 * np.pi * values / 24.0
+            return [size * wave(k * phase) for k, size in enumerate(_WAVES, 1) for wave in (np.sin, np.cos)]
         scaled = (2 * values - self.low - self.high) / max(self.high - self.low, 1e-300)
         legendre = np.polynomial.legendre.Legendre.basis
         scaled = np.clip(scaled, -1.5, 1.5)
@@ -103,8 +104,7 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
         found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
-        scales = [_SIZE / k for k in range(1, _HARMONICS + 1)]
-        waves = found.columns.waves(elapsed, _DAY, scales)
+        waves = found.columns.waves(elapsed, _DAY, _WAVES)
         found.variants.append(_shape([*mean, *waves], HOUR))
 
 

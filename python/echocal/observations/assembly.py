@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any
+from difflib import get_close_matches
 
 import numpy as np
 import pandas as pd
@@ -19,11 +19,13 @@ from echocal.observations.names import looks_like
 from echocal.observations.numbers import Missing, row, rows, to_numbers
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
-from echocal.observations.units import FORMS
+from echocal.observations.units import FORMS, Form
 
 __all__ = ["Assembly"]
 
 Column = NDArray[np.float64]
+
+_MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
 
 
 @dataclass
@@ -183,10 +185,20 @@ class Assembly:
     def _no_echo(self) -> str:
         echo = [form for form in FORMS if form.quantity in ("echo_time", "reading")]
         names = ", ".join(name for form in echo[:1] + echo[3:4] for name in form.names)
-        columns = [str(name) for name in self.table.columns]
-        near = [name for name in columns if any(looks_like(name, form) for form in echo)]
-        example: Any = near[0] if near else columns[0]
+        columns = ", ".join(str(name) for name in self.table.columns)
         return (
             f"no column holds an echo time or a distance reading; accepted: {names}. "
-            f'The table has: {", ".join(columns)}. Say which it is: --column "{example}=reading_m"'
+            f"The table has: {columns}. {self._hint(echo)}"
         )
+
+    def _hint(self, echo: Collection[Form]) -> str:
+        """Which column may be the one, of those whose names say nothing: misspelled, alike, or the first."""
+        others = self.plan.others
+        if not others:
+            return "Record one of them"
+        known = [name for form in echo for name in form.names]
+        for name in others:
+            if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
+                return f'Did you mean: --column "{name}={near[0]}"'
+        alike = (name for name in others if any(looks_like(name, form) for form in echo))
+        return f'Say which it is: --column "{next(alike, others[0])}=reading_m"'

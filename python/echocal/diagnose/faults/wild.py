@@ -10,7 +10,9 @@ __all__ = ["count_evidence", "wild_side"]
 
 _USUAL = 0.02  # part of the rows of a table with such a fault
 _BUMPED = 50  # rows on either side of a moment when the sensor moved, at least
-_DISTANCES = 10  # of these rows: one target, and all echoes from it, may be misread
+_DISTANCES = 10, 0.2  # of these rows, at least, and per row: all echoes from one target may be misread
+_MOST = 0.01, 0.99  # quantiles between which such rows are looked for
+_AS_FAR = 0.5  # of what they are off by, that the rows among them are off by
 
 
 def wild_side(view: View, sign: int, least: float = 0.0) -> NDArray[np.bool_]:
@@ -23,22 +25,24 @@ def wild_side(view: View, sign: int, least: float = 0.0) -> NDArray[np.bool_]:
         return rows
     with np.errstate(invalid="ignore"):
         rows = rows & (sign * view.deviation > least * np.abs(view.expected))
-    return np.zeros_like(rows) if _moved(view, rows) else rows
+    return np.zeros_like(rows) if _moved(view, rows, sign) else rows
 
 
-def _moved(view: View, rows: NDArray[np.bool_]) -> bool:
-    """Whether these rows begin or end a table, among rows that are off by half as much and more."""
+def _moved(view: View, rows: NDArray[np.bool_], sign: int) -> bool:
+    """Whether these rows begin or end a table, among rows most of which are off by as much."""
     where = np.flatnonzero(rows)
     if len(where) < _BUMPED:
         return False
-    early, late = np.quantile(where, [0.01, 0.99]).astype(np.int64)
+    early, late = np.quantile(where, _MOST).astype(np.int64)
+    least, per_row = _DISTANCES
+    limit = _AS_FAR * np.median(sign * view.deviation[rows])
     for stretch in (slice(0, late + 1), slice(early, len(rows))):
         known = view.good[stretch]
         distances = len(np.unique(view.expected[stretch][known]))
         others = len(rows) - len(known)
-        if distances < max(_DISTANCES, 0.2 * len(known)) or min(len(known), others) < _BUMPED:
+        if distances < max(least, per_row * len(known)) or min(len(known), others) < _BUMPED:
             continue
-        if abs(np.median(view.deviation[stretch][known])) > 0.5 * abs(np.median(view.deviation[rows])):
+        if np.median(sign * view.deviation[stretch][known]) > limit:
             return True
     return False
 
