@@ -23,7 +23,8 @@ CLOSING = """
 ## What depends on the rows
 
 One pass in the core makes every column, block by block, and sums the products of each two for every
-memory of the noise; columns that are multiples of each other are made once. Whitening, hypotheses,
+memory of the noise; columns that are multiples of each other are made once, and of steps that differ in
+their beginning each row is summed for one. Whitening, hypotheses,
 alias classes and the fits for held-out rows work on these sums: they take as long for a million rows
 as for a thousand. What else passes over the rows: reading and its checks, the search for faults, the
 places where a step or an edge may lie, the errors on held-out rows, and what each named cause adds to
@@ -58,12 +59,12 @@ this table take turns, so that every row begins a series of its own and nothing 
 columns, 178 of them no multiples of others, 17,664 plain products a row are summed, in panels of eight
 columns. Of a stand that is measured for a while, products of differences and of three memories are
 summed too, five times as many{one_by_one}. Columns are made in blocks of 240 rows, brought into panels
-and summed there, all in the second cache; a panel of columns that are zero, as a step is before it comes,
-is left out. What follows an effect in the chain is not computed for each column: derivatives of the
+and summed there, all in the second cache; a panel of columns that are zero is left out. What follows an effect in the chain is not computed for each column: derivatives of the
 reading to the variables of the chain, found once a block, serve all effects that do nothing where their
 derivative is taken. Sampled by `perf` on two busy processors, half of that pass are sums of products, a
-third makes columns, and a fifteenth brings them into panels. Steps that have begun are the same column
-from there on, and 50 of the 178 are steps: they are still summed one by one.
+third makes columns, and a fifteenth brings them into panels. 50 of the 178 columns are steps that differ
+in their beginning alone: of each only what it has before the next one begins is summed, which is zero in
+nearly all blocks, and the sums of the steps are sums of these.
 The errors on held-out rows come next: six models, each inverted row by row; the first step of
 Newton's method alone computes the air and the speed of sound, where no effect ties them to the distance.
 """

@@ -250,7 +250,7 @@ impl CoreColumns {
         let products = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
             let sums = Products::gather(&distinct.among(columns), &layout, &memories, threads);
-            sums.iter().map(|sums| distinct.spread(sums)).collect()
+            sums.into_iter().map(|sums| distinct.spread(sums)).collect()
         })?;
         let sums = Sums {
             products,

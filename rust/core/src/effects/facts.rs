@@ -36,6 +36,9 @@ pub struct ParameterFacts {
     /// The range of a quantity that `prior_scale` is meant for: for a table that spans more of it
     /// the scale is smaller in proportion, and the other way round.
     pub over: Option<(Quantity, f64)>,
+    /// The quantity that it divides: in rows up to this value the effect is one thing, in all others
+    /// another, wherever on either side the value lies.
+    pub divides: Option<Quantity>,
 }
 
 impl ParameterFacts {
@@ -52,6 +55,7 @@ impl ParameterFacts {
         tried: Tried::Nothing,
         tail: 1.0,
         over: None,
+        divides: None,
     };
 
     /// The size of a correction that physics knows: 1, with room for a free fit that finds otherwise.
@@ -159,6 +163,13 @@ impl Facts {
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|p| p.name == name)
+    }
+
+    /// The position of the parameter that divides a quantity, and the quantity.
+    #[must_use]
+    pub fn divides(&self) -> Option<(usize, Quantity)> {
+        let mut each = self.parameters.iter().enumerate();
+        each.find_map(|(position, p)| Some((position, p.divides?)))
     }
 
     /// The neutral values of all parameters.

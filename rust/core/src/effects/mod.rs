@@ -175,6 +175,41 @@ mod tests {
         }
     }
 
+    /// What an effect of usual sizes indicates where a quantity is at a value and a parameter at
+    /// another, in bits.
+    fn indicated(
+        index: usize,
+        (quantity, at): (Quantity, f64),
+        (parameter, place): (usize, f64),
+    ) -> u64 {
+        let mut recorded = Conditions::new([0.4; Quantity::COUNT]);
+        recorded = recorded
+            .with(Quantity::Temperature, 25.0)
+            .with(quantity, at);
+        let facts = ALL[index].parameters.iter();
+        let mut values: Vec<_> = facts.map(|p| (p.name, p.neutral + p.prior_scale)).collect();
+        values[parameter].1 = place;
+        testing::error("linear", ALL[index].id, &values, 2.0, &recorded).to_bits()
+    }
+
+    #[test]
+    fn what_divides_a_quantity_has_two_values() {
+        for (index, facts) in ALL.iter().enumerate() {
+            for (at, parameter) in facts.parameters.iter().enumerate() {
+                let Some(quantity) = parameter.divides else {
+                    continue;
+                };
+                let reached = |row: f64, place: f64| indicated(index, (quantity, row), (at, place));
+                let (before, after) = (reached(100.0, 100.0), reached(100.0, 99.0));
+                assert_ne!(before, after, "{}", facts.id);
+                for place in [0.0, 3.0, 50.0, 99.9] {
+                    assert_eq!(reached(100.0, place), after, "{}", facts.id);
+                    assert_eq!(reached(place, 100.0), before, "{}", facts.id);
+                }
+            }
+        }
+    }
+
     #[test]
     fn the_file_is_named_as_the_effect() {
         assert_eq!(super::ids(), super::MODULES);

@@ -34,6 +34,7 @@ impl Effect for StepChange {
                 bounds: (0.0, 1e10),
                 prior_scale: 3600.0,
                 tried: Tried::Quantiles(Quantity::ElapsedTime, EVENLY),
+                divides: Some(Quantity::ElapsedTime),
                 ..ParameterFacts::USUAL
             },
         ],

@@ -1,6 +1,7 @@
 //! Columns that are multiples of others: one is made for all.
 
 use super::columns::Columns;
+use super::onsets::Onsets;
 use super::products::Products;
 use super::recipe::Recipe;
 
@@ -12,6 +13,7 @@ pub struct Distinct {
     /// Position among these and factor, of each column.
     pub of: Vec<(usize, f64)>,
     taken: Vec<Vec<f64>>,
+    onsets: Onsets,
 }
 
 impl Distinct {
@@ -30,6 +32,10 @@ impl Distinct {
             });
             found.of.push(place);
         }
+        if columns.groups.is_none() {
+            // what an unknown level takes up of a tangent is not zero anywhere
+            found.onsets = Onsets::part(&mut found.recipes);
+        }
         found
     }
 
@@ -47,8 +53,9 @@ impl Distinct {
 
     /// The sums of all columns from those of the distinct ones.
     #[must_use]
-    pub fn spread(&self, sums: &Products) -> Products {
+    pub fn spread(&self, mut sums: Products) -> Products {
         let width = self.recipes.len();
+        self.onsets.join(&mut sums, width.max(1));
         let line = |values: &[f64], factor: f64, into: &mut Vec<f64>| {
             into.extend(self.of.iter().map(|&(at, own)| factor * own * values[at]));
         };
@@ -118,13 +125,13 @@ mod tests {
         let found = Distinct {
             recipes: vec![Recipe::Slope, Recipe::Stored(0)],
             of: vec![(0, 1.0), (1, 1.0), (1, 4.0)],
-            taken: Vec::new(),
+            ..Distinct::default()
         };
         let sums = Products {
             blocks: [(); 4].map(|()| vec![1.0, 2.0, 2.0, 5.0]),
             cells: [(); 4].map(|()| vec![1.0, 2.0, 3.0, 6.0]),
         };
-        let spread = found.spread(&sums);
+        let spread = found.spread(sums);
         assert_eq!(
             spread.blocks[1],
             [1.0, 2.0, 8.0, 2.0, 5.0, 20.0, 8.0, 20.0, 80.0]

@@ -14,6 +14,9 @@ pub enum Recipe {
     /// Derivative of the reading to a parameter of an effect, times a scale; without what an
     /// unknown level takes up.
     Tangent(Term, Level, usize, f64),
+    /// What a tangent at the base has beyond the one of the same effect, set in later: nothing but
+    /// in rows between the two.
+    Between(Term, Term, usize, f64),
     /// A function of a column that is there, by position, times a scale.
     Of(usize, Shape, f64),
 }

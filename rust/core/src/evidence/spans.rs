@@ -27,6 +27,8 @@ pub(super) struct Plan<'a> {
 pub(super) const KINDS: usize = 2;
 /// Part of a row that a memory may have forgotten where a span begins.
 const FORGOTTEN: f64 = 1e-17;
+/// What is left of a memory below this is nought \[m\]: nothing that a sum of squares would notice.
+const FAINT: f64 = 1e-30;
 
 /// Rows that count in the same sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -224,6 +226,7 @@ impl<'a> Span<'a> {
             self.made.keep(&self.last[1 + k]);
             self.made.remember::<V>(&self.plain, memory, starts);
             self.made.last(count, &mut self.last[1 + k]);
+            forget(&mut self.last[1 + k]);
             self.add(KINDS + k, count);
         }
     }
@@ -274,6 +277,13 @@ impl<'a> Span<'a> {
             .iter()
             .rposition(|&starts| starts)
             .map_or(earliest, |at| earliest + at)
+    }
+}
+
+/// Lets a memory end: of columns that are nought again, whole panels are then left out.
+fn forget(memory: &mut [f64]) {
+    for number in memory.iter_mut().filter(|number| number.abs() < FAINT) {
+        *number = 0.0;
     }
 }
 
