@@ -164,7 +164,12 @@ def find_effect(id_: str) -> Effect:
     >>> find_effect("humidity").firmware_detail
     'relative_humidity'
     """
-    return found(id_, {effect.id: effect for effect in effects()}, "effect")
+    return found(id_, _by_id(), "effect")
+
+
+@cache
+def _by_id() -> Mapping[str, Effect]:
+    return {effect.id: effect for effect in effects()}
 
 
 def found(id_: str, known: Mapping[str, T], what: str) -> T:

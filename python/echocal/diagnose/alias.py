@@ -15,6 +15,7 @@ Matrix = NDArray[np.floating[Any]]
 ENOUGH = 1.0
 """Expected log odds below which two causes count as one class."""
 
+_ROUNDING = 1e-12  # part of the squares below which columns are the same but for rounding
 _FAR = 2.0 * ENOUGH  # log odds at a quick look beyond which a form is not looked at closely
 _PLAUSIBLE = (
     9.0  # prior standard deviations: three of the widest prior; a larger mimic tells itself by its size
@@ -48,6 +49,12 @@ class Geometry:
     def visibility(self, signal: Matrix) -> float:
         """Signal over noise, summed over rows: ``snr sqrt(n)``."""
         return float(np.sqrt(np.maximum(signal @ self.products @ signal, 0.0)))
+
+    def visibilities(self, variants: Sequence[Variant]) -> Matrix:
+        """Visibility of each of several causes, each at its prior size."""
+        signals = np.array([self.signal(variant) for variant in variants]).reshape(-1, len(self.products))
+        squares = np.einsum("mi,mi->m", signals @ self.products, signals)
+        return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
     def _imitation(self, signal: Matrix, variant: Variant, beside: Matrix) -> tuple[float, float]:
         """Log odds that remain against one form's imitation of a signal, and the size that it needs.
@@ -83,8 +90,9 @@ class Geometry:
             square = signal @ along_signal + there * (self.products[fixed, fixed] - 2 * along_signal[fixed])
             along = along_signal[free] - there[:, None] * self.products[free, fixed[:, None]]
             among = self.products[free[:, :, None], free[:, None, :]]
-            inverse = np.linalg.pinv(among, rcond=1e-12, hermitian=True) if free.shape[1] else among
-            size = np.einsum("mij,mj->mi", inverse, along)
+            ridge = _ROUNDING * np.trace(among, axis1=1, axis2=2) + np.finfo(float).tiny
+            held = among + ridge[:, None, None] * np.eye(free.shape[1])
+            size = np.linalg.solve(held, along[..., None])[..., 0]
             taken = np.einsum("mi,mi->m", size, 2 * along - np.einsum("mij,mj->mi", among, size))
             odds[own] = 0.5 * (square - taken)  # an error of the sizes counts by its square
         return odds

@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from numbers import Real
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.registry import Effect
@@ -56,6 +58,11 @@ class Base:
         except ValueError:
             return cls(law, {})
 
+    @cached_property
+    def plain(self) -> Model:
+        """The base as it is."""
+        return self.model()
+
     def indication(self, echo_time: Column, conditions: Mapping[str, Column]) -> Column:
         """Reading [m] that belongs to an echo time [s]."""
         law = self.law if self.device_speed is None else str(self.device_speed)
@@ -68,15 +75,16 @@ class Base:
 
     def expected(self, distance: Column, conditions: Mapping[str, Column]) -> Column:
         """Reading [m] that the base simulation predicts at a distance [m]."""
-        expected: Column = self.model().indicate(distance, **conditions)
+        expected: Column = self.plain.indicate(distance, **conditions)
         return expected
 
     def allows(self, effect: Effect) -> bool:
         """Whether an effect can extend this base."""
         if effect.id in self.effects:
             return False
+        terms = [(id_, list(own.items())) for id_, own in self.effects.items()]
         try:
-            self.model({effect.id: {}})
+            _core.Model(self.law, [*terms, (effect.id, [])])
         except ModelError:
             return False
         return True

@@ -21,6 +21,7 @@ from echocal.diagnose.hypotheses import posterior
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
 from echocal.diagnose.notes import unexplained
+from echocal.diagnose.parsimony import Ids
 from echocal.diagnose.parts import Unexplained
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.remainder import told_apart
@@ -107,13 +108,12 @@ def _claimed(
         raise RuntimeError("no hypothesis was weighed")
     claimed = _of(best, case, ranking, carried)
     while (grown := ranking.best(beyond=effects_named(best.hypothesis))) is not None:
-        instead = _of(grown, case, ranking, carried)
         ids = effects_named(best.hypothesis)
-        (more,) = (claim for claim in instead if claim.cause not in ids)
+        (more,) = _of(grown, case, ranking, carried, ids)
         alone, beside = ranking.more(ids, (more.cause, *more.rivals))
         if beside <= alone if ids else alone >= _in_doubt(ranking, shares):
             break
-        best, claimed = grown, instead
+        best, claimed = grown, _of(grown, case, ranking, carried)
     return best, claimed
 
 
@@ -138,6 +138,6 @@ def _spared(
     return best, resized([claim for claim in believed if claim.cause not in left_out], best)
 
 
-def _of(weighed: Weighed, case: Case, ranking: Ranking, carried: Stack) -> list[Claim]:
+def _of(weighed: Weighed, case: Case, ranking: Ranking, carried: Stack, beyond: Ids = ()) -> list[Claim]:
     _, products = carried.likeliest(weighed)
-    return claims(ranking, weighed, case.found, Geometry(products, weighed.variance))
+    return claims(ranking, weighed, case.found, Geometry(products, weighed.variance), beyond)

@@ -145,7 +145,7 @@ class Scene:
 
     def columns(self) -> Columns:
         """A table's columns, of which there is none yet."""
-        return Columns(self.base.model(), self.distance, self.conditions, self.groups)
+        return Columns(self.base.plain, self.distance, self.conditions, self.groups)
 
     def levels(self, id_: str, at: Mapping[str, float]) -> Column | None:
         """Level of each stretch [m] if an effect were there; None where the distance is known."""

@@ -107,10 +107,8 @@ def _drop_invisible(found: Candidates, sums: Sums) -> None:
     products = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), used).products
     steps = sums.mean_square_step() / 2  # noise alone, whatever slow effects there are
     shape = Geometry(products, max(min(steps, products[-1, -1] / sums.degrees()), FINEST**2))
-    seen = [
-        v for v in found.variants if v.cause == UNKNOWN or shape.visibility(3 * shape.signal(v)) > _VISIBLE
-    ]
-    kept = {v.cause for v in seen}
+    visible = 3 * shape.visibilities(found.variants) > _VISIBLE
+    kept = {v.cause for v, shows in zip(found.variants, visible, strict=True) if shows or v.cause == UNKNOWN}
     for variant in found.variants:
         if variant.cause not in kept:
             found.skipped[variant.cause] = INVISIBLE

@@ -145,14 +145,16 @@ class Claim:
         return self.variant.cause
 
 
-def claims(ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry) -> list[Claim]:
-    """Claim the causes of a hypothesis, each with its class."""
+def claims(
+    ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry, beyond: Ids = ()
+) -> list[Claim]:
+    """Claim the causes of a hypothesis, each with its class; but those in `beyond`."""
     others = _by_cause(found.variants)
     made = []
     chosen = set(effects_named(best.hypothesis))
     deviation = np.sqrt(np.diag(best.covariance))
     known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
-    for variant, place in known:
+    for variant, place in ((v, place) for v, place in known if v.cause not in beyond):
         signal = shape.signal(variant, best.mean[place])
         beside = np.zeros(len(signal))
         for other, own in known:

@@ -78,7 +78,7 @@ def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
         name: np.full(places, column.max() if name == "elapsed_time" else np.median(column))
         for name, column in case.table.conditions.items()
     }
-    level = float(np.median(case.table.distance(case.base.model())))
+    level = float(np.median(case.table.distance(case.base.plain)))
     return {"distance": np.full(places, level), **recorded, **varied}
 
 

@@ -21,7 +21,8 @@ __all__ = ["Ids", "shown"]
 
 Ids = tuple[str, ...]
 
-_WIDTHS = np.array([1 / 3, 1.0, 3.0])  # of the prior, in a mixture: rust/core/src/evidence/widths.rs
+_WIDTHS = (1 / 3, 1.0, 3.0)  # of the prior, in a mixture: rust/core/src/evidence/widths.rs
+_USUAL = sum(width**2 for width in _WIDTHS) / len(_WIDTHS)  # variance of the mixture
 _VISIBLE = 1.0  # signal over noise, summed over rows
 
 
@@ -68,12 +69,11 @@ def shown(weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: 
 def hidden(weighed: Weighed) -> dict[str, float]:
     """Part of each cause's prior at which it would not show beside the others of its set."""
     parts: dict[str, float] = {}
-    variance = np.diag(weighed.covariance)
+    variance = weighed.covariance.diagonal().tolist()
     for variant, place in weighed.hypothesis.placed:
         if variant.cause != UNKNOWN and variant.offset is None and variant.free:
-            information = 1 / variance[place].min() - 1 / (_WIDTHS**2).mean()
-            signal = float(np.sqrt(max(information, 0.0)))  # of one prior standard deviation
-            reach = _VISIBLE / np.maximum(signal * _WIDTHS, 1e-12)
-            inside = [math.erf(limit / math.sqrt(2)) for limit in reach.tolist()]
-            parts[variant.cause] = sum(inside) / len(inside)
+            information = 1 / max(min(variance[place]), 1e-300) - 1 / _USUAL
+            signal = math.sqrt(max(information, 0.0))  # of one prior standard deviation
+            reach = (_VISIBLE / max(signal * width, 1e-12) for width in _WIDTHS)
+            parts[variant.cause] = sum(math.erf(limit / math.sqrt(2)) for limit in reach) / len(_WIDTHS)
     return parts

@@ -151,7 +151,7 @@ class _Look:
         scene = self.scene
         groups = None if scene.groups is None else scene.groups[rows]
         conditions = {name: column[rows] for name, column in scene.conditions.items()}
-        columns = Columns(scene.base.model(), scene.distance[rows], conditions, groups)
+        columns = Columns(scene.base.plain, scene.distance[rows], conditions, groups)
         sizes = [p.name for p in self.effect.parameters if p.role == "size"]
         slope = columns.slope()
         tangents = {

@@ -34,7 +34,7 @@ def with_its_shape(case: Case, found: Unexplained, model: Model, noise: Noise) -
     against = column_of(found.against, table.against())
     basis = Basis.of(found.against, against)
     waves = basis.at(against)
-    columns = Columns(case.base.model(), left, table.conditions, None)
+    columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):
         columns.store(column)
     blocks = case.folds.blocks

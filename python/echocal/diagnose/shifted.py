@@ -72,7 +72,7 @@ def _along(
         return None
     effects = _fit(case, hypothesis, causes, noise, inside)
     before, after = (
-        _rms(case, model, inside, outside) for model in (case.base.model(), case.base.model(effects))
+        _rms(case, model, inside, outside) for model in (case.base.plain, case.base.model(effects))
     )
     if not np.isfinite(before) or not np.isfinite(after):
         return None  # no level of the rows outside is known inside
@@ -95,7 +95,7 @@ def _fit(
     table = case.table
     used = [0, *sorted({c for v in hypothesis.variants for c in v.columns}), len(case.found.columns) - 1]
     given = {name: column[at] for name, column in table.conditions.items()}
-    columns = Columns(case.base.model(), np.ones(len(at)), given, None)
+    columns = Columns(case.base.plain, np.ones(len(at)), given, None)
     for column in case.found.columns.at(used, at):
         columns.store(column)
     starts = table.starts[at]

@@ -162,7 +162,7 @@ def _traces(case: Case, judgment: Judgment) -> Traces:
     fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
     return Traces(
         row=table.row,
-        before=errors(table, case.base.model(), fit),
+        before=errors(table, case.base.plain, fit),
         after=errors(table, judgment.model, fit),
         held_out=~fit,
         against=table.against(),

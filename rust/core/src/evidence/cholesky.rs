@@ -8,10 +8,8 @@
 pub(super) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
     for i in 0..order {
         for j in 0..=i {
-            let mut sum = matrix[i * order + j];
-            for k in 0..j {
-                sum -= matrix[i * order + k] * matrix[j * order + k];
-            }
+            let sum =
+                matrix[i * order + j] - dot(&matrix[i * order..][..j], &matrix[j * order..][..j]);
             matrix[i * order + j] = if i == j {
                 sum.max(added[i]).sqrt()
             } else {
@@ -21,14 +19,24 @@ pub(super) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
     }
 }
 
+/// Sum of products, in eight sums at once: one alone would wait for itself.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let both = a.remainder().iter().zip(b.remainder());
+    let rest: f64 = both.map(|(a, b)| a * b).sum();
+    for (a, b) in a.zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    rest + sums.iter().sum::<f64>()
+}
+
 /// Solves `L x = b` in place.
 pub(super) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
     for i in 0..order {
-        let mut sum = b[i];
-        for k in 0..i {
-            sum -= lower[i * order + k] * b[k];
-        }
-        b[i] = sum / lower[i * order + i];
+        b[i] = (b[i] - dot(&lower[i * order..][..i], &b[..i])) / lower[i * order + i];
     }
 }
 

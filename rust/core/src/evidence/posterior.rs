@@ -69,9 +69,9 @@ pub fn posterior(
     };
     let mut noises = plausible(&every, variants, &causes, &shapes, threads);
     loop {
-        let table = every.only(&noises, &all, threads);
+        let some = (!noises.iter().all(|&held| held)).then(|| every.only(&noises, &all, threads));
         let search = Search {
-            table: &table,
+            table: some.as_ref().unwrap_or(&every),
             variants,
             causes: &causes,
             share,

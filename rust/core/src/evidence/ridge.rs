@@ -1,7 +1,7 @@
 //! What all columns together leave unexplained.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-use super::cholesky::{backward, factor, forward};
+use super::cholesky::{backward, dot, factor, forward};
 
 /// Rounds of the fixed point: the variance sets the ridge, and the ridge the variance.
 const ROUNDS: usize = 3;
@@ -45,7 +45,7 @@ pub fn left_over(products: &[f64], width: usize, degrees: f64, variance: f64, fi
 }
 
 fn squares(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum()
+    dot(values, values)
 }
 
 /// Trace of the inverse of `L L'`: the squares of the inverse of `L`.
@@ -56,8 +56,7 @@ fn inverse_trace(lower: &[f64], order: usize) -> f64 {
         column[first] = 1.0 / lower[first * order + first];
         for i in first + 1..order {
             let line = &lower[i * order + first..i * order + i];
-            let dot: f64 = line.iter().zip(&column[first..i]).map(|(l, x)| l * x).sum();
-            column[i] = -dot / lower[i * order + i];
+            column[i] = -dot(line, &column[first..i]) / lower[i * order + i];
         }
         sum += squares(&column[first..]);
     }

@@ -68,12 +68,12 @@ impl Table {
         let groups: Vec<&[usize]> = noises.chunks(LANES).collect();
         let values = each_of(&groups, threads, || {
             |noises: &&[usize]| {
-                let some = Noises::Some(filled(noises));
-                let pairs = columns.iter().enumerate();
-                let line = |(at, &i): (usize, &usize)| {
-                    columns[..=at].iter().map(move |&j| self.some(i, j, &some))
-                };
-                pairs.flat_map(line).collect()
+                let some = self.beside(filled(noises));
+                let mut values = Vec::with_capacity(columns.len() * (columns.len() + 1) / 2);
+                for (at, &i) in columns.iter().enumerate() {
+                    values.extend(columns[..=at].iter().map(|&j| self.some(i, j, &some)));
+                }
+                values
             }
         });
         Self {
@@ -82,6 +82,17 @@ impl Table {
             log_weight: noises.iter().map(|&n| self.log_weight[n]).collect(),
             solved: Arc::clone(&self.solved),
             ..*self
+        }
+    }
+
+    /// Some noises, a whole group as such: its products stand side by side already.
+    pub fn beside(&self, noises: [usize; LANES]) -> Noises {
+        let (group, last) = (noises[0] / LANES, self.noises() - 1);
+        let whole = (group * LANES..).map(|noise| noise.min(last));
+        if whole.zip(noises).all(|(own, noise)| own == noise) {
+            Noises::Group(group)
+        } else {
+            Noises::Some(noises)
         }
     }
 
@@ -137,17 +148,11 @@ fn places(columns: &[usize], width: usize) -> Vec<usize> {
 fn group(stack: &Stack<'_>, noises: &[usize], columns: &[usize]) -> Vec<Lane> {
     let (width, area) = (stack.width, stack.width * stack.width);
     let own = filled(noises).map(|noise| &stack.products[noise * area..][..area]);
-    let mut values = vec![Lane::all(0.0); columns.len() * (columns.len() + 1) / 2];
-    let mut rest = &mut values[..];
+    let mut values = Vec::with_capacity(columns.len() * (columns.len() + 1) / 2);
     for (at, &row) in columns.iter().enumerate() {
-        let (line, others) = rest.split_at_mut(at + 1);
-        for (lane, own) in own.iter().enumerate() {
-            let own = &own[row * width..][..width];
-            for (value, &column) in line.iter_mut().zip(columns) {
-                value.0[lane] = own[column];
-            }
-        }
-        rest = others;
+        let own = own.map(|own| &own[row * width..][..width]);
+        let line = columns[..=at].iter();
+        values.extend(line.map(|&column| Lane(own.map(|own| own[column]))));
     }
     values
 }

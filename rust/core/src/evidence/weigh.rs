@@ -257,7 +257,7 @@ impl Scales {
     ) -> (Lane, [Lane; WIDTHS.len()]) {
         let last = self.race.len() - 1;
         let noises = core::array::from_fn(|lane| self.race[(first + lane).min(last)]);
-        self.system.take(table, layout, &Noises::Some(noises));
+        self.system.take(table, layout, &table.beside(noises));
         let of = |values: &[f64]| Lane(noises.map(|noise| values[noise]));
         let least = of(&self.least);
         let over = WIDTHS.map(|width| least / Lane::all(width * width));
