@@ -9,17 +9,26 @@ import echocal
 from echocal.diagnose.candidates import Candidates, Variant
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh, weigh_each
-from echocal.diagnose.noise import NOISES, Noise, Sums, Whitened
+from echocal.diagnose.noise import CONVECTIONS, Convection, Noise, noises
+from echocal.diagnose.noises.innovation import innovation
+from echocal.diagnose.order import Order
+from echocal.diagnose.sums import Sums, Whitened
 from echocal.diagnose.unexplained import HOUR, Basis, column_of, shape_candidates
 
 
-def sums(columns: np.ndarray, groups: np.ndarray, *, flat_level: bool) -> Sums:
+def sums(
+    columns: np.ndarray, groups: np.ndarray, *, flat_level: bool, distance: np.ndarray | None = None
+) -> Sums:
     n = columns.shape[1]
     starts = np.diff(groups, prepend=-1) != 0
     stored = Columns(echocal.Model("linear"), np.ones(n), {}, None)
     for column in columns:
         stored.store(column)
-    return Sums.gather(stored, starts, np.arange(n) * 3 // n, groups, flat_level=flat_level)
+    order = Order(starts, groups, np.ones(n) if distance is None else distance, flat_level)
+    found = Sums.gather(stored, order, np.arange(n) * 3 // n)
+    if distance is not None:
+        found.remember(stored, CONVECTIONS)
+    return found
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])
@@ -41,6 +50,24 @@ def test_a_random_error_per_stand_is_its_covariance() -> None:
     columns = np.stack([np.ones(60), random.normal(size=60), random.normal(size=60)])
     whitened = sums(columns, groups, flat_level=False).whiten(Noise(0.0, 0.0, 2.0, 1.0))
     covariance = np.eye(60) + 2.0 * (groups[:, None] == groups[None, :])
+    expected = columns @ np.linalg.solve(covariance, columns.T)
+    np.testing.assert_allclose(whitened.products, expected, rtol=1e-9, atol=1e-9)
+    assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])
+
+
+@pytest.mark.parametrize("convection", CONVECTIONS[::6])
+def test_convection_is_its_covariance(convection: Convection) -> None:
+    """White noise, cells that stay for some rows and grow with the distance, and an error per stand."""
+    random = np.random.default_rng()
+    groups = np.repeat(np.arange(4), 15)
+    columns, distance = random.normal(size=(3, 60)), random.uniform(0.2, 4.0, 60)
+    columns[0] = 1.0
+    noise = Noise(0.0, convection.rho, 0.3, 1.0, convection.growth)
+    whitened = sums(columns, groups, flat_level=False, distance=distance).whiten(noise)
+    cells = (
+        convection.growth * toeplitz(convection.rho ** np.arange(60)) * np.sqrt(np.outer(distance, distance))
+    )
+    covariance = np.eye(60) + (cells + 0.3) * (groups[:, None] == groups[None, :])
     expected = columns @ np.linalg.solve(covariance, columns.T)
     np.testing.assert_allclose(whitened.products, expected, rtol=1e-9, atol=1e-9)
     assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])
@@ -91,7 +118,7 @@ def test_bounds_cut_the_prior_off() -> None:
 
 def test_hypotheses_side_by_side_are_each_by_itself() -> None:
     parts = sums(np.random.default_rng().normal(size=(9, 90)), np.repeat(np.arange(5), 18), flat_level=False)
-    stack = Stack(*parts.whiten_all(NOISES[True]), 90, NOISES[True])
+    stack = Stack(*parts.whiten_all(noises(True)), 90, noises(True))
     forms = [Variant(f"x{i}", free=(i,), bounds=((-1.0, 2.0),)) for i in range(1, 8)]
     hypotheses = [Hypothesis(tuple(forms[:count]), 1.0) for count in range(5)]
     for hypothesis, found in zip(hypotheses, weigh_each(hypotheses, stack), strict=True):
@@ -102,9 +129,9 @@ def test_hypotheses_side_by_side_are_each_by_itself() -> None:
 
 
 def test_noises_have_a_prior_of_one() -> None:
-    for noises in NOISES.values():
-        assert sum(noise.prior for noise in noises) == pytest.approx(1.0)
-        assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in noises)
+    for found in (noises(False), noises(True), noises(False, CONVECTIONS), noises(True, CONVECTIONS)):
+        assert sum(noise.prior for noise in found) == pytest.approx(1.0)
+        assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in found)
 
 
 @pytest.mark.parametrize("noise", [Noise(0.0, 0.98, 0.0, 1.0), Noise(0.9, 0.98, 0.0, 1.0)])
@@ -119,12 +146,23 @@ def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(noise: 
     np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
+def test_a_long_series_in_convection_is_whitened_as_one_although_it_is_summed_in_spans() -> None:
+    n, noise = 20_000, Noise(0.0, 0.98, 0.0, 1.0, 0.3)
+    random = np.random.default_rng()
+    columns, distance = np.cumsum(random.normal(size=(3, n)), axis=1), random.uniform(0.2, 4.0, n)
+    found = sums(columns, np.zeros(n, dtype=int), flat_level=False, distance=distance).whiten(noise)
+    order = Order(np.arange(n) == 0, np.zeros(n, dtype=int), distance, False)
+    white = np.stack([innovation(column, order, noise) for column in columns])
+    scale = np.exp(2 * found.log_weight / n)  # innovations are as dense as what they are made of
+    np.testing.assert_allclose(found.products, scale * white @ white.T, rtol=1e-8)
+
+
 def test_many_noises_at_once_are_each_by_itself() -> None:
     columns = np.random.default_rng().normal(size=(4, 90))
     parts = sums(columns, np.repeat(np.arange(5), 18), flat_level=False)
     use = np.array([True, False, True])
-    products, log_weight = parts.whiten_all(NOISES[True], use)
-    for noise, matrix, weight in zip(NOISES[True], products, log_weight, strict=True):
+    products, log_weight = parts.whiten_all(noises(True), use)
+    for noise, matrix, weight in zip(noises(True), products, log_weight, strict=True):
         one = parts.whiten(noise, use)
         np.testing.assert_array_equal(matrix, one.products)
         assert weight == one.log_weight

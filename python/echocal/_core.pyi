@@ -124,9 +124,10 @@ class Columns:
         starts: NDArray[np.bool_],
         blocks: NDArray[np.uint32],
         cells: NDArray[np.uint32],
+        distance: NDArray[np.float64],
         places: list[tuple[int, int]],
         series: NDArray[np.float64],
-        memories: list[float],
+        memories: list[float | tuple[float, float]],
         flat_level: bool,
     ) -> Sums: ...
 
@@ -140,9 +141,18 @@ class Sums:
         used: list[bool],
         chosen: list[int] | None = None,
     ) -> tuple[NDArray[np.float64], _Column]: ...
+    def join(self, more: Sums) -> None: ...
     def clear_infinite(self) -> list[bool]: ...
     def steps(self) -> list[float]: ...
 
+def whitened(
+    memory: float | tuple[float, float],
+    rho: float,
+    first_weight: float,
+    values: NDArray[np.float64],
+    starts: NDArray[np.bool_],
+    distance: NDArray[np.float64],
+) -> tuple[_Column, float]: ...
 def left_over(products: NDArray[np.float64], degrees: float, variance: float, finest: float) -> float: ...
 def effects() -> list[dict[str, Any]]: ...
 def laws() -> list[dict[str, Any]]: ...

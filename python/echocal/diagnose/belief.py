@@ -19,6 +19,7 @@ from echocal.diagnose.evidence import Stack, Weighed, weigh
 from echocal.diagnose.faults import Faults
 from echocal.diagnose.hypotheses import posterior
 from echocal.diagnose.noise import Noise
+from echocal.diagnose.noises.convection import convections
 from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
 from echocal.diagnose.notes import unexplained
 from echocal.diagnose.parsimony import Ids
@@ -76,6 +77,10 @@ def believe(case: Case, faults: Faults, work: Steps) -> Belief:
     work.begin("weighing causes")
     stack = case.stack(case.folds.fit)
     weighed, carried = posterior(case.found, stack)
+    if drifting := convections(case, weighed, carried):
+        case.sums.remember(case.found.columns, drifting)
+        stack = case.stack(case.folds.fit)
+        weighed, carried = posterior(case.found, stack)
     steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]
     work.begin("weighing noises")
     shares = weigh_noises(case, weighed, carried, steps)

@@ -11,8 +11,10 @@ from echocal.diagnose.base import Base
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Scene, Variant, effect_candidates
 from echocal.diagnose.evidence import Stack
 from echocal.diagnose.gain import Folds
-from echocal.diagnose.noise import FINEST, NOISES, Noise, Sums
+from echocal.diagnose.noise import FINEST, Convection, Noise, noises
+from echocal.diagnose.order import Order
 from echocal.diagnose.scene import Table
+from echocal.diagnose.sums import Sums
 from echocal.diagnose.unexplained import shape_candidates
 
 __all__ = ["INVISIBLE", "Case", "examine"]
@@ -21,6 +23,7 @@ INVISIBLE = "cannot show in these data"
 """Why a cause was left out that no size would make visible."""
 
 _VISIBLE = 0.5  # signal over noise, summed over rows
+_SPREAD = 0.1  # of the distances, part of their mean, from which on noise may be seen to grow with them
 
 
 @dataclass(frozen=True)
@@ -62,8 +65,25 @@ class Case:
     @property
     def noises(self) -> tuple[Noise, ...]:
         """Noises that the table allows."""
-        stands = not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
-        return NOISES[stands]
+        return noises(
+            self.at_stands, [memory for memory in self.sums.memories if isinstance(memory, Convection)]
+        )
+
+    @property
+    def usual_noises(self) -> tuple[Noise, ...]:
+        """Those that do not depend on the distance: of each kind as probable as all are."""
+        return noises(self.at_stands)
+
+    @property
+    def at_stands(self) -> bool:
+        """Whether rows are at several stands, each of which may err by itself."""
+        return not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
+
+    @property
+    def at_distances(self) -> bool:
+        """Whether rows are at known distances that differ: noise may grow with them."""
+        reference = self.table.reference
+        return reference is not None and float(np.ptp(reference)) > _SPREAD * float(reference.mean())
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
         """Whitened products over some blocks, one per noise."""
@@ -82,10 +102,15 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     effect_candidates(found, scene)
     shape_candidates(found, table.against(), known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
-    sums = Sums.gather(found.columns, table.starts, folds.blocks, table.groups, flat_level=groups is not None)
+    sums = Sums.gather(found.columns, _order(table), folds.blocks)
     _drop_infinite(found, sums)
     _drop_invisible(found, sums)
     return Case(table, base, found, residual, sums, folds, seed)
+
+
+def _order(table: Table) -> Order:
+    distance = table.indication if table.reference is None else table.reference
+    return Order(table.starts, table.groups, distance, flat_level=table.reference is None)
 
 
 def _drop_infinite(found: Candidates, sums: Sums) -> None:

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.conditions import QUANTITIES
+from echocal.diagnose.noise import Memory
+from echocal.diagnose.order import Order
 from echocal.model import Model
 
 __all__ = ["Columns"]
@@ -134,16 +136,17 @@ class Columns:
 
     def products(
         self,
-        starts: NDArray[np.bool_],
+        order: Order,
         blocks: Labels,
         cells: Labels,
         places: tuple[Labels, Labels],
         series: Column,
-        memories: Sequence[float],
-        flat_level: bool,
+        memories: Sequence[Memory],
     ) -> _core.Sums:
         """Lag-0 and lag-1 products, see `Sums`; settles the columns."""
         self._core.settle()
         labels = (blocks.astype(np.uint32), cells.astype(np.uint32))
         where = list(zip(*(place.tolist() for place in places), strict=True))
-        return self._core.products(starts, *labels, where, series, list(memories), flat_level)
+        return self._core.products(
+            order.starts, *labels, order.distance, where, series, list(memories), order.flat_level
+        )

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.candidates import Variant
-from echocal.diagnose.noise import FINEST, Noise, Whitened
+from echocal.diagnose.noise import FINEST, Noise
+from echocal.diagnose.sums import Whitened
 
 __all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
 

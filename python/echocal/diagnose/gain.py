@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.noise import FINEST, Noise, Sums
+from echocal.diagnose.noise import FINEST, Noise
 from echocal.diagnose.parts import Gain, Ladder
 from echocal.diagnose.scene import Table, levels
+from echocal.diagnose.sums import Sums
 from echocal.model import Model
 
 __all__ = [

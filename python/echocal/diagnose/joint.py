@@ -121,10 +121,10 @@ def _guard_parameters(module: Guard, shares: NoiseShares, carried: Stack) -> dic
 
 def _guard_story(id_: str, values: dict[str, tuple[float, float]]) -> str:
     if id_ == "correlated_noise":
-        return (
-            f"what the causes leave follows the row before with a coefficient of "
-            f"{values['autoregression'][0]:.2f} (autocorrelation in row order)"
-        )
+        follows = f"with a coefficient of {values['autoregression'][0]:.2f} (autocorrelation in row order)"
+        if "growth" in values:
+            return f"what the causes leave follows the rows before {follows}, the more the farther the target"
+        return f"what the causes leave follows the row before {follows}"
     return (
         f"the means of the stands scatter by {1e3 * values['standard_deviation'][0]:.2f} mm beyond what "
         "their rows explain"

@@ -94,8 +94,9 @@ class Prospect:
     def covariance(self, places: NDArray[np.int64], rows: Sequence[int]) -> Matrix:
         """Covariance of the mean reading at each place; shape (m, designs, k, k)."""
         among = self.spread[:, places[:, :, None], places[:, None, :]]
-        shot = np.array([self._of_mean(n) for n in rows])
-        among = among + np.diag(shot) + self._of_stands(self.distance[places])
+        at = self.distance[places]
+        shot = np.stack([self._of_mean(n, at[:, place]) for place, n in enumerate(rows)], axis=1)
+        among = among + shot[:, :, None] * np.eye(len(rows)) + self._of_stands(at)
         if not self.level_known:
             slope = self.slope[places]
             among = among + _FREE * slope[:, :, None] * slope[:, None, :]
@@ -114,12 +115,13 @@ class Prospect:
         learned = 0.0 if many else 1.0 * (new[:, :, None] & new[:, None, :])
         return np.asarray(size * (own + learned))
 
-    def _of_mean(self, n: int) -> float:
-        """Variance of the mean of `n` rows in succession, whose noise remembers."""
-        rho, memory = self.noise.rho, self.noise.memory
-        first = self.variance / self.noise.first_weight
+    def _of_mean(self, n: int, distance: Matrix) -> Matrix:
+        """Variance of the mean of `n` rows in succession, whose noise remembers, at some distances."""
+        rho, memory, lags = self.noise.rho, self.noise.memory, np.arange(1, n)
+        cells = self.variance * self.noise.growth * distance
+        first = self.variance / self.noise.first_weight + cells
         if rho == memory:
             return first / n
         second = self.variance * (rho - memory) * (1 - rho * memory) / (1 - rho**2)
-        lags = np.arange(1, n)
-        return float((n * first + 2 * ((n - lags) * second * rho ** (lags - 1)).sum()) / n**2)
+        second = rho * cells if self.noise.growth else np.full(len(distance), second)
+        return np.asarray((n * first + 2 * second * ((n - lags) * rho ** (lags - 1)).sum()) / n**2)

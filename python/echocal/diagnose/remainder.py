@@ -11,9 +11,10 @@ from echocal.diagnose.claims import Claim, resized, sizes, without
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.gain import errors
-from echocal.diagnose.noise import Noise, Sums
+from echocal.diagnose.noise import Noise
 from echocal.diagnose.parts import Unexplained
 from echocal.diagnose.sentences import spoken
+from echocal.diagnose.sums import Sums
 from echocal.diagnose.unexplained import Basis, column_of
 from echocal.model import Model, Shape
 
@@ -37,8 +38,7 @@ def with_its_shape(case: Case, found: Unexplained, model: Model, noise: Noise) -
     columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):
         columns.store(column)
-    blocks = case.folds.blocks
-    gathered = Sums.gather(columns, table.starts, blocks, table.groups, flat_level=case.sums.flat_level)
+    gathered = Sums.gather(columns, case.sums.order, case.folds.blocks, [noise.remembers])
     free = tuple(range(1, len(waves) + 1))
     variant = Variant(UNKNOWN, free=free, bounds=((-np.inf, np.inf),) * len(free), against=found.against)
     stack = Stack.of([gathered.whiten(noise, fit)], gathered.degrees(fit))

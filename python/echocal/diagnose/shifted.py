@@ -12,8 +12,9 @@ from echocal.diagnose.claims import effects_of, without
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh
 from echocal.diagnose.gain import errors
-from echocal.diagnose.noise import Noise, Sums
+from echocal.diagnose.noise import Noise
 from echocal.diagnose.parts import Shifted
+from echocal.diagnose.sums import Sums
 from echocal.model import Model
 
 __all__ = ["shifted"]
@@ -98,12 +99,10 @@ def _fit(
     columns = Columns(case.base.plain, np.ones(len(at)), given, None)
     for column in case.found.columns.at(used, at):
         columns.store(column)
-    starts = table.starts[at]
-    starts[1:] |= np.diff(at) > 1
-    starts[:1] = True
-    groups = np.unique(table.groups[at], return_inverse=True)[1].astype(np.int64)
+    order = case.sums.order.at(at)
+    groups = np.unique(order.groups, return_inverse=True)[1].astype(np.int64)
     blocks = np.zeros(len(at), dtype=np.int64)
-    sums = Sums.gather(columns, starts, blocks, groups, flat_level=case.sums.flat_level)
+    sums = Sums.gather(columns, replace(order, groups=groups), blocks, [noise.remembers])
     moved = replace(hypothesis, variants=tuple(_moved(v, used) for v in hypothesis.variants))
     fitted = weigh(moved, Stack.of([sums.whiten(noise)], sums.degrees(np.array([True]))))
     return effects_of(fitted, causes)

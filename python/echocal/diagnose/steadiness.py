@@ -12,8 +12,9 @@ from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.noise import Noise, Sums
+from echocal.diagnose.noise import Noise
 from echocal.diagnose.sentences import parameter_text
+from echocal.diagnose.sums import Sums
 from echocal.registry import find_effect
 
 __all__ = ["unsteady"]
@@ -52,7 +53,7 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -
         Id, and the sizes found in a sentence.
     """
     chance = _BESIDE_A_REMAINDER if any(v.cause == UNKNOWN for v in best.hypothesis.variants) else _CHANCE
-    families = _families(case, claims, best)
+    families = _families(case, claims, noise, best)
     said: dict[str, str] = {}
     left = list(claims)
     while left:  # the least steady first: beside it the others are not what they are without
@@ -90,18 +91,18 @@ class Family:
     shape: Mapping[int, float]
 
 
-def _families(case: Case, claims: Sequence[Claim], best: Weighed) -> list[Family]:
+def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -> list[Family]:
     blocks = np.arange(len(case.sums.rows))
     shape = _shape(best)
     own = {column: column for claim in claims for column in claim.variant.columns}
     parts = tuple(blocks == block for block in blocks[case.folds.fit])
     families = [Family(case.sums, parts, own, shape)]
     if best.hypothesis.shape in _OF_ROWS and (np.diff(case.folds.blocks) < 0).any():
-        families.append(_runs(case, list(own)))
+        families.append(_runs(case, list(own), noise))
     return families
 
 
-def _runs(case: Case, wanted: Sequence[int]) -> Family:
+def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
     """Runs of the rows that a fit may see, as many in each; nothing is taken off that changes with them."""
     fit = case.folds.fit[case.folds.blocks]
     runs = np.full(len(fit), _RUNS)
@@ -110,7 +111,7 @@ def _runs(case: Case, wanted: Sequence[int]) -> Family:
     columns = Columns(case.base.model(), case.residual, case.table.conditions, None)
     for column in case.found.columns.at(chosen):
         columns.store(column)
-    sums = Sums.gather(columns, case.table.starts, runs, case.table.groups, flat_level=case.sums.flat_level)
+    sums = Sums.gather(columns, case.sums.order, runs, [noise.remembers])
     parts = tuple(np.arange(len(sums.rows)) == run for run in range(_RUNS))
     place = {column: at for at, column in enumerate(chosen[1:-1], 1)}
     return Family(sums, parts, place, {})

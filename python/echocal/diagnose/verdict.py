@@ -101,6 +101,7 @@ def _noise(belief: Belief) -> dict[str, float]:
         "standard_deviation_m": belief.best.variance**0.5,
         "autoregression": belief.noise.rho,
         "moving_average": belief.noise.memory,
+        "growth_with_distance": belief.noise.growth,
         "stand_variance_ratio": belief.noise.stand_ratio,
     }
 

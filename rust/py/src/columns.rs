@@ -2,7 +2,7 @@
 
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{
-    Columns, Distinct, Layout, Level, Numbers, Products, Recipe, Shape, Sums, gram, legendre_lines,
+    Columns, Distinct, Layout, Level, Memory, Numbers, Recipe, Shape, Sums, gram, legendre_lines,
     wave_means,
 };
 use echocal_core::model::Term;
@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use crate::errors::to_python;
 use crate::evidence::layout;
 use crate::model::CoreModel;
-use crate::sums::CoreSums;
+use crate::sums::{CoreSums, Remembered};
 
 type Array = Py<PyArray1<f64>>;
 
@@ -230,12 +230,14 @@ impl CoreColumns {
         starts: PyReadonlyArray1<'py, bool>,
         blocks: PyReadonlyArray1<'py, u32>,
         cells: PyReadonlyArray1<'py, u32>,
+        distance: PyReadonlyArray1<'py, f64>,
         places: Vec<(usize, usize)>,
         series: Vec<f64>,
-        memories: Vec<f64>,
+        memories: Vec<Remembered>,
         flat_level: bool,
     ) -> PyResult<CoreSums> {
-        let layout = layout(&starts, &blocks, &cells, self.distance.bind(py).len())?;
+        let rows = self.distance.bind(py).len();
+        let layout = layout(&starts, &blocks, &cells, &distance, rows)?;
         let known = places.iter().all(|&(block, _)| block < series.len());
         if layout.block_count > series.len() || layout.cell_count != places.len() || !known {
             return Err(PyValueError::new_err(
@@ -247,9 +249,10 @@ impl CoreColumns {
             ..layout
         };
         let threads = available_threads();
+        let memories: Vec<Memory> = memories.into_iter().map(Memory::from).collect();
         let products = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
-            let sums = Products::gather(&distinct.among(columns), &layout, &memories, threads);
+            let sums = Memory::gather(&distinct.among(columns), &layout, &memories, threads);
             sums.into_iter().map(|sums| distinct.spread(sums)).collect()
         })?;
         let sums = Sums {
@@ -258,6 +261,7 @@ impl CoreColumns {
             cells: places,
             series,
             flat_level,
+            finite: Vec::new(),
         };
         Ok(CoreSums { sums })
     }

@@ -12,9 +12,10 @@ pub fn layout<'a>(
     starts: &'a PyReadonlyArray1<'_, bool>,
     blocks: &'a PyReadonlyArray1<'_, u32>,
     cells: &'a PyReadonlyArray1<'_, u32>,
+    distance: &'a PyReadonlyArray1<'_, f64>,
     rows: usize,
 ) -> PyResult<Layout<'a>> {
-    if [starts.len(), blocks.len(), cells.len()] != [rows; 3] {
+    if [starts.len(), blocks.len(), cells.len(), distance.len()] != [rows; 4] {
         return Err(PyValueError::new_err("columns and labels differ in length"));
     }
     let (blocks, cells) = (blocks.as_slice()?, cells.as_slice()?);
@@ -23,6 +24,7 @@ pub fn layout<'a>(
         starts: starts.as_slice()?,
         blocks,
         cells,
+        distance: distance.as_slice()?,
         block_count: count(blocks),
         cell_count: count(cells),
     })

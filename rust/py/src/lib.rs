@@ -33,5 +33,5 @@ mod _core {
     #[pymodule_export]
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]
-    use super::sums::CoreSums;
+    use super::sums::{CoreSums, whitened};
 }

@@ -1,14 +1,50 @@
 //! What one pass over a table leaves, and its whitening.
 
 use echocal_core::batch::available_threads;
-use echocal_core::evidence::{Noise, Sums};
+use echocal_core::evidence::{Convection, Memory, Noise, Sums};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray3};
+use numpy::{PyArray1, PyArray3, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Memory (by position), autoregression, variance ratio of stands, weight of first rows, log prior.
 type Given = (usize, f64, f64, f64, f64);
+
+/// A moving-average coefficient, or autoregression and growth of a convection.
+#[derive(FromPyObject)]
+pub enum Remembered {
+    Convection((f64, f64)),
+    Fading(f64),
+}
+
+impl From<Remembered> for Memory {
+    fn from(remembered: Remembered) -> Self {
+        match remembered {
+            Remembered::Convection((rho, growth)) => Self::Convection(Convection { rho, growth }),
+            Remembered::Fading(factor) => Self::Fading(factor),
+        }
+    }
+}
+
+/// A series whitened for a memory, and the sum of the log variances of its rows.
+#[pyfunction]
+pub fn whitened<'py>(
+    py: Python<'py>,
+    memory: Remembered,
+    rho: f64,
+    first_weight: f64,
+    values: PyReadonlyArray1<'py, f64>,
+    starts: PyReadonlyArray1<'py, bool>,
+    distance: PyReadonlyArray1<'py, f64>,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, f64)> {
+    let (values, starts, distance) = (values.as_slice()?, starts.as_slice()?, distance.as_slice()?);
+    if [starts.len(), distance.len()] != [values.len(); 2] {
+        return Err(PyValueError::new_err("columns differ in length"));
+    }
+    let memory = Memory::from(memory);
+    let (white, log) = py.detach(|| memory.whitened(rho, first_weight, values, starts, distance));
+    Ok((PyArray1::from_vec(py, white), log))
+}
 
 /// Lag-0 and lag-1 products of columns, block by block.
 #[pyclass(name = "Sums", module = "echocal._core")]
@@ -80,6 +116,15 @@ impl CoreSums {
     #[getter]
     fn width(&self) -> usize {
         self.sums.width
+    }
+
+    /// Adds the sums of one more pass over the same rows and columns, which are then its own.
+    fn join(&mut self, more: &mut Self) -> PyResult<()> {
+        if more.sums.width != self.sums.width || more.sums.series != self.sums.series {
+            return Err(PyValueError::new_err("sums of other rows or columns"));
+        }
+        self.sums.join(core::mem::take(&mut more.sums.products));
+        Ok(())
     }
 
     /// Makes columns zero that are not finite; tells which are.

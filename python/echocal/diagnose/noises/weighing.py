@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import accumulate
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,6 +20,7 @@ from echocal.diagnose.noises import (
     polling_jitter,
     reference_error,
 )
+from echocal.diagnose.noises.innovation import innovation, left_by
 from echocal.diagnose.noises.trace import Likelihood, Trace
 
 __all__ = ["GUARDS", "SHAPES", "NoiseShares", "weigh_noises"]
@@ -185,20 +185,17 @@ def _beside(
 
 
 def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) -> Trace:
-    variants = weighed.hypothesis.variants
-    fixed = [v.offset for v in variants if v.offset is not None]
-    free = [column for v in variants for column in v.free]
-    sizes = np.concatenate([np.ones(len(fixed)), weighed.mean])
-    left = case.residual[rows] - sizes @ case.found.columns.at([*fixed, *free], rows)
-    groups = case.table.groups[rows]
+    left = left_by(case, weighed, rows)
+    order = case.sums.order.at(rows)
+    groups = order.groups
     flat = case.sums.flat_level
     if flat:  # each stretch has a level of its own
         left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
     conditions = {name: column[rows] for name, column in case.table.conditions.items()}
     return Trace(
         left=left,
-        innovation=_innovation(left, groups, noise),
-        distance=case.table.indication[rows] if case.table.reference is None else case.table.reference[rows],
+        innovation=innovation(left, order, noise),
+        distance=order.distance,
         speed=case.base.indication(np.full(len(rows), 2.0), conditions),
         stretch=_stretches(case, rows),
         free_mean=flat or bool(weighed.hypothesis.variants),
@@ -214,22 +211,6 @@ def _stretches(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.cumsum(new)
 
 
-def _innovation(left: NDArray[np.float64], groups: NDArray[np.int64], noise: Noise) -> NDArray[np.float64]:
-    """Take out what the guards know: the stands' own errors and the memory of the row before."""
-    if noise.stand_ratio > 0.0:
-        count = np.bincount(groups)
-        shrunken = np.bincount(groups, left) * noise.stand_ratio / (1 + noise.stand_ratio * count)
-        left = left - shrunken[groups]
-    if noise.rho == noise.memory == 0.0:
-        return left
-    steps = left.copy()
-    steps[1:] -= noise.rho * left[:-1]
-    if noise.memory == 0.0:
-        return steps
-    remembered = accumulate(steps.tolist(), lambda before, step: step + noise.memory * before)
-    return np.fromiter(remembered, dtype=np.float64, count=len(steps))
-
-
 @dataclass(frozen=True)
 class _Stake:
     """A guard, its probability before the data, and which of the noises carried along it is."""
@@ -240,7 +221,7 @@ class _Stake:
 
     @classmethod
     def of(cls, guard: Guard, case: Case, carried: Stack) -> "_Stake":
-        before = sum(noise.prior for noise in case.noises if guard.of(noise))
+        before = sum(noise.prior for noise in case.usual_noises if guard.of(noise))
         return cls(guard.FACTS, before, np.array([guard.of(noise) for noise in carried.noises]))
 
 

@@ -80,6 +80,7 @@ impl Distinct {
         Products {
             blocks: sums.blocks.each_ref().map(all),
             cells: sums.cells.each_ref().map(cells),
+            log_variance: sums.log_variance.clone(),
         }
     }
 }
@@ -130,6 +131,7 @@ mod tests {
         let sums = Products {
             blocks: [(); 4].map(|()| vec![1.0, 2.0, 2.0, 5.0]),
             cells: [(); 4].map(|()| vec![1.0, 2.0, 3.0, 6.0]),
+            log_variance: vec![0.5],
         };
         let spread = found.spread(sums);
         assert_eq!(
@@ -137,5 +139,6 @@ mod tests {
             [1.0, 2.0, 8.0, 2.0, 5.0, 20.0, 8.0, 20.0, 80.0]
         );
         assert_eq!(spread.cells[3], [1.0, 2.0, 8.0, 3.0, 6.0, 24.0]);
+        assert_eq!(spread.log_variance, [0.5]);
     }
 }

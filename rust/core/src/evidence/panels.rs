@@ -2,11 +2,12 @@
 #![allow(unsafe_code)]
 #![allow(clippy::needless_range_loop)] // plain loops over constant sizes stay in registers
 
+use super::convection::Step;
 use super::gram::{GROUP, Rows, added};
 use crate::batch::staged::{BLOCK, Line};
 use crate::scalar::Scalar;
 #[cfg(target_arch = "x86_64")]
-use crate::simd::x86::{F64x4, transposed};
+use crate::simd::x86::{F64x4, F64x8, transposed};
 use crate::simd::{InstructionSet, Vector, active};
 
 /// Numbers of one row that lie side by side, in a line of the cache of their own.
@@ -201,6 +202,64 @@ impl Panels {
                     state[j] = added(factor, state[j], V::load(sources[j].add(at)));
                     state[j].store(targets[j].add(at));
                 }
+            }
+        }
+    }
+
+    /// Rows from 1 on as a filter whitens them, whose state is that of every column.
+    pub(super) fn whiten(&mut self, plain: &Self, steps: &[Step], state: &mut [f64]) {
+        assert!(steps.len() <= BLOCK && plain.width == self.width && state.len() == self.width);
+        match active() {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the instruction set is available, and the lengths were checked.
+            InstructionSet::Avx512 => unsafe { self.whiten_avx512(plain, steps, state) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            InstructionSet::Avx2 => unsafe { self.whiten_avx2(plain, steps, state) },
+            // SAFETY: the lengths were checked.
+            _ => unsafe { self.whiten_all::<f64>(plain, steps, state) },
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    unsafe fn whiten_avx512(&mut self, plain: &Self, steps: &[Step], state: &mut [f64]) {
+        // SAFETY: the caller's.
+        unsafe { self.whiten_all::<F64x8>(plain, steps, state) }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn whiten_avx2(&mut self, plain: &Self, steps: &[Step], state: &mut [f64]) {
+        // SAFETY: the caller's.
+        unsafe { self.whiten_all::<F64x4>(plain, steps, state) }
+    }
+
+    /// Columns of a panel at a time, for each waits for its own last row.
+    #[inline(always)]
+    unsafe fn whiten_all<V: Vector<Element = f64>>(
+        &mut self,
+        plain: &Self,
+        steps: &[Step],
+        state: &mut [f64],
+    ) {
+        for column in (0..self.width).step_by(V::WIDTH) {
+            let (target, source) = (self.target(column), plain.rows().column(column));
+            // SAFETY: the columns lie within the width, the rows in a block.
+            unsafe {
+                let kept = state.as_mut_ptr().add(column);
+                let mut state = V::load(kept);
+                for (row, step) in (1..).zip(steps) {
+                    let value = V::load(source.add(row * GROUP));
+                    let white = (value - V::constant(step.from) * state) * V::constant(step.scale);
+                    white.store(target.add(row * GROUP));
+                    state = added(
+                        V::constant(step.kept),
+                        state,
+                        V::constant(step.taken) * value,
+                    );
+                }
+                state.store(kept);
             }
         }
     }

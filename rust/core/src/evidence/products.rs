@@ -28,6 +28,8 @@ pub struct Layout<'a> {
     pub blocks: &'a [u32],
     /// The cell of each row; a cell lies within one block.
     pub cells: &'a [u32],
+    /// The distance of each row \[m\].
+    pub distance: &'a [f64],
     /// Number of blocks.
     pub block_count: usize,
     /// Number of cells.
@@ -46,6 +48,8 @@ pub struct Products {
     pub blocks: [Vec<f64>; 4],
     /// Products of the first column per cell: present, previous, lagged (both ways), first.
     pub cells: [Vec<f64>; 4],
+    /// Sum of the log variances that rows were whitened with, per block.
+    pub log_variance: Vec<f64>,
 }
 
 impl Products {
@@ -86,13 +90,10 @@ impl Products {
         let mut blocks = added(&parts.blocks, blocks, width * width, remembered, memory);
         blocks[2].iter_mut().for_each(|lagged| *lagged *= 0.5);
         let cells = added(&parts.cells, cells, width, remembered, memory);
-        let narrow = |sums: Vec<f64>| {
-            let lines = sums.chunks_exact(width.max(1));
-            lines.flat_map(|line| &line[..columns]).copied().collect()
-        };
         Self {
             blocks: blocks.map(|sums| triangles(&sums, width, columns)),
-            cells: cells.map(narrow),
+            cells: cells.map(|sums| narrow(&sums, width, columns)),
+            log_variance: vec![0.0; plan.layout.block_count],
         }
     }
 }
@@ -144,6 +145,12 @@ fn add(sums: &mut [f64], more: &[f64]) {
     for (sum, &value) in sums.iter_mut().zip(more) {
         *sum += value;
     }
+}
+
+/// Lines without the padding.
+pub(super) fn narrow(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
+    let lines = sums.chunks_exact(width.max(1));
+    lines.flat_map(|line| &line[..columns]).copied().collect()
 }
 
 /// Both triangles, without the padding.
@@ -199,6 +206,7 @@ mod tests {
             starts,
             blocks: zeros,
             cells: zeros,
+            distance: &ONE,
             block_count: 1,
             cell_count: 1,
         }

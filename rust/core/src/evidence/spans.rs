@@ -57,20 +57,20 @@ pub(super) struct Parts {
 impl Parts {
     /// Adds the sums of the span that follows.
     fn join(&mut self, next: Self) {
-        let (blocks, cells) = (
-            (&mut self.blocks, next.blocks),
-            (&mut self.cells, next.cells),
-        );
-        for (all, more) in [blocks, cells] {
-            for (class, kinds) in more {
-                let Some(own) = all.get_mut(&class) else {
-                    all.insert(class, kinds);
-                    continue;
-                };
-                for (sums, more) in own.iter_mut().zip(&kinds) {
-                    add(sums, more);
-                }
-            }
+        join(&mut self.blocks, next.blocks);
+        join(&mut self.cells, next.cells);
+    }
+}
+
+/// Adds the sums of the span that follows.
+pub(super) fn join(all: &mut Kinds, more: Kinds) {
+    for (class, kinds) in more {
+        let Some(own) = all.get_mut(&class) else {
+            all.insert(class, kinds);
+            continue;
+        };
+        for (sums, more) in own.iter_mut().zip(&kinds) {
+            add(sums, more);
         }
     }
 }
@@ -119,10 +119,14 @@ pub fn gram(source: &dyn Source, threads: usize) -> Vec<f64> {
 
 /// Rows of a block by class.
 #[derive(Default)]
-struct Lists(Vec<(Class, Vec<u32>)>);
+pub(super) struct Lists(Vec<(Class, Vec<u32>)>);
 
 impl Lists {
-    fn push(&mut self, class: Class, row: u32) {
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    pub(super) fn push(&mut self, class: Class, row: u32) {
         match self.0.iter_mut().rev().find(|(other, _)| *other == class) {
             Some((_, rows)) => rows.push(row),
             None => self.0.push((class, vec![row])),
@@ -130,7 +134,14 @@ impl Lists {
     }
 
     /// Adds the products of one kind to the sums, of which there are so many a class.
-    fn add(&self, panels: &Panels, kind: usize, kinds: usize, length: usize, sums: &mut Kinds) {
+    pub(super) fn add(
+        &self,
+        panels: &Panels,
+        kind: usize,
+        kinds: usize,
+        length: usize,
+        sums: &mut Kinds,
+    ) {
         let rows = panels.rows();
         let with = |(class, _): &&(Class, Vec<u32>)| kind == 0 || !class.begins;
         for (class, chosen) in self.0.iter().filter(with) {
@@ -176,7 +187,8 @@ impl<'a> Span<'a> {
         for last in &mut self.last {
             last.fill(0.0);
         }
-        let from = self.beginning(first);
+        let longest = self.plan.memories.iter().copied().fold(0.0, f64::max);
+        let from = beginning(self.plan.layout.starts, first, longest);
         for block in (from..end).step_by(BLOCK) {
             let count = BLOCK.min(end - block);
             self.reader.read(block, count, &mut self.lines);
@@ -247,8 +259,8 @@ impl<'a> Span<'a> {
 
     /// Sorts rows of the block that begins at a row.
     fn sort(&mut self, rows: core::ops::Range<usize>, block: usize) {
-        self.blocks.0.clear();
-        self.cells.0.clear();
+        self.blocks.clear();
+        self.cells.clear();
         let layout = self.plan.layout;
         for row in rows {
             let goes_on = layout.starts.get(row + 1) == Some(&false);
@@ -262,22 +274,20 @@ impl<'a> Span<'a> {
             self.cells.push(class(layout.cells), at);
         }
     }
+}
 
-    /// Where memories must begin so that they are right from a row on.
-    fn beginning(&self, first: usize) -> usize {
-        let longest = self.plan.memories.iter().copied().fold(0.0, f64::max);
-        let rows = if longest > 0.0 {
-            FORGOTTEN.log(longest)
-        } else {
-            1.0
-        };
-        let earliest = first.saturating_sub(rows.ceil() as usize);
-        let starts = &self.plan.layout.starts[earliest..=first];
-        starts
-            .iter()
-            .rposition(|&starts| starts)
-            .map_or(earliest, |at| earliest + at)
-    }
+/// Where what is remembered by a factor must begin so that it is right from a row on.
+pub(super) fn beginning(starts: &[bool], first: usize, factor: f64) -> usize {
+    let rows = if factor > 0.0 {
+        FORGOTTEN.log(factor)
+    } else {
+        1.0
+    };
+    let earliest = first.saturating_sub(rows.ceil() as usize);
+    starts[earliest..=first]
+        .iter()
+        .rposition(|&starts| starts)
+        .map_or(earliest, |at| earliest + at)
 }
 
 /// Lets a memory end: of columns that are nought again, whole panels are then left out.

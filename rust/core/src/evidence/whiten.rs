@@ -8,9 +8,9 @@ use super::threaded::fill_each;
 /// White noise on a first-order autoregression, with a random error per stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Position of its moving-average coefficient among the memories of the sums.
+    /// Position of its moving-average coefficient, or of its convection, among the sums.
     pub memory: usize,
-    /// Autoregressive coefficient.
+    /// Autoregressive coefficient; of a convection, whose sums are of white rows, 0.
     pub rho: f64,
     /// Variance of the error that all rows of a stand share, over that of the innovations.
     pub stand_ratio: f64,
@@ -23,7 +23,7 @@ pub struct Noise {
 /// What one pass over a table leaves.
 #[derive(Clone, Debug)]
 pub struct Sums {
-    /// Sums for each memory.
+    /// Sums for each memory, and for each convection.
     pub products: Vec<Products>,
     /// Number of columns.
     pub width: usize,
@@ -33,12 +33,15 @@ pub struct Sums {
     pub series: Vec<f64>,
     /// Whether groups have an unknown level (nothing known about it) or a random error.
     pub flat_level: bool,
+    /// Whether each column is finite, once that is known.
+    pub finite: Vec<bool>,
 }
 
 /// Sums over some blocks for one memory: present, previous, lagged, first.
 struct Merged {
     all: [Vec<f64>; 4],
     groups: [Vec<f64>; 4],
+    log_variance: f64,
 }
 
 impl Sums {
@@ -124,7 +127,13 @@ impl Sums {
                 }
             }
         }
-        Merged { all, groups }
+        let each = own.log_variance.iter().zip(used);
+        let log_variance = each.filter(|&(_, &used)| used).map(|(log, _)| log).sum();
+        Merged {
+            all,
+            groups,
+            log_variance,
+        }
     }
 
     /// Fills one matrix, with memory for sums over groups; returns the weight of the noise.
@@ -145,7 +154,8 @@ impl Sums {
             [1.0, rho * rho, -rho, first_weight],
             &mut groups,
         );
-        let mut weight = noise.log_prior + 0.5 * series * first_weight.ln();
+        let mut weight =
+            noise.log_prior + 0.5 * series * first_weight.ln() - 0.5 * sums.log_variance;
         let padded = width.next_multiple_of(GROUP);
         shrunken.clear();
         for line in groups.chunks_exact(width.max(1)) {
@@ -192,30 +202,17 @@ impl Sums {
                 (squares(present, column) + squares(first, column)).is_finite()
             })
             .collect();
-        if finite.iter().all(|&finite| finite) {
-            return finite;
-        }
-        for own in &mut self.products {
-            for (at, sum) in own
-                .blocks
-                .iter_mut()
-                .flat_map(|kind| kind.iter_mut().enumerate())
-            {
-                if !(finite[at % width] && finite[at / width % width]) {
-                    *sum = 0.0;
-                }
-            }
-            for (at, sum) in own
-                .cells
-                .iter_mut()
-                .flat_map(|kind| kind.iter_mut().enumerate())
-            {
-                if !finite[at % width] {
-                    *sum = 0.0;
-                }
-            }
-        }
+        self.products.iter_mut().for_each(|own| clear(own, &finite));
+        self.finite.clone_from(&finite);
         finite
+    }
+
+    /// Adds the sums of one more pass over the same rows and columns.
+    pub fn join(&mut self, more: Vec<Products>) {
+        for mut own in more {
+            clear(&mut own, &self.finite);
+            self.products.push(own);
+        }
     }
 
     /// Squares of the last column, of rows that follow another and of those before, and their
@@ -225,6 +222,29 @@ impl Sums {
         let area = self.width * self.width;
         let [present, previous, lagged, _] = &self.products[0].blocks;
         [present, previous, lagged].map(|kind| kind.chunks_exact(area).map(|b| b[area - 1]).sum())
+    }
+}
+
+/// Makes columns zero that are not finite.
+fn clear(own: &mut Products, finite: &[bool]) {
+    if finite.iter().all(|&finite| finite) {
+        return;
+    }
+    let width = finite.len();
+    let each = |kind: &mut Vec<f64>, lost: &dyn Fn(usize) -> bool| {
+        for (at, sum) in kind.iter_mut().enumerate() {
+            if lost(at) {
+                *sum = 0.0;
+            }
+        }
+    };
+    for kind in &mut own.blocks {
+        each(kind, &|at| {
+            !(finite[at % width] && finite[at / width % width])
+        });
+    }
+    for kind in &mut own.cells {
+        each(kind, &|at| !finite[at % width]);
     }
 }
 
