@@ -32,9 +32,8 @@ number of cases.
 _WHY = """Where they come from, here and in earlier runs, by what is planted (the simulator is richer than the
 engine, on purpose):
 
-- convection (`null`, and `correlated_noise` in c): the planted noise remembers more the farther the target
-  is; the engine's remembers alike everywhere. What that leaves looks like a scale, a thermometer or
-  `noise_growth`.
+- convection (`null`, and `correlated_noise` in c): warm cells that stay long are few in a table, and then
+  look like a drift, a scale or a thermometer.
 - `amplitude_walk`: the planted one is a rise of some cycles under the absorption of the real air; what the
   engine's formula leaves of it is nearly constant and follows the warmth: a delay, or an error of the
   thermometer, beside it.

@@ -150,6 +150,7 @@ mod tests {
             starts: &starts,
             blocks: &labels,
             cells: &labels,
+            distance: &distance,
             block_count: 2,
             cell_count: 2,
         };
