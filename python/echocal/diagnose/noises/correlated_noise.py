@@ -15,7 +15,7 @@ FACTS = CauseFacts(
     source="arendst/Tasmota PR #4488: slow oscillation of a static target",
     parameters=(
         Quantity("autoregression", "1", "coefficient from one row to the next"),
-        Quantity("growth", "1/m", "variance that is remembered over the rest's, where it grows with distance"),
+        Quantity("growth", "1/m", "remembered variance over the rest, where it grows with distance"),
     ),
     check="repeat the rows in a random order",
     prior=0.05,
