@@ -52,6 +52,7 @@ def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> N
     plot_posterior(joined, ax)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["clock_error or 2 others", "nothing else"]
     assert "in every set: cycle_slip" in ax.get_title(loc="left")
+    assert "clock_error or 2 others: oblique_target, reference_scale" in ax.get_title(loc="left")
     assert ax.get_title(loc="left").startswith("named: ")
     said = printed(joined, 120)
     assert "clock_error or 2 others" in said

@@ -18,7 +18,12 @@ from echocal.errors import writing
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, effects
 
-command = typer.Typer(help="Show what can deviate from the simulation, and how much.")
+command = typer.Typer(
+    help="Show what can deviate from the simulation, and how much.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
 
 Json = Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write JSON; - is stdout.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing.")]

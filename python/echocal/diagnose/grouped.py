@@ -1,7 +1,7 @@
 """Sets of causes that the data cannot tell apart, as one."""
 
-from collections.abc import Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field
 
 from echocal.diagnose.parts import Cause, Refuted
 from echocal.diagnose.result import Diagnosis
@@ -24,10 +24,13 @@ class Group:
         Each cause, or those that it might be instead.
     shares : tuple of float
         Probability of each set, most probable first.
+    members : dict of str to tuple of str
+        Behind each class that is too long to be listed in its name: all it might be.
     """
 
     classes: tuple[str, ...]
     shares: tuple[float, ...]
+    members: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def probability(self) -> float:
@@ -55,18 +58,19 @@ def grouped(diagnosis: Diagnosis) -> list[Group]:
         for id_ in ids if probability >= LEAST else ():
             members = seen.setdefault(leader.get(id_, id_), [])
             members += [id_] if id_ not in members else []
-    groups = [
-        Group(tuple(_class(id_, seen.get(id_, [id_])) for id_ in key), tuple(sorted(parts, reverse=True)))
-        for key, parts in shares.items()
-    ]
+    groups = []
+    for key, parts in shares.items():
+        named = dict(_class(id_, seen.get(id_, [id_])) for id_ in key)
+        long = {name: members for name, members in named.items() if len(members) > _SHORT}
+        groups.append(Group(tuple(named), tuple(sorted(parts, reverse=True)), long))
     return sorted(groups, key=lambda group: -group.probability)
 
 
-def _class(leader: str, members: list[str]) -> str:
-    members = sorted(members, key=lambda id_: id_ != leader)  # the name that the causes have, first
-    if len(members) <= _SHORT:
-        return " or ".join(members)
-    return f"{members[0]} or {len(members) - 1} others"
+def _class(leader: str, members: list[str]) -> tuple[str, tuple[str, ...]]:
+    """Name of a class, and what it holds: the name that the causes have, first."""
+    ordered = tuple(sorted(members, key=lambda id_: id_ != leader))
+    short = len(ordered) <= _SHORT
+    return " or ".join(ordered) if short else f"{ordered[0]} or {len(ordered) - 1} others", ordered
 
 
 def in_common(groups: Sequence[Group]) -> Set[str]:

@@ -48,4 +48,6 @@ def _remarks(groups: list[Group], common: Set[str]) -> list[str]:
         remarks.append(textwrap.fill(f"in every set: {', '.join(sorted(common))}", 2 * _WIDTH))
     if any(len(group.shares) > 1 and group.shares[1] >= LEAST for group in groups):
         remarks.append("the parts of a bar are sets that these data cannot tell apart")
+    for name, members in {name: m for group in groups for name, m in group.members.items()}.items():
+        remarks.append(textwrap.fill(f"{name}: {', '.join(members[1:])}", 2 * _WIDTH))
     return remarks
