@@ -1,5 +1,6 @@
 """A sensor on a desk: ruler distances, bursts of pings in recorded order; see ../shared/data."""
 
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -60,7 +61,9 @@ def test_the_first_ping_differs_as_medians_say(diagnosis: echocal.Diagnosis, pat
     (delay,) = cause.parameters
     assert cause.probability >= 0.9
     assert 1e3 * delay.value * 349.0 / 2 == pytest.approx(seen, abs=0.3)  # at 29 degC
-    assert "first" in cause.because
+    said = re.search(r"first ping reads (\S+) mm .* predicts (\S+) mm", cause.because)
+    assert said is not None
+    assert float(said[1]) == pytest.approx(float(said[2]), abs=0.3)  # what it tells to check is there
 
 
 def test_what_helps_rows_never_fitted_is_in_the_model(diagnosis: echocal.Diagnosis) -> None:

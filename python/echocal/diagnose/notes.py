@@ -28,7 +28,7 @@ def because(case: Case, claim: Claim, judgment: Judgment) -> str:
     others = sum((case.signal(c.variant, c.mean) for c in beside), start=np.zeros_like(signal))
     left = case.residual - others
     if "position_in_group" in find_effect(claim.cause).reads:
-        return first_against_others(left, signal, case.table.conditions["position_in_group"] == 0)
+        return first_against_others(left, signal, case.table.conditions["position_in_group"])
     return tendency(left, signal, case.table.against())
 
 

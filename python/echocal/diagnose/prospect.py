@@ -122,6 +122,6 @@ class Prospect:
         first = self.variance / self.noise.first_weight + cells
         if rho == memory:
             return first / n
-        second = self.variance * (rho - memory) * (1 - rho * memory) / (1 - rho**2)
-        second = rho * cells if self.noise.growth else np.full(len(distance), second)
+        alone = self.variance * (rho - memory) * (1 - rho * memory) / (1 - rho**2)
+        second = rho * cells if self.noise.growth else np.full(len(distance), alone)
         return np.asarray((n * first + 2 * second * ((n - lags) * rho ** (lags - 1)).sum()) / n**2)

@@ -129,11 +129,28 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
     )
 
 
-def first_against_others(left: Column, signal: Column, first: NDArray[np.bool_]) -> str:
-    """Compare the first rows of bursts with the others, as `tendency` compares the ends of a column."""
-    found = 1e3 * (np.median(left[first]) - np.median(left[~first]))
-    predicted = 1e3 * (signal[first].mean() - signal[~first].mean())
+def first_against_others(left: Column, signal: Column, position: Column) -> str:
+    """Compare the first rows of bursts with the others of the same bursts.
+
+    Bursts at other distances have remainders of their own, which say nothing about the first ping.
+    """
+    first = position == 0
+    burst = np.cumsum(first)
+    counts = np.bincount(burst[~first], minlength=burst[-1] + 1)
+    whole = np.flatnonzero(counts[1:]) + 1  # rows before the first burst belong to none
+    if not len(whole):
+        burst, counts, whole = np.zeros_like(burst), np.array([(~first).sum()]), np.array([0])
+
+    def ahead(values: Column) -> float:
+        one, rest = (_means(burst[rows], values[rows], len(counts))[whole] for rows in (first, ~first))
+        return 1e3 * float(np.mean(one - rest))
+
     return (
-        f"the {int(first.sum())} first pings of the bursts read {found:+.2f} mm against the "
-        f"{int((~first).sum())} others (medians), where this cause predicts {predicted:+.2f} mm"
+        f"in {len(whole)} burst{'s' if len(whole) > 1 else ''} the first ping reads {ahead(left):+.2f} mm "
+        f"against the mean of the others, where this cause predicts {ahead(signal):+.2f} mm"
     )
+
+
+def _means(places: NDArray[np.int64], values: Column, number: int) -> Column:
+    """Mean of the values of each place, 0 where there are none."""
+    return np.bincount(places, values, number) / np.maximum(np.bincount(places, minlength=number), 1)
