@@ -127,7 +127,7 @@ class Columns:
         distance: NDArray[np.float64],
         places: list[tuple[int, int]],
         series: NDArray[np.float64],
-        memories: list[float | tuple[float, float]],
+        memories: list[float | tuple[float, float] | None],
         flat_level: bool,
     ) -> Sums: ...
 
@@ -143,10 +143,9 @@ class Sums:
     ) -> tuple[NDArray[np.float64], _Column]: ...
     def join(self, more: Sums) -> None: ...
     def clear_infinite(self) -> list[bool]: ...
-    def steps(self) -> list[float]: ...
 
 def whitened(
-    memory: float | tuple[float, float],
+    memory: float | tuple[float, float] | None,
     rho: float,
     first_weight: float,
     values: NDArray[np.float64],

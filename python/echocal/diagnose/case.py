@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from echocal.diagnose.alias import Geometry
 from echocal.diagnose.base import Base
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Scene, Variant, effect_candidates
-from echocal.diagnose.evidence import Stack
+from echocal.diagnose.evidence import Stack, Weighed
 from echocal.diagnose.gain import Folds
-from echocal.diagnose.noise import FINEST, Convection, Noise, noises
+from echocal.diagnose.memories import at_first, that_may_be_there
+from echocal.diagnose.noise import FINEST, WHITE, Convection, Noise, noises
 from echocal.diagnose.order import Order
 from echocal.diagnose.scene import Table
 from echocal.diagnose.sums import Sums
@@ -65,13 +66,12 @@ class Case:
     @property
     def noises(self) -> tuple[Noise, ...]:
         """Noises that the table allows."""
-        return noises(
-            self.at_stands, [memory for memory in self.sums.memories if isinstance(memory, Convection)]
-        )
+        found = [memory for memory in self.sums.memories if isinstance(memory, Convection)]
+        return tuple(noise for noise in noises(self.at_stands, found) if self.sums.has(noise))
 
     @property
     def usual_noises(self) -> tuple[Noise, ...]:
-        """Those that do not depend on the distance: of each kind as probable as all are."""
+        """Those that do not depend on the distance, whether summed or not: each kind with all its prior."""
         return noises(self.at_stands)
 
     @property
@@ -84,6 +84,14 @@ class Case:
         """Whether rows are at known distances that differ: noise may grow with them."""
         reference = self.table.reference
         return reference is not None and float(np.ptp(reference)) > _SPREAD * float(reference.mean())
+
+    def left(self, weighed: Weighed, rows: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Residual of the base less what a hypothesis makes of it, at some rows [m]."""
+        variants = weighed.hypothesis.variants
+        fixed = [v.offset for v in variants if v.offset is not None]
+        free = [column for v in variants for column in v.free]
+        sizes = np.concatenate([np.ones(len(fixed)), weighed.mean])
+        return np.asarray(self.residual[rows] - sizes @ self.found.columns.at([*fixed, *free], rows))
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
         """Whitened products over some blocks, one per noise."""
@@ -102,9 +110,11 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     effect_candidates(found, scene)
     shape_candidates(found, table.against(), known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
-    sums = Sums.gather(found.columns, _order(table), folds.blocks)
+    sums = Sums.gather(found.columns, _order(table), folds.blocks, at_first(len(table)))
     _drop_infinite(found, sums)
-    _drop_invisible(found, sums)
+    _drop_invisible(found, sums, residual)
+    if sums.memories == [WHITE] and (others := that_may_be_there(found.columns, sums, residual)):
+        sums.remember(found.columns, others)
     return Case(table, base, found, residual, sums, folds, seed)
 
 
@@ -123,18 +133,24 @@ def _drop_infinite(found: Candidates, sums: Sums) -> None:
     found.variants[:] = [v for v in found.variants if v.cause not in broken]
 
 
-def _drop_invisible(found: Candidates, sums: Sums) -> None:
+def _drop_invisible(found: Candidates, sums: Sums, residual: NDArray[np.float64]) -> None:
     """Drop causes that could not show in these data even at three times their usual size.
 
     Weighing them would only spread probability over causes that nobody can see.
     """
     used = np.ones(len(sums.rows), dtype=bool)
     products = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), used).products
-    steps = sums.mean_square_step() / 2  # noise alone, whatever slow effects there are
-    shape = Geometry(products, max(min(steps, products[-1, -1] / sums.degrees()), FINEST**2))
+    variance = min(_of_steps(residual, sums.order), products[-1, -1] / sums.degrees())
+    shape = Geometry(products, max(variance, FINEST**2))
     visible = 3 * shape.visibilities(found.variants) > _VISIBLE
     kept = {v.cause for v, shows in zip(found.variants, visible, strict=True) if shows or v.cause == UNKNOWN}
     for variant in found.variants:
         if variant.cause not in kept:
             found.skipped[variant.cause] = INVISIBLE
     found.variants[:] = [v for v in found.variants if v.cause in kept]
+
+
+def _of_steps(residual: NDArray[np.float64], order: Order) -> float:
+    """Variance of the noise alone [m^2], whatever slow effects there are: half the mean square step."""
+    steps = np.diff(residual)[~order.starts[1:]]
+    return float(np.nansum(steps**2)) / 2 / max(len(steps), 1)

@@ -4,7 +4,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import NamedTuple
 
-__all__ = ["CONVECTIONS", "FINEST", "Convection", "Memory", "Noise", "noises"]
+__all__ = ["CONVECTIONS", "FINEST", "RHO", "WHITE", "Convection", "Memory", "Noise", "noises"]
 
 FINEST = 1e-9
 """Standard deviation below which no noise is believed [m]; data of a simulation may have none."""
@@ -38,8 +38,11 @@ CONVECTIONS = tuple(
 )
 """The convections considered, where rows are at different distances."""
 
-Memory = float | Convection
-"""What a pass over the rows remembers: a moving-average coefficient, or a convection."""
+Memory = float | Convection | None
+"""What a pass over the rows remembers: a moving-average coefficient, a convection, or nothing."""
+
+WHITE: Memory = None
+"""The memory of white noise."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,8 @@ class Noise:
     @property
     def remembers(self) -> Memory:
         """What a pass over the rows must remember for it."""
+        if self.rho == 0.0:
+            return WHITE
         return Convection(self.rho, self.growth) if self.growth else self.memory
 
     @property

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.columns import Columns
-from echocal.diagnose.noise import RHO, Memory, Noise
+from echocal.diagnose.noise import RHO, WHITE, Memory, Noise
 from echocal.diagnose.order import Order
 
 __all__ = ["Sums", "Whitened"]
@@ -94,6 +94,14 @@ class Sums:
         self.products.join(more.products)
         self.memories.extend(memories)
 
+    def has(self, noise: Noise) -> bool:
+        """Whether the rows were summed as a noise asks for."""
+        return noise.remembers is WHITE or noise.remembers in self.memories
+
+    def _place(self, memory: Memory) -> int:
+        """Position of the sums for a memory: white noise is any autoregression's with coefficient 0."""
+        return self.memories.index(memory if memory in self.memories else 0.0)
+
     def whiten_all(
         self,
         noises: Sequence[Noise],
@@ -107,7 +115,7 @@ class Sums:
         use = np.ones(len(self.rows), dtype=bool) if use is None else use
         given = [
             (
-                self.memories.index(n.remembers),
+                self._place(n.remembers),
                 0.0 if n.growth else n.rho,
                 n.stand_ratio,
                 n.first_weight,
@@ -132,12 +140,6 @@ class Sums:
     def clear_infinite(self) -> NDArray[np.bool_]:
         """Make columns zero that are not finite; return which are."""
         return np.array(self.products.clear_infinite())
-
-    def mean_square_step(self) -> float:
-        """Mean square of the last column's change from row to row."""
-        present, previous, lagged = self.products.steps()
-        steps = self.rows.sum() - self.series.sum()
-        return float((present + previous - 2 * lagged) / max(steps, 1))
 
     def degrees(self, use: NDArray[np.bool_] | None = None) -> int:
         """Rows less unknown levels."""

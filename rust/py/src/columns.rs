@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use crate::errors::to_python;
 use crate::evidence::layout;
 use crate::model::CoreModel;
-use crate::sums::{CoreSums, Remembered};
+use crate::sums::{CoreSums, Remembered, memory};
 
 type Array = Py<PyArray1<f64>>;
 
@@ -233,7 +233,7 @@ impl CoreColumns {
         distance: PyReadonlyArray1<'py, f64>,
         places: Vec<(usize, usize)>,
         series: Vec<f64>,
-        memories: Vec<Remembered>,
+        memories: Vec<Option<Remembered>>,
         flat_level: bool,
     ) -> PyResult<CoreSums> {
         let rows = self.distance.bind(py).len();
@@ -249,7 +249,7 @@ impl CoreColumns {
             ..layout
         };
         let threads = available_threads();
-        let memories: Vec<Memory> = memories.into_iter().map(Memory::from).collect();
+        let memories: Vec<Memory> = memories.into_iter().map(memory).collect();
         let products = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
             let sums = Memory::gather(&distinct.among(columns), &layout, &memories, threads);

@@ -10,19 +10,20 @@ use pyo3::prelude::*;
 /// Memory (by position), autoregression, variance ratio of stands, weight of first rows, log prior.
 type Given = (usize, f64, f64, f64, f64);
 
-/// A moving-average coefficient, or autoregression and growth of a convection.
+/// A moving-average coefficient, or autoregression and growth of a convection; None is white.
 #[derive(FromPyObject)]
 pub enum Remembered {
     Convection((f64, f64)),
     Fading(f64),
 }
 
-impl From<Remembered> for Memory {
-    fn from(remembered: Remembered) -> Self {
-        match remembered {
-            Remembered::Convection((rho, growth)) => Self::Convection(Convection { rho, growth }),
-            Remembered::Fading(factor) => Self::Fading(factor),
+pub fn memory(remembered: Option<Remembered>) -> Memory {
+    match remembered {
+        None => Memory::White,
+        Some(Remembered::Convection((rho, growth))) => {
+            Memory::Convection(Convection { rho, growth })
         }
+        Some(Remembered::Fading(factor)) => Memory::Fading(factor),
     }
 }
 
@@ -30,7 +31,7 @@ impl From<Remembered> for Memory {
 #[pyfunction]
 pub fn whitened<'py>(
     py: Python<'py>,
-    memory: Remembered,
+    remembered: Option<Remembered>,
     rho: f64,
     first_weight: f64,
     values: PyReadonlyArray1<'py, f64>,
@@ -41,7 +42,7 @@ pub fn whitened<'py>(
     if [starts.len(), distance.len()] != [values.len(); 2] {
         return Err(PyValueError::new_err("columns differ in length"));
     }
-    let memory = Memory::from(memory);
+    let memory = memory(remembered);
     let (white, log) = py.detach(|| memory.whitened(rho, first_weight, values, starts, distance));
     Ok((PyArray1::from_vec(py, white), log))
 }
@@ -130,11 +131,5 @@ impl CoreSums {
     /// Makes columns zero that are not finite; tells which are.
     fn clear_infinite(&mut self) -> Vec<bool> {
         self.sums.clear_infinite()
-    }
-
-    /// Squares of the last column, of those before, and their products, over rows that follow
-    /// another.
-    fn steps(&self) -> [f64; 3] {
-        self.sums.steps()
     }
 }

@@ -6,8 +6,8 @@ import numpy as np
 
 from echocal.diagnose.case import Case
 from echocal.diagnose.evidence import Stack, Weighed
+from echocal.diagnose.innovation import log_likelihood
 from echocal.diagnose.noise import CONVECTIONS, Convection, Noise
-from echocal.diagnose.noises.innovation import innovation, left_by
 
 __all__ = ["convections"]
 
@@ -52,12 +52,8 @@ def _memory(weighed: Sequence[Weighed], carried: Stack) -> float:
 def _beside(case: Case, one: Weighed, usual: Noise) -> set[Convection]:
     """Convections that are likely enough beside one hypothesis."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
-    left, order = left_by(case, one, rows), case.sums.order.at(rows)
-
-    def log_likelihood(noise: Noise) -> float:
-        return -0.5 * len(rows) * float(np.log(np.mean(innovation(left, order, noise) ** 2)))
-
+    left, order = case.left(one, rows), case.sums.order.at(rows)
     noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in CONVECTIONS)
-    logs = [log_likelihood(noise) for noise in noises]
-    least = max(log_likelihood(usual), *logs) - _BEHIND
+    logs = [log_likelihood(left, order, noise) for noise in noises]
+    least = max(log_likelihood(left, order, usual), *logs) - _BEHIND
     return {each for each, log in zip(CONVECTIONS, logs, strict=True) if log > least}

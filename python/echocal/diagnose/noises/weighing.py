@@ -12,6 +12,7 @@ from echocal.diagnose.case import Case
 from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.facts import CauseFacts
 from echocal.diagnose.hypotheses import PRIOR
+from echocal.diagnose.innovation import innovation
 from echocal.diagnose.noise import Noise
 from echocal.diagnose.noises import (
     correlated_noise,
@@ -20,7 +21,6 @@ from echocal.diagnose.noises import (
     polling_jitter,
     reference_error,
 )
-from echocal.diagnose.noises.innovation import innovation, left_by
 from echocal.diagnose.noises.trace import Likelihood, Trace
 
 __all__ = ["GUARDS", "SHAPES", "NoiseShares", "weigh_noises"]
@@ -185,7 +185,7 @@ def _beside(
 
 
 def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) -> Trace:
-    left = left_by(case, weighed, rows)
+    left = case.left(weighed, rows)
     order = case.sums.order.at(rows)
     groups = order.groups
     flat = case.sums.flat_level

@@ -9,6 +9,8 @@ use super::source::Source;
 /// How the noise of a row is tied to that of the rows before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Memory {
+    /// White noise: a row owes nothing to another.
+    White,
     /// A moving-average coefficient, beside any autoregression.
     Fading(f64),
     /// Warm cells in the path of the echo.
@@ -30,6 +32,7 @@ impl Memory {
         let (mut fading, mut convections) = (Vec::new(), Vec::new());
         for &memory in memories {
             match memory {
+                Self::White => {}
                 Self::Fading(factor) => fading.push(factor),
                 Self::Convection(convection) => convections.push(convection),
             }
@@ -44,6 +47,7 @@ impl Memory {
         }
         let (mut faded, mut drifted) = (faded.into_iter(), drifted.into_iter());
         let next = |memory: &Self| match memory {
+            Self::White => plain(source, layout, threads),
             Self::Fading(_) => faded.next(),
             Self::Convection(_) => drifted.next(),
         };
@@ -70,6 +74,7 @@ impl Memory {
         let memory = match self {
             Self::Convection(convection) => return convection.whitened(values, starts, distance),
             Self::Fading(memory) => memory,
+            Self::White => return (values.to_vec(), 0.0),
         };
         assert!(values.len() == starts.len());
         let (mut kept, mut series) = (0.0, 0);
@@ -86,6 +91,16 @@ impl Memory {
         let white = white.collect();
         (white, -f64::from(series) * first_weight.ln())
     }
+}
+
+/// The sums of rows each of which begins a series.
+fn plain(source: &dyn Source, layout: &Layout<'_>, threads: usize) -> Option<Products> {
+    let starts = vec![true; layout.starts.len()];
+    let apart = Layout {
+        starts: &starts,
+        ..*layout
+    };
+    Products::gather(source, &apart, &[0.0], threads).pop()
 }
 
 #[cfg(test)]

@@ -214,15 +214,6 @@ impl Sums {
             self.products.push(own);
         }
     }
-
-    /// Squares of the last column, of rows that follow another and of those before, and their
-    /// products.
-    #[must_use]
-    pub fn steps(&self) -> [f64; 3] {
-        let area = self.width * self.width;
-        let [present, previous, lagged, _] = &self.products[0].blocks;
-        [present, previous, lagged].map(|kind| kind.chunks_exact(area).map(|b| b[area - 1]).sum())
-    }
 }
 
 /// Makes columns zero that are not finite.

@@ -1,26 +1,17 @@
 """What guards leave of the residuals: innovations."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.case import Case
-from echocal.diagnose.evidence import Weighed
-from echocal.diagnose.noise import Noise
+from echocal.diagnose.noise import FINEST, Noise
 from echocal.diagnose.order import Order
 
-__all__ = ["innovation", "left_by"]
+__all__ = ["innovation", "log_likelihood"]
 
 Column = NDArray[np.float64]
-
-
-def left_by(case: Case, weighed: Weighed, rows: NDArray[np.int64]) -> Column:
-    """Residual of the base less what a hypothesis makes of it, at some rows [m]."""
-    variants = weighed.hypothesis.variants
-    fixed = [v.offset for v in variants if v.offset is not None]
-    free = [column for v in variants for column in v.free]
-    sizes = np.concatenate([np.ones(len(fixed)), weighed.mean])
-    return np.asarray(case.residual[rows] - sizes @ case.found.columns.at([*fixed, *free], rows))
 
 
 def innovation(left: Column, order: Order, noise: Noise) -> Column:
@@ -47,3 +38,9 @@ def innovation(left: Column, order: Order, noise: Noise) -> Column:
     series = (np.ascontiguousarray(left), order.starts, order.distance)
     white, log_variance = _core.whitened(noise.remembers, noise.rho, noise.first_weight, *series)
     return np.asarray(white * np.exp(0.5 * log_variance / len(left)))
+
+
+def log_likelihood(left: Column, order: Order, noise: Noise) -> float:
+    """Log likelihood of normal noise of unknown size, up to a constant of the rows."""
+    square = float(np.mean(innovation(left, order, noise) ** 2))
+    return -0.5 * len(left) * math.log(max(square, FINEST**2))

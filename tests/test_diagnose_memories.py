@@ -1,0 +1,55 @@
+"""Noise that remembers: in long tables, where most memories are never summed, and in warm cells of air."""
+
+import numpy as np
+import pytest
+from hidden_effects.designs import remembering
+
+import echocal
+from echocal.diagnose import memories
+
+ROWS = 24_000  # more than a short table
+
+
+def log(noise: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]:
+    """A field log of a sensor that answers 40 us late."""
+    temperature = 15 + 8 * np.sin(np.arange(ROWS) * 2 * np.pi / 288) + random.normal(0, 1, ROWS)
+    distance = random.uniform(0.3, 4.0, ROWS)
+    echo = 2 * (distance + noise * np.sqrt(distance / 2)) / echocal.speed_of_sound(temperature, law="linear")
+    return {
+        "echo_us": 1e6 * echo + 40.0,
+        "temperature_C": temperature,
+        "distance_m": distance,
+        "time_s": 300.0 * np.arange(ROWS),
+    }
+
+
+@pytest.mark.parametrize("keep", [0.0, 0.9])
+def test_a_long_table_is_judged_as_if_every_memory_were_summed(
+    keep: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = np.random.default_rng()
+    white, cells = random.normal(0, 1e-3, ROWS), remembering(ROWS, keep, random)
+    table = log(white + (1e-3 * cells if keep else 0.0), random)
+    quick = echocal.diagnose(table)
+    monkeypatch.setattr(memories, "_LONG", ROWS)
+    whole = echocal.diagnose(table)
+    assert quick.causes[0].id == "fixed_delay"
+    assert ("correlated_noise" in {c.id for c in quick.causes}) == (keep > 0)
+    assert [c.id for c in quick.causes] == [c.id for c in whole.causes]
+    for one, other in zip(quick.causes, whole.causes, strict=True):
+        assert one.probability == pytest.approx(other.probability, abs=1e-3)
+    assert quick.noise == pytest.approx(whole.noise, rel=1e-6)
+
+
+def test_cells_of_warm_air_are_told_by_how_they_grow() -> None:
+    random = np.random.default_rng()
+    cells = 1.5e-3 * remembering(ROWS, 0.9, random)
+    table = log(cells, random)
+    table["echo_us"] += random.normal(0, 6.0, ROWS)  # 1 mm
+    diagnosis = echocal.diagnose(table)
+    (found,) = (c for c in diagnosis.causes if c.id == "correlated_noise")
+    values = {p.name: p.value for p in found.parameters}
+    assert values["autoregression"] == pytest.approx(0.9, abs=0.06)
+    assert values["growth"] == pytest.approx(1.1, rel=0.5)  # 1.5^2 / 2 over 1.03^2
+    assert "farther" in found.because
+    assert "noise_growth" not in {c.id for c in diagnosis.causes}
