@@ -9,8 +9,8 @@ import echocal
 from echocal.diagnose.candidates import Candidates, Variant
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.evidence import Hypothesis, Stack, weigh, weigh_each
-from echocal.diagnose.noise import CONVECTIONS, Convection, Noise, noises
 from echocal.diagnose.innovation import innovation
+from echocal.diagnose.noise import CONVECTIONS, Convection, Noise, noises
 from echocal.diagnose.order import Order
 from echocal.diagnose.sums import Sums, Whitened
 from echocal.diagnose.unexplained import HOUR, Basis, column_of, shape_candidates
