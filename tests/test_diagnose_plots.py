@@ -117,3 +117,24 @@ def test_columns_may_have_any_name(name: str, tmp_path: Path) -> None:
     assert max(map(len, ax.get_xlabel().splitlines())) <= 80
     assert len(ax.get_xlabel().splitlines()) <= 3
     assert " ".join(name.split()) in " ".join(printed(found, 2000).split())
+
+
+def test_no_title_is_wider_than_its_figure(diagnosis: echocal.Diagnosis) -> None:
+    ids = (
+        "clock_temperature_coefficient",
+        "reading_quantization",
+        "temperature_self_heating",
+        "noise_growth",
+    )
+    causes = tuple(Cause(id_, "noise", 0.99, (), (), "rows") for id_ in ids)
+    gain = diagnosis.gain
+    assert gain is not None
+    gain = replace(gain, scheme="rows from 2022-07-20 12:00 on, held out from everything that is fitted")
+    long = replace(diagnosis, causes=causes, refuted=(), posterior=((ids, 0.9), ((), 0.1)), gain=gain)
+    for plot, size in ((plot_posterior, (8.0, 3.2)), (plot_gain, (6.0, 2.8))):
+        figure = Figure(figsize=size, layout="constrained")
+        ax = figure.add_subplot()
+        plot(long, ax)
+        figure.draw_without_rendering()
+        title = ax._left_title  # type: ignore[attr-defined]
+        assert title.get_window_extent().x1 <= figure.bbox.x1

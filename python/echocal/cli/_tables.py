@@ -19,6 +19,8 @@ from echocal.observations.plan import read_columns
 __all__ = ["Columns", "Json", "Missing", "Quiet", "ReadingSpeed", "SkipLines", "TimeZone", "Trust"]
 __all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read", "write_json"]
 
+_OURS = (DataWarning, DomainWarning)
+
 Columns: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
@@ -86,12 +88,12 @@ def options_of(
 
 
 @contextmanager
-def noted(quiet: bool) -> Iterator[None]:
-    """Turn warnings of echocal into notes, each once."""
+def noted(quiet: bool, kind: type[Warning] | tuple[type[Warning], ...] = _OURS) -> Iterator[None]:
+    """Turn warnings of a kind into notes, each once; no other warning is for users of a command."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
-    ours = (warning for warning in caught if issubclass(warning.category, DataWarning | DomainWarning))
+    ours = (warning for warning in caught if issubclass(warning.category, kind))
     notes(list(dict.fromkeys(str(warning.message) for warning in ours)), quiet)
 
 

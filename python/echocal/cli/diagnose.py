@@ -1,6 +1,5 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
-import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -20,12 +19,13 @@ from echocal.cli._tables import (
     SkipLines,
     TimeZone,
     Trust,
+    noted,
     options_of,
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
 from echocal.diagnose.ranges import parsed_ranges
-from echocal.errors import DataWarning, UsageError
+from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.report import print_diagnosis
 
@@ -81,8 +81,7 @@ def command(
         raise UsageError("--with-shape says what the model has: give --model OUT.json, too")
     refuse_unwritable(model, json, folder=plots)
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-    # what warnings would say is among the notes
-    with warnings.catch_warnings(action="ignore", category=DataWarning), _bar(quiet) as bar:
+    with _bar(quiet) as bar, noted(quiet, DomainWarning):  # what a DataWarning would say is among the notes
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.belief import Belief, believe
+from echocal.diagnose.candidates import UNKNOWN
 from echocal.diagnose.case import Case
 from echocal.diagnose.claims import Claim, alternatives, parameters
 from echocal.diagnose.faults import Faults
@@ -65,6 +66,7 @@ def conclude(
         noise=_noise(belief),
         notes=(
             *belief.varying.values(),
+            *_passed_over(belief, judgment),
             *notes(case, observations, judgment, belief.stack),
             *_outside(case, len(observations), judgment),
         ),
@@ -84,6 +86,19 @@ def _causes(
         *(_cause(case, claim, judgment) for claim in others),
         *joint.causes,
     )
+
+
+def _passed_over(belief: Belief, judgment: Judgment) -> list[str]:
+    """Say why a cause that is likely in the posterior is none of the claims."""
+    told = {id_ for claim in belief.claims for id_ in (claim.cause, *claim.rivals)}
+    told |= {*belief.varying, *(refuted.id for refuted in judgment.refuted)}
+    likely = sorted({id_ for ids, _ in belief.ranking.sets for id_ in ids} - {UNKNOWN, *told})
+    return [
+        f"{id_} is likely in the posterior and not claimed: beside what nobody explains, a second smooth "
+        "shape or an offset explains these rows as well"
+        for id_ in likely
+        if belief.remainder is not None and belief.ranking.of([id_]) >= NAMED
+    ]
 
 
 def _rows(case: Case, observations: Observations) -> dict[str, Any]:

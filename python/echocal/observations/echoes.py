@@ -1,12 +1,13 @@
 """Echo times from what the device indicated, and whether both agree."""
 
+import warnings
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.errors import DataError
+from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
 from echocal.observations.numbers import row
 from echocal.observations.plan import Assignment
@@ -69,7 +70,11 @@ class FirmwareSpeed:
         DataError
             If the speed is none that a usable row can have been made with.
         """
-        echo_time = self._model.time_of_flight(reading, **self._given())
+        used = {name: np.where(usable, values, np.nan) for name, values in self._conditions.items()}
+        echo_time = self._model.time_of_flight(reading, **(used or self._given()))
+        if used and not usable.all():  # unusable rows are told already
+            with warnings.catch_warnings(action="ignore", category=DomainWarning):
+                echo_time = self._model.time_of_flight(reading, **self._given())
         wrong = np.flatnonzero(usable & ~((echo_time > 0.0) & (echo_time < np.inf)))
         if len(wrong):
             speed = np.broadcast_to(self._model.speed_of_sound(1.0, **self._given()), echo_time.shape)

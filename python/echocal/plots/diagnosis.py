@@ -1,5 +1,6 @@
 """Plots of a diagnosis."""
 
+import textwrap
 from pathlib import Path
 
 import matplotlib as mpl
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.sentences import shown, telling_column
 from echocal.errors import writing
-from echocal.plots.labels import fitted
+from echocal.plots.labels import fitted, title_beside
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
@@ -22,6 +23,8 @@ _BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark: apa
 _BINS = 30
 _PANELS = 4
 _LABEL = 55  # characters of a line below a panel
+_FEW = 200  # rows that one can see one by one
+_ENOUGH = 5  # rows whose mean is worth drawing
 _SAME = 1e-6  # m, far below what any sensor of this kind resolves
 
 
@@ -143,15 +146,15 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
     traces = diagnosis.traces
     same = np.array_equal(traces.before, traces.after, equal_nan=True)
     values, label = shown(against, traces.against[against])
-    for residual, color, name in (
-        (traces.before, _BEFORE, "base, not extended" if same else "base"),
-        (traces.after, _AFTER, "extended model"),
+    for residual, color, width, name in (
+        (traces.before, _BEFORE, 3.2, "base, not extended" if same else "base"),  # seen below the other
+        (traces.after, _AFTER, 1.6, "extended model"),
     )[: 1 if same else 2]:
         finite = np.isfinite(residual)
         x, y = values[finite], 1e3 * residual[finite]
-        few = len(x) <= 200
+        few = len(x) <= _FEW
         ax.plot(x, y, "o", color=color, mew=0, markersize=5 if few else 2.5, alpha=_opacity(len(x)))
-        ax.plot(*_binned(x, y), "-", color=color, linewidth=1.8, label=name)
+        ax.plot(*_binned(x, y), "-", color=color, linewidth=width, label=name)
     middle = 1e3 * np.nanpercentile(np.concatenate([traces.before, traces.after]), [0.5, 99.5])
     room = 0.25 * np.ptp(middle) + 1e-3
     ax.set_ylim(middle[0] - room, middle[1] + room)
@@ -176,10 +179,10 @@ def _bins(x: NDArray[np.float64]) -> NDArray[np.int64]:
 def _binned(
     x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Means of bins with about equally many rows, so that no line hangs on one row."""
+    """Means of bins with about equally many rows; where many rows are, no line hangs on a few."""
     bins = _bins(x)
     rows = np.bincount(bins)
-    filled = rows > 0
+    filled = rows >= (1 if len(x) <= _FEW else min(_ENOUGH, rows.max()))
     means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]
     return means[0], means[1]
 
@@ -212,9 +215,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
         if len(gain.ladder) > 1
         else " mm, and no effect extends the base"
     )
-    ax.set_title(
-        f"error: {1e3 * gain.rms_before_m:.2f}{after}, on {gain.held_out_rows} rows ({gain.scheme})\n"
-        "dotted: what every recorded column together could reach",
-        fontsize=8,
-        loc="left",
-    )
+    error = f"error: {1e3 * gain.rms_before_m:.2f}{after}, on {gain.held_out_rows} rows ({gain.scheme})"
+    width = title_beside(names, ax)
+    lines = (error, "dotted: what every recorded column together could reach")
+    ax.set_title("\n".join(textwrap.fill(line, width) for line in lines), fontsize=8, loc="left")

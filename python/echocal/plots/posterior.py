@@ -8,11 +8,13 @@ from matplotlib.axes import Axes
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.explain import lead
 from echocal.diagnose.grouped import LEAST, Group, grouped, in_common
+from echocal.plots.labels import title_beside
 
 __all__ = ["plot_posterior"]
 
 _COLOR = "#155a75"
 _MOST = 6  # bars
+_FEWEST = 2  # bars that there is room for: one alone is no wall
 _WIDTH = 46  # characters of a label's line
 
 
@@ -35,19 +37,21 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
             left += share
         ax.text(left + 0.015, place, f"{left:.3f}", va="center")
     ax.set_yticks(range(len(groups)), labels)
-    ax.invert_yaxis()
+    ax.set_ylim(max(len(groups), _FEWEST) - 0.5, -0.5)
     ax.set(xlim=(0.0, 1.15), xticks=[0.0, 0.25, 0.5, 0.75, 1.0], xlabel="probability")
     said = lead(diagnosis)
-    finding = textwrap.fill(f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}", 2 * _WIDTH)
-    ax.set_title("\n".join([finding, *_remarks(groups, common)]), fontsize=8, loc="left")
+    finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
+    width = title_beside(labels, ax)
+    lines = [textwrap.fill(text, width) for text in (finding, *_remarks(groups, common))]
+    ax.set_title("\n".join(lines), fontsize=8, loc="left")
 
 
 def _remarks(groups: list[Group], common: Set[str]) -> list[str]:
     remarks = []
     if common:
-        remarks.append(textwrap.fill(f"in every set: {', '.join(sorted(common))}", 2 * _WIDTH))
+        remarks.append(f"in every set: {', '.join(sorted(common))}")
     if any(len(group.shares) > 1 and group.shares[1] >= LEAST for group in groups):
         remarks.append("the parts of a bar are sets that these data cannot tell apart")
     for name, members in {name: m for group in groups for name, m in group.members.items()}.items():
-        remarks.append(textwrap.fill(f"{name}: {', '.join(members[1:])}", 2 * _WIDTH))
+        remarks.append(f"{name}: {', '.join(members[1:])}")
     return remarks
