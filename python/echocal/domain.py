@@ -104,10 +104,10 @@ def warn_outside(
     values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
     if min(value.size for value in values) == 0:
         return
-    lowest = [float(np.fmin.reduce(value, axis=None)) for value in values]
-    highest = [float(np.fmax.reduce(value, axis=None)) for value in values]
+    lowest = [_extreme(np.fmin, value) for value in values]
+    highest = [_extreme(np.fmax, value) for value in values]
     sound = values[4][values[4] != 0.0]  # at frequency zero nothing disperses
-    lowest[4] = float(np.fmin.reduce(sound, axis=None)) if sound.size else 0.0
+    lowest[4] = _extreme(np.fmin, sound) if sound.size else 0.0
     # water and frequency over pressure are largest where the pressure is lowest
     lowest[2], highest[2] = highest[2], lowest[2]
     if _core.departure(law, lowest) is None and _core.departure(law, highest) is None:
@@ -121,6 +121,10 @@ def warn_outside(
     where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
     message = f"{describe(law, row, where)} (echocal.departures gives every row)"
     warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
+
+
+def _extreme(which: np.ufunc, values: NDArray[np.float64]) -> float:
+    return float(values) if values.ndim == 0 else float(which.reduce(values, axis=None))
 
 
 def describe(law: str | None, row: list[float], where: str) -> str:

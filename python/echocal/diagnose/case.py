@@ -110,7 +110,8 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     effect_candidates(found, scene)
     shape_candidates(found, table.against(), known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
-    sums = Sums.gather(found.columns, _order(table), folds.blocks, at_first(len(table)))
+    order = _order(table)
+    sums = Sums.gather(found.columns, order, folds.blocks, at_first(order))
     _drop_infinite(found, sums)
     _drop_invisible(found, sums, residual)
     if sums.memories == [WHITE] and (others := that_may_be_there(found.columns, sums, residual)):

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.columns import Columns
 from echocal.diagnose.innovation import log_likelihood
 from echocal.diagnose.noise import FINEST, RHO, WHITE, Memory, Noise
+from echocal.diagnose.order import Order
 from echocal.diagnose.sums import Sums
 
 __all__ = ["at_first", "that_may_be_there"]
@@ -18,9 +19,12 @@ _STRETCHES, _STRETCH = 5, 20_000  # rows that are looked at
 _RIDGE = 9.0  # square of the prior standard deviations that a coefficient may be from zero
 
 
-def at_first(rows: int) -> Sequence[Memory]:
-    """List the memories that a first pass has: all in a short table, none in a long one."""
-    return tuple(RHO) if rows <= _LONG else (WHITE,)
+def at_first(order: Order) -> Sequence[Memory]:
+    """List the memories that a first pass has: all in a short table, none in a long one.
+
+    Where no row follows another, nothing can be remembered.
+    """
+    return (WHITE,) if len(order.starts) > _LONG or order.starts.all() else tuple(RHO)
 
 
 def that_may_be_there(columns: Columns, sums: Sums, residual: NDArray[np.float64]) -> list[Memory]:

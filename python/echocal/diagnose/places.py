@@ -24,6 +24,7 @@ _CLOSEST = 0.5  # rows between two places at which an effect may begin
 _ENDS = 5  # rows at either end of a table: what begins there is a wild row rather than an effect
 _BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
 _FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
+_ALIKE = 1e-9  # part of a column's square below which it is what others are
 _ROUNDING = 1e-9  # part of a sum of products that arithmetic leaves
 
 
@@ -145,7 +146,8 @@ class _Look:
         products = self.known[value]
         own = len(products) - len(self.of)
         among, along = products[:own, :own], products[:own, own + of]
-        return float(np.linalg.lstsq(among, along, rcond=1e-9)[0] @ along)
+        ridge = np.diag(_ALIKE * among.diagonal() + np.finfo(float).tiny)
+        return float(np.linalg.solve(among + ridge, along) @ along)
 
     def _products(self, values: Sequence[float], rows: slice) -> dict[float, Matrix]:
         scene = self.scene

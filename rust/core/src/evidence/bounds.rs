@@ -64,7 +64,7 @@ impl Bounds {
 /// Probability that a standard normal number lies between `low` and `high`.
 #[inline(always)]
 fn mass(low: Lane, high: Lane) -> Lane {
-    let (below, above) = (low.map(|x| tail(x.abs())), high.map(|x| tail(x.abs())));
+    let (below, above) = (beyond(low), beyond(high));
     let mut found = Lane::all(1.0) - below - above;
     for lane in 0..LANES {
         if low.0[lane] > 0.0 {
@@ -74,6 +74,15 @@ fn mass(low: Lane, high: Lane) -> Lane {
         }
     }
     found
+}
+
+/// Tails beyond some numbers; none where there is no bound.
+#[inline(always)]
+fn beyond(limit: Lane) -> Lane {
+    if limit.0.iter().all(|x| x.is_infinite()) {
+        return Lane::all(0.0);
+    }
+    limit.map(|x| tail(x.abs()))
 }
 
 #[cfg(test)]

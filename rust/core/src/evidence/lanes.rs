@@ -99,24 +99,27 @@ pub(super) fn less(from: Lane, a: &[Lane], b: &[Lane]) -> Lane {
     rest - ((sums[0] + sums[1]) + (sums[2] + sums[3]))
 }
 
-/// Matrices of `order`, of which the lower triangle is read, factored in place from a row on, where
-/// those before are factored already: `L D L'` with ones on the diagonal of `L`, where `D` stands.
+/// Matrices of `order`, of which the lower triangle is read, with something `added` to the diagonal,
+/// factored from a row on, where those before are factored already: `L D L'` with ones on the diagonal
+/// of `L`, where `D` stands.
 ///
-/// No pivot is smaller than what was `added` to it; see [`super::cholesky::factor`].
+/// No pivot is smaller than what was added to it; see [`super::cholesky::factor`].
 #[inline(always)]
 pub(super) fn factor(
-    matrix: &mut [Lane],
-    order: usize,
+    matrix: &[Lane],
     added: &[Lane],
+    lower: &mut [Lane],
     inverse: &mut [Lane],
     from: usize,
 ) {
+    let order = added.len();
     for i in from..order {
-        let (before, own) = matrix.split_at_mut(i * order);
-        for j in 1..i {
-            own[j] = less(own[j], &own[..j], &before[j * order..][..j]);
+        let (before, own) = lower.split_at_mut(i * order);
+        let line = &matrix[i * order..][..=i];
+        for j in 0..i {
+            own[j] = less(line[j], &own[..j], &before[j * order..][..j]);
         }
-        let mut pivot = own[i];
+        let mut pivot = line[i] + added[i];
         for (number, inverse) in own[..i].iter_mut().zip(&*inverse) {
             let scaled = *number * *inverse;
             pivot = pivot - *number * scaled;
@@ -221,11 +224,11 @@ mod tests {
 
     #[test]
     fn an_inverse_by_hand() {
-        let mut matrix = [4.0, 0.0, 0.0, 2.0, 5.0, 0.0, 0.0, 1.0, 3.0].map(Lane::all);
-        let mut pivots = [Lane::all(0.0); 3];
-        factor(&mut matrix, 3, &[Lane::all(0.0); 3], &mut pivots, 0);
+        let matrix = [4.0, 0.0, 0.0, 2.0, 5.0, 0.0, 0.0, 1.0, 3.0].map(Lane::all);
+        let (mut lower, mut pivots) = ([Lane::all(0.0); 9], [Lane::all(0.0); 3]);
+        factor(&matrix, &[Lane::all(0.0); 3], &mut lower, &mut pivots, 0);
         let (mut unit, mut found) = ([Lane::all(0.0); 9], [Lane::all(0.0); 9]);
-        invert(&matrix, 3, &pivots, &mut unit, &mut found);
+        invert(&lower, 3, &pivots, &mut unit, &mut found);
         let expected = [14.0, -6.0, 2.0, -6.0, 12.0, -4.0, 2.0, -4.0, 16.0].map(|x| x / 44.0);
         for (found, right) in found.iter().zip(expected) {
             assert!((found.0[3] - right).abs() < 1e-15);
@@ -235,17 +238,17 @@ mod tests {
     #[test]
     fn every_lane_as_by_itself() {
         let matrix = |lane: usize| [4.0 + lane as f64, 0.0, 0.0, 2.0, 5.0, 0.0, 0.0, 1.0, 3.0];
-        let mut lanes: Vec<Lane> = (0..9)
+        let lanes: Vec<Lane> = (0..9)
             .map(|at| Lane(core::array::from_fn(|lane| matrix(lane)[at])))
             .collect();
-        let mut pivots = [Lane::all(0.0); 3];
-        factor(&mut lanes, 3, &[Lane::all(0.0); 3], &mut pivots, 0);
+        let (mut lower, mut pivots) = ([Lane::all(0.0); 9], [Lane::all(0.0); 3]);
+        factor(&lanes, &[Lane::all(0.0); 3], &mut lower, &mut pivots, 0);
         let mut solved = [1.0, -2.0, 0.5].map(Lane::all);
-        forward(&lanes, 3, &mut solved, 0);
+        forward(&lower, 3, &mut solved, 0);
         for (number, pivot) in solved.iter_mut().zip(pivots) {
             *number = *number * pivot;
         }
-        backward(&lanes, 3, &mut solved);
+        backward(&lower, 3, &mut solved);
         for lane in 0..LANES {
             let (mut own, mut b) = (matrix(lane), [1.0, -2.0, 0.5]);
             cholesky::factor(&mut own, 3, &[0.0; 3]);

@@ -1,6 +1,7 @@
 //! The parts of a hypothesis's evidence: noises, several at a time, and combinations of widths.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
+use super::elementary::exp;
 use super::lanes::{LANES, Lane};
 use super::widths::{WIDEST, WIDTHS};
 
@@ -63,7 +64,7 @@ impl Mixture {
                 let own = |width: usize| narrow.get(width).unwrap_or(&parts[0]).0.0[lane];
                 let sum = log_sum((0..WIDTHS.len()).map(own));
                 for (width, share) in shares.iter_mut().enumerate() {
-                    *share += (own(width) - sum + score - total).exp();
+                    *share += exp(own(width) - sum + score - total);
                 }
             }
         }
@@ -77,5 +78,5 @@ pub(super) fn log_sum(scores: impl Iterator<Item = f64> + Clone) -> f64 {
     if top == f64::NEG_INFINITY {
         return top;
     }
-    top + scores.map(|score| (score - top).exp()).sum::<f64>().ln()
+    top + scores.map(|score| exp(score - top)).sum::<f64>().ln()
 }

@@ -23,8 +23,9 @@ pub struct Stack<'a> {
 
 /// The same with the noises side by side, several at a time, of some columns.
 pub(super) struct Table {
-    /// Of each group of noises: lower triangle row by row.
+    /// Of each column kept: products with itself and those before, each under every group of noises.
     values: Vec<Vec<Lane>>,
+    groups: usize,
     /// Where each column stands; nowhere if it was not kept.
     place: Vec<usize>,
     pub log_weight: Vec<f64>,
@@ -33,6 +34,13 @@ pub(super) struct Table {
     pub finest: f64,
     /// Linear systems solved so far, with those of the table that this one was taken from.
     solved: Arc<AtomicUsize>,
+}
+
+/// Where the product of two columns stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    line: usize,
+    first: usize,
 }
 
 /// Noises whose products are taken side by side.
@@ -48,11 +56,13 @@ impl Table {
     /// Some columns, in ascending order, under every noise.
     pub fn of(stack: &Stack<'_>, columns: &[usize], threads: usize) -> Self {
         let noises: Vec<usize> = (0..stack.log_weight.len()).collect();
-        let groups: Vec<&[usize]> = noises.chunks(LANES).collect();
+        let groups: Vec<_> = noises.chunks(LANES).map(filled).collect();
+        let lines: Vec<&[usize]> = (1..=columns.len()).map(|count| &columns[..count]).collect();
         Self {
-            values: each_of(&groups, threads, || {
-                |noises: &&[usize]| group(stack, noises, columns)
+            values: each_of(&lines, threads, || {
+                |own: &&[usize]| line(stack, &groups, own)
             }),
+            groups: groups.len(),
             place: places(columns, stack.width),
             log_weight: stack.log_weight.to_vec(),
             width: stack.width,
@@ -65,19 +75,20 @@ impl Table {
     /// Some of the columns, in ascending order, under the noises in `kept`.
     pub fn only(&self, kept: &[bool], columns: &[usize], threads: usize) -> Self {
         let noises: Vec<usize> = (0..kept.len()).filter(|&noise| kept[noise]).collect();
-        let groups: Vec<&[usize]> = noises.chunks(LANES).collect();
-        let values = each_of(&groups, threads, || {
-            |noises: &&[usize]| {
-                let some = self.beside(filled(noises));
-                let mut values = Vec::with_capacity(columns.len() * (columns.len() + 1) / 2);
-                for (at, &i) in columns.iter().enumerate() {
-                    values.extend(columns[..=at].iter().map(|&j| self.some(i, j, &some)));
-                }
-                values
+        let groups: Vec<_> = noises.chunks(LANES).map(filled).collect();
+        let groups: Vec<_> = groups.into_iter().map(|some| self.beside(some)).collect();
+        let lines: Vec<&[usize]> = (1..=columns.len()).map(|count| &columns[..count]).collect();
+        let line = |own: &&[usize]| {
+            let mut line = Vec::with_capacity(own.len() * groups.len());
+            for &column in *own {
+                let place = self.place(own[own.len() - 1], column);
+                line.extend(groups.iter().map(|some| self.at(place, some)));
             }
-        });
+            line
+        };
         Self {
-            values,
+            values: each_of(&lines, threads, || line),
+            groups: groups.len(),
             place: places(columns, self.width),
             log_weight: noises.iter().map(|&n| self.log_weight[n]).collect(),
             solved: Arc::clone(&self.solved),
@@ -111,18 +122,25 @@ impl Table {
         self.log_weight.len()
     }
 
-    /// The product of two columns, of some noises.
-    #[inline(always)]
-    pub fn some(&self, i: usize, j: usize, noises: &Noises) -> Lane {
+    /// Where the product of two columns stands.
+    pub fn place(&self, i: usize, j: usize) -> Place {
         let (i, j) = (self.place[i], self.place[j]);
-        let (high, low) = if i < j { (j, i) } else { (i, j) };
-        let place = high * (high + 1) / 2 + low;
+        Place {
+            line: i.max(j),
+            first: i.min(j) * self.groups,
+        }
+    }
+
+    /// The product at a place, of some noises.
+    #[inline(always)]
+    pub fn at(&self, place: Place, noises: &Noises) -> Lane {
+        let own = &self.values[place.line][place.first..][..self.groups];
         match noises {
-            Noises::Group(group) => self.values[*group][place],
+            Noises::Group(group) => own[*group],
             Noises::Some(noises) => {
                 let mut found = Lane::all(0.0);
                 for (number, noise) in found.0.iter_mut().zip(noises) {
-                    *number = self.values[noise / LANES][place].0[noise % LANES];
+                    *number = own[noise / LANES].0[noise % LANES];
                 }
                 found
             }
@@ -144,15 +162,17 @@ fn places(columns: &[usize], width: usize) -> Vec<usize> {
     place
 }
 
-/// Products of some columns under some noises, side by side.
-fn group(stack: &Stack<'_>, noises: &[usize], columns: &[usize]) -> Vec<Lane> {
+/// Products of the last of some columns with each of them, the groups of noises side by side.
+fn line(stack: &Stack<'_>, groups: &[[usize; LANES]], columns: &[usize]) -> Vec<Lane> {
     let (width, area) = (stack.width, stack.width * stack.width);
-    let own = filled(noises).map(|noise| &stack.products[noise * area..][..area]);
-    let mut values = Vec::with_capacity(columns.len() * (columns.len() + 1) / 2);
-    for (at, &row) in columns.iter().enumerate() {
-        let own = own.map(|own| &own[row * width..][..width]);
-        let line = columns[..=at].iter();
-        values.extend(line.map(|&column| Lane(own.map(|own| own[column]))));
+    let mut values = vec![Lane::all(0.0); columns.len() * groups.len()];
+    for (group, noises) in groups.iter().enumerate() {
+        let row = columns[columns.len() - 1] * width;
+        let own = noises.map(|noise| &stack.products[noise * area + row..][..width]);
+        let values = values[group..].iter_mut().step_by(groups.len());
+        for (value, &column) in values.zip(columns) {
+            *value = Lane(own.map(|own| own[column]));
+        }
     }
     values
 }

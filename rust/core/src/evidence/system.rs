@@ -4,7 +4,7 @@
 use super::bounds::Bounds;
 use super::hypothesis::Layout;
 use super::lanes::{Lane, backward, factor, forward, invert, less, on_widest};
-use super::stack::{Noises, Table};
+use super::stack::{Noises, Place, Table};
 
 /// Part of a sum of squares that arithmetic leaves behind.
 const ROUNDING: f64 = 1e-12;
@@ -26,9 +26,15 @@ pub(super) struct Part {
 #[derive(Default)]
 pub(super) struct System {
     order: usize,
+    /// Columns without a coefficient: the fixed ones, and what is to be explained.
+    fixed: usize,
     degrees: f64,
     finest: f64,
     square: Option<Lane>,
+    /// Where the products of the columns stand: lower triangle; those of what is to be explained and
+    /// of the fixed columns, with each free column and, last, with what is to be explained.
+    among_at: Vec<Place>,
+    along_at: Vec<Place>,
     among: Vec<Lane>,
     along: Vec<Lane>,
     /// `L D L'`, the pivots `D` on the diagonal, and one over each of these.
@@ -67,28 +73,58 @@ impl System {
 
     on_widest! {
         /// Takes the products of some noises.
-        take take_avx2 take_avx512 taken (table: &Table, layout: &Layout, noises: &Noises) -> ()
+        take take_avx2 take_avx512 taken (table: &Table, noises: &Noises) -> ()
+    }
+
+    /// Takes up another hypothesis: finds where its products stand.
+    pub fn begin(&mut self, table: &Table, layout: &Layout) {
+        let last = table.width - 1;
+        self.order = layout.free.len();
+        self.fixed = 1 + layout.offsets.len();
+        (self.degrees, self.finest) = (table.degrees, table.finest);
+        self.among_at.clear();
+        self.along_at.clear();
+        for (i, &row) in layout.free.iter().rev().enumerate() {
+            let before = layout.free.iter().rev().take(i + 1);
+            self.among_at
+                .extend(before.map(|&column| table.place(row, column)));
+        }
+        for &row in layout
+            .free
+            .iter()
+            .rev()
+            .chain(&[last])
+            .chain(&layout.offsets)
+        {
+            let fixed = [last].into_iter().chain(layout.offsets.iter().copied());
+            self.along_at
+                .extend(fixed.map(|column| table.place(row, column)));
+        }
     }
 
     #[inline(always)]
-    fn taken(&mut self, table: &Table, layout: &Layout, noises: &Noises) {
-        let (order, last) = (layout.free.len(), table.width - 1);
-        self.order = order;
-        (self.degrees, self.finest) = (table.degrees, table.finest);
+    fn taken(&mut self, table: &Table, noises: &Noises) {
+        let order = self.order;
         self.along.resize(order, Lane::all(0.0));
         self.among.resize(order * order, Lane::all(0.0));
-        for (i, &row) in layout.free.iter().rev().enumerate() {
-            self.along[i] = rest(table, layout, noises, row);
+        let mut places = self.among_at.iter();
+        for i in 0..order {
             // only the lower triangle is read
-            for (j, &column) in layout.free.iter().rev().take(i + 1).enumerate() {
-                self.among[i * order + j] = table.some(row, column, noises);
+            let line = &mut self.among[i * order..][..=i];
+            for (value, &place) in line.iter_mut().zip(places.by_ref()) {
+                *value = table.at(place, noises);
             }
         }
-        let mut square = rest(table, layout, noises, last);
-        for &offset in &layout.offsets {
-            square = square - rest(table, layout, noises, offset);
+        let (along, square) = self.along_at.split_at(order * self.fixed);
+        for (value, places) in self.along.iter_mut().zip(along.chunks(self.fixed)) {
+            *value = rest(table, places, noises);
         }
-        self.square = Some(square.max(Lane::all(table.degrees * table.finest)));
+        let (first, others) = square.split_at(self.fixed);
+        let mut square = rest(table, first, noises);
+        for places in others.chunks(self.fixed) {
+            square = square - rest(table, places, noises);
+        }
+        self.square = Some(square.max(Lane::all(self.degrees * self.finest)));
     }
 
     /// A coefficient that was found.
@@ -106,8 +142,10 @@ impl System {
     #[inline(always)]
     fn least(&mut self) -> Lane {
         let (order, square) = (self.order, self.square());
-        let diagonal = (0..order).map(|i| self.among[i * order + i]);
-        let trace = diagonal.fold(Lane::all(0.0), |sum, x| sum + x);
+        let mut trace = Lane::all(0.0);
+        for i in 0..order {
+            trace = trace + self.among[i * order + i];
+        }
         let ridge = Lane::all(WHITENED) * trace + Lane::all(1e-300);
         self.precision.clear();
         self.precision.resize(order, ridge);
@@ -141,13 +179,8 @@ impl System {
         self.lower.resize(order * order, Lane::all(0.0));
         self.half.resize(order, Lane::all(0.0));
         self.inverse_pivot.resize(order, Lane::all(0.0));
-        for i in from..order {
-            let line = i * order..i * order + i + 1;
-            self.lower[line.clone()].copy_from_slice(&self.among[line]);
-            self.lower[i * order + i] = self.lower[i * order + i] + self.precision[i];
-        }
-        let inverse = &mut self.inverse_pivot;
-        factor(&mut self.lower, order, &self.precision, inverse, from);
+        let (lower, inverse) = (&mut self.lower, &mut self.inverse_pivot);
+        factor(&self.among, &self.precision, lower, inverse, from);
         for i in from..order {
             let line = &self.lower[i * order..][..i];
             self.half[i] = less(self.along[i], line, &self.half[..i]);
@@ -156,8 +189,7 @@ impl System {
 
     #[inline(always)]
     fn explained(&self) -> Lane {
-        let half = self.half.iter().zip(&self.inverse_pivot);
-        half.fold(Lane::all(0.0), |sum, (&x, &inverse)| sum + x * x * inverse)
+        squares(&self.half, &self.inverse_pivot)
     }
 
     /// `ln(det(D) / det(diagonal of precisions))`, with as few logarithms as fit.
@@ -194,8 +226,7 @@ impl System {
             unit[i..order].fill(Lane::all(0.0));
             unit[i] = Lane::all(1.0);
             forward(lower, order, unit, i);
-            let squares = unit[i..order].iter().zip(&inverse[i..]);
-            let own = squares.fold(Lane::all(0.0), |sum, (&x, &inverse)| sum + x * x * inverse);
+            let own = squares(&unit[i..order], &inverse[i..]);
             (solved[i], own * *variance)
         });
         bounds.within(moments, |i| chosen[i])
@@ -212,12 +243,22 @@ impl System {
     }
 }
 
-/// Product of a column with what the fixed columns leave of the last one.
+/// The first of some products less the others.
 #[inline(always)]
-fn rest(table: &Table, layout: &Layout, noises: &Noises, column: usize) -> Lane {
-    let mut rest = table.some(column, table.width - 1, noises);
-    for &offset in &layout.offsets {
-        rest = rest - table.some(column, offset, noises);
+fn rest(table: &Table, places: &[Place], noises: &Noises) -> Lane {
+    let mut rest = table.at(places[0], noises);
+    for &place in &places[1..] {
+        rest = rest - table.at(place, noises);
     }
     rest
+}
+
+/// Sum of squares, each times a weight.
+#[inline(always)]
+fn squares(values: &[Lane], weights: &[Lane]) -> Lane {
+    let mut sum = Lane::all(0.0);
+    for (&value, &weight) in values.iter().zip(weights) {
+        sum = sum + value * value * weight;
+    }
+    sum
 }

@@ -113,7 +113,7 @@ impl Scales {
             (Some(scores), _) => self.settled(table, layout, scores),
             (None, Care::Widest) => {
                 self.widths.one(layout, |_| WIDEST);
-                self.refine(table, layout);
+                self.refine(table);
                 self.mixture.together(self.race.len(), 0.0)
             }
             (None, _) => self.every(table, layout),
@@ -137,9 +137,9 @@ impl Scales {
         self.scores.clear();
         self.least.clear();
         let widest = Lane::all(WIDTHS[WIDEST] * WIDTHS[WIDEST]);
+        self.system.begin(table, layout);
         for first in (0..table.noises()).step_by(LANES) {
-            self.system
-                .take(table, layout, &Noises::Group(first / LANES));
+            self.system.take(table, &Noises::Group(first / LANES));
             let least = self.system.least_squares();
             self.precisions.clear();
             self.precisions.resize(layout.free.len(), least / widest);
@@ -178,7 +178,7 @@ impl Scales {
             self.leave_out(&mut scores);
         }
         self.widths.every(layout, &kept);
-        self.refine(table, layout);
+        self.refine(table);
         let even = kept.len() as f64 * (WIDTHS.len() as f64).ln();
         self.mixture.together(self.race.len(), even)
     }
@@ -193,7 +193,7 @@ impl Scales {
         self.leave_out(&mut scores);
         self.widths
             .one(layout, |cause| best[cause].unwrap_or(WIDEST));
-        self.refine(table, layout);
+        self.refine(table);
         for (part, scores) in self.mixture.parts.iter_mut().zip(scores.chunks(LANES)) {
             part.0.0[..scores.len()].copy_from_slice(scores);
         }
@@ -207,7 +207,7 @@ impl Scales {
             return None;
         }
         self.widths.star(layout);
-        self.refine(table, layout);
+        self.refine(table);
         let gain = |cause: usize| NARROWER * layout.counts[cause] as f64;
         self.mixture.independent(self.race.len(), gain)
     }
@@ -229,11 +229,11 @@ impl Scales {
     }
 
     /// Every combination of widths, with the bounds, for the noises in the race.
-    fn refine(&mut self, table: &Table, layout: &Layout) {
+    fn refine(&mut self, table: &Table) {
         self.mixture.clear(self.widths.len());
         table.count(self.race.len() * self.widths.len());
         for first in (0..self.race.len()).step_by(LANES) {
-            let (weights, least) = self.start(table, layout, first);
+            let (weights, least) = self.start(table, first);
             for combination in 0..self.widths.len() {
                 let changed = self.widths.changed(combination);
                 let Part { score, variance } = self.part(&least, combination, changed);
@@ -249,15 +249,10 @@ impl Scales {
 
     /// Takes the products of noises in the race, from the `first` on; the last fills up. Returns
     /// their weights, and the variance that the best coefficients leave over each width squared.
-    fn start(
-        &mut self,
-        table: &Table,
-        layout: &Layout,
-        first: usize,
-    ) -> (Lane, [Lane; WIDTHS.len()]) {
+    fn start(&mut self, table: &Table, first: usize) -> (Lane, [Lane; WIDTHS.len()]) {
         let last = self.race.len() - 1;
         let noises = core::array::from_fn(|lane| self.race[(first + lane).min(last)]);
-        self.system.take(table, layout, &table.beside(noises));
+        self.system.take(table, &table.beside(noises));
         let of = |values: &[f64]| Lane(noises.map(|noise| values[noise]));
         let least = of(&self.least);
         let over = WIDTHS.map(|width| least / Lane::all(width * width));
@@ -293,7 +288,7 @@ impl Scales {
                 if share.0 == [0.0; LANES] {
                     continue;
                 }
-                let least = *started.get_or_insert_with(|| self.start(table, layout, first).1);
+                let least = *started.get_or_insert_with(|| self.start(table, first).1);
                 self.part(&least, combination, layout.free.len());
                 self.system.coefficients();
                 self.system.inverse(&mut self.inverse);
@@ -349,7 +344,7 @@ mod tests {
         scales.look(&table, &layout);
         scales.race(f64::INFINITY);
         scales.widths.every(&layout, &[[true; 3]; 3]);
-        scales.refine(&table, &layout);
+        scales.refine(&table);
         let every = scales.mixture.together(2, 27.0_f64.ln());
         let right = log_sum(every.iter().copied());
         assert!((found.log_evidence - right).abs() < 2e-4);
