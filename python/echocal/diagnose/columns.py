@@ -51,7 +51,8 @@ class Columns:
 
     def at(self, positions: Sequence[int], rows: Labels | None = None) -> Column:
         """Make some columns, one per line, at some rows in ascending order or at all."""
-        made: Column = self._core.made(list(positions), rows)
+        wanted = None if rows is None else np.ascontiguousarray(rows, dtype=np.uintp)
+        made: Column = self._core.made(list(positions), wanted)
         return made
 
     def combined(self, positions: Sequence[int], factors: Column) -> Column:

@@ -46,17 +46,21 @@ impl CoreColumns {
         base: &CoreModel,
         distance: Array,
         recorded: [Recorded; Quantity::COUNT],
-        groups: Option<Vec<u32>>,
-    ) -> Self {
-        let counted = |groups: Vec<u32>| {
+        groups: Option<PyReadonlyArray1<'_, u32>>,
+    ) -> PyResult<Self> {
+        let counted = |groups: &[u32]| {
             let most = groups.iter().max().map_or(0, |&last| last as usize + 1);
             let mut counts = vec![0.0; most];
             groups
                 .iter()
                 .for_each(|&group| counts[group as usize] += 1.0);
-            (groups, counts)
+            (groups.to_vec(), counts)
         };
-        Self {
+        let groups = groups
+            .as_ref()
+            .map(|groups| groups.as_slice())
+            .transpose()?;
+        Ok(Self {
             base: base.model.clone(),
             distance,
             recorded,
@@ -64,7 +68,7 @@ impl CoreColumns {
             groups: groups.map(counted),
             recipes: Vec::new(),
             taken: Vec::new(),
-        }
+        })
     }
 
     fn __len__(&self) -> usize {
@@ -191,10 +195,11 @@ impl CoreColumns {
         &self,
         py: Python<'py>,
         chosen: Vec<usize>,
-        rows: Option<Vec<usize>>,
+        rows: Option<PyReadonlyArray1<'py, usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let length = rows.as_ref().map_or(self.distance.bind(py).len(), Vec::len);
-        let found = self.using(py, |columns| columns.made(&chosen, rows.as_deref()))?;
+        let rows = rows.as_ref().map(|rows| rows.as_slice()).transpose()?;
+        let length = rows.map_or(self.distance.bind(py).len(), <[usize]>::len);
+        let found = self.using(py, |columns| columns.made(&chosen, rows))?;
         PyArray1::from_vec(py, found).reshape([chosen.len(), length])
     }
 
@@ -253,7 +258,7 @@ impl CoreColumns {
         let products = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
             let sums = Memory::gather(&distinct.among(columns), &layout, &memories, threads);
-            sums.into_iter().map(|sums| distinct.spread(sums)).collect()
+            sums.iter().map(|sums| distinct.spread(sums)).collect()
         })?;
         let sums = Sums {
             products,

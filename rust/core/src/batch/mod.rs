@@ -66,6 +66,25 @@ impl Column {
         let start = self.start.wrapping_offset(self.stride * rows.cast_signed());
         Self { start, ..self }
     }
+
+    /// Writes to rows from the first one on.
+    ///
+    /// # Safety
+    /// The column has as many rows, of double precision, and may be written to.
+    unsafe fn put(self, values: &[f64]) {
+        if self.stride == size_of::<f64>().cast_signed() {
+            // SAFETY: the caller's; nobody else has the rows that are written.
+            return unsafe {
+                self.start
+                    .cast::<f64>()
+                    .copy_from(values.as_ptr(), values.len())
+            };
+        }
+        for (row, &value) in values.iter().enumerate() {
+            // SAFETY: the caller's.
+            unsafe { *self.skip(row).start.cast() = value };
+        }
+    }
 }
 
 /// A formula that runs over columns, whatever its number of inputs.

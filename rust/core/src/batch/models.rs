@@ -68,10 +68,8 @@ impl Kernel for OfModel {
                 // SAFETY: rows of columns that the caller guarantees.
                 let block = unsafe { given.block(from, some) };
                 self.block(&mut pass, block, &mut found);
-                for (row, &value) in found.0[..some].iter().enumerate() {
-                    // SAFETY: as above.
-                    unsafe { *output.skip(first + from + row).start.cast() = value };
-                }
+                // SAFETY: as above.
+                unsafe { output.skip(first + from).put(&found.0[..some]) };
             }
         };
         threads::split(rows, threads, &span);

@@ -4,7 +4,7 @@
 use super::maker::Maker;
 use super::recipe::Recipe;
 use super::source::{Reader, Source};
-use super::threaded::in_spans;
+use super::threaded::fill_spans;
 use crate::batch::Column;
 use crate::batch::staged::{BLOCK, Line};
 use crate::conditions::Quantity;
@@ -97,8 +97,7 @@ impl Columns<'_> {
         let worker = || {
             let mut reader = Maker::new(self);
             let mut line = Line::of(0.0);
-            move |first: usize, end: usize| {
-                let mut sums = vec![0.0; end - first];
+            move |first: usize, sums: &mut [f64]| {
                 for (block, sums) in (first..).step_by(BLOCK).zip(sums.chunks_mut(BLOCK)) {
                     let base = reader.base(block, sums.len());
                     for &(recipe, factor) in chosen {
@@ -108,10 +107,11 @@ impl Columns<'_> {
                         }
                     }
                 }
-                sums
             }
         };
-        in_spans(self.distance.len(), threads, worker).concat()
+        let mut sums = vec![0.0; self.distance.len()];
+        fill_spans(&mut sums, threads, worker);
+        sums
     }
 
     /// Some of the columns at some rows (all by default), one after the other.

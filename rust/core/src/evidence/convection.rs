@@ -13,7 +13,7 @@ use super::gram::GROUP;
 use super::panels::Panels;
 use super::products::{Layout, Products, narrow, triangles};
 use super::source::{Reader, Source};
-use super::spans::{Class, Kinds, Lists, beginning, join};
+use super::spans::{Class, Kinds, Lists, beginning, forget, join};
 use super::threaded::in_spans;
 use crate::batch::staged::{BLOCK, Line};
 
@@ -163,11 +163,11 @@ impl Part {
             triangles(&blocks, width, columns),
             narrow(&cells, width, columns),
         );
-        let none = |sums: &Vec<f64>| vec![0.0; sums.len()];
+        let only = |sums: Vec<f64>| [Vec::new(), Vec::new(), Vec::new(), sums];
         Products {
             log_variance: self.log_variance,
-            cells: [none(&cells), none(&cells), none(&cells), cells],
-            blocks: [none(&blocks), none(&blocks), none(&blocks), blocks],
+            cells: only(cells),
+            blocks: only(blocks),
         }
     }
 }
@@ -239,6 +239,7 @@ impl<'a> Span<'a> {
             self.steps.push(step);
         }
         self.white.whiten(&self.plain, &self.steps, state);
+        forget(state);
         self.white.leave_out_zeros(count);
         let width = self.white.width();
         let (blocks, cells) = (&mut part.blocks, &mut part.cells);

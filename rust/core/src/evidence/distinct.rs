@@ -53,35 +53,37 @@ impl Distinct {
 
     /// The sums of all columns from those of the distinct ones.
     #[must_use]
-    pub fn spread(&self, mut sums: Products) -> Products {
-        let width = self.recipes.len();
-        self.onsets.join(&mut sums, width.max(1));
-        let line = |values: &[f64], factor: f64, into: &mut Vec<f64>| {
-            into.extend(self.of.iter().map(|&(at, own)| factor * own * values[at]));
-        };
-        let all = |values: &Vec<f64>| {
-            let blocks = values.len() / (width * width).max(1);
-            let mut found = Vec::with_capacity(blocks * self.of.len() * self.of.len());
-            for block in values.chunks_exact((width * width).max(1)) {
-                for &(at, factor) in &self.of {
-                    line(&block[at * width..(at + 1) * width], factor, &mut found);
-                }
-            }
+    pub fn spread(&self, sums: &Products) -> Products {
+        let (width, all) = (self.recipes.len().max(1), self.of.len());
+        let own = self.of.first().map_or(1.0, |&(_, factor)| factor);
+        let blocks = |values: &Vec<f64>| {
+            let matrices = values.chunks_exact(width * width);
+            let mut found = Vec::with_capacity(matrices.len() * all * all);
+            matrices.for_each(|matrix| self.spread_matrix(matrix, width, &mut found));
             found
         };
-        let own = self.of.first().map_or(1.0, |&(_, factor)| factor);
         let cells = |values: &Vec<f64>| {
-            let mut found = Vec::new();
-            for cell in values.chunks_exact(width.max(1)) {
-                line(cell, own, &mut found);
-            }
+            let lines = values.chunks_exact(width);
+            let mut found = Vec::with_capacity(lines.len() * all);
+            lines.for_each(|line| self.spread_line(&self.onsets.line(line), own, &mut found));
             found
         };
         Products {
-            blocks: sums.blocks.each_ref().map(all),
+            blocks: sums.blocks.each_ref().map(blocks),
             cells: sums.cells.each_ref().map(cells),
             log_variance: sums.log_variance.clone(),
         }
+    }
+
+    fn spread_matrix(&self, matrix: &[f64], width: usize, into: &mut Vec<f64>) {
+        let matrix = self.onsets.matrix(matrix, width);
+        for &(at, factor) in &self.of {
+            self.spread_line(&matrix[at * width..(at + 1) * width], factor, into);
+        }
+    }
+
+    fn spread_line(&self, line: &[f64], factor: f64, into: &mut Vec<f64>) {
+        into.extend(self.of.iter().map(|&(at, own)| factor * own * line[at]));
     }
 }
 
@@ -133,7 +135,7 @@ mod tests {
             cells: [(); 4].map(|()| vec![1.0, 2.0, 3.0, 6.0]),
             log_variance: vec![0.5],
         };
-        let spread = found.spread(sums);
+        let spread = found.spread(&sums);
         assert_eq!(
             spread.blocks[1],
             [1.0, 2.0, 8.0, 2.0, 5.0, 20.0, 8.0, 20.0, 80.0]

@@ -1,5 +1,6 @@
 //! Legendre polynomials of a column.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
+#![allow(clippy::needless_range_loop)] // plain loops over constant sizes stay in registers
 
 use crate::batch::staged::Line;
 
@@ -7,6 +8,9 @@ use crate::batch::staged::Line;
 const MOST: usize = 100_000;
 /// Rows that follow each other among those: a prime, so that no period of a table is missed.
 const RUN: usize = 97;
+
+/// Rows whose polynomials go on at the same time: each waits for its own last one.
+const ABREAST: usize = 8;
 
 /// A column, the values that stand for -1 and 1, and the first row of a block.
 type Key = (usize, (f64, f64), usize);
@@ -81,6 +85,24 @@ pub(super) fn spread(column: &[f64]) -> impl Iterator<Item = f64> {
     parts.flat_map(|part| &part[..part.len().min(RUN)]).copied()
 }
 
+/// Sums of the polynomials up to a degree, and of their products with x, over rows in groups.
+fn moments<const N: usize>(degrees: usize, rows: &[[f64; N]]) -> Vec<(f64, f64)> {
+    let steps: Vec<_> = (0..degrees).map(factors).collect();
+    let mut sums = vec![([0.0; N], [0.0; N]); degrees];
+    for x in rows {
+        let (mut before, mut now) = ([0.0; N], [1.0; N]);
+        for ((p1, px), &factors) in sums.iter_mut().zip(&steps) {
+            for i in 0..N {
+                p1[i] += now[i];
+                px[i] += now[i] * x[i];
+                (before[i], now[i]) = (now[i], next(factors, x[i], now[i], before[i]));
+            }
+        }
+    }
+    let whole = |sums: ([f64; N], [f64; N])| (sums.0.iter().sum(), sums.1.iter().sum());
+    sums.into_iter().map(whole).collect()
+}
+
 /// Straight lines, or means alone, that are nearest to the polynomials of some degrees over the
 /// rows; of many rows, over some evenly spread.
 pub fn legendre_lines(
@@ -89,20 +111,19 @@ pub fn legendre_lines(
     between: (f64, f64),
     tilted: bool,
 ) -> Vec<(f64, f64)> {
-    let steps: Vec<_> = (0..degrees.end).map(factors).collect();
-    let (mut n, mut x1, mut x2) = (0.0, 0.0, 0.0);
-    let mut sums = vec![(0.0, 0.0); degrees.end];
-    for value in spread(column) {
-        let x = scaled(value, between);
-        n += 1.0;
-        x1 += x;
-        x2 += x * x;
-        let (mut before, mut now) = (0.0, 1.0);
-        for ((p1, px), &factors) in sums.iter_mut().zip(&steps) {
-            *p1 += now;
-            *px += now * x;
-            (before, now) = (now, next(factors, x, now, before));
-        }
+    let values: Vec<f64> = spread(column).map(|value| scaled(value, between)).collect();
+    let n = values.len() as f64;
+    let (x1, x2) = (
+        values.iter().sum::<f64>(),
+        values.iter().map(|x| x * x).sum::<f64>(),
+    );
+    let (many, rest) = values.as_chunks::<ABREAST>();
+    let mut sums = moments(degrees.end, many);
+    for (sum, more) in sums
+        .iter_mut()
+        .zip(moments(degrees.end, rest.as_chunks::<1>().0))
+    {
+        *sum = (sum.0 + more.0, sum.1 + more.1);
     }
     let spread = n * x2 - x1 * x1;
     let line = |&(p1, px): &(f64, f64)| {

@@ -4,9 +4,9 @@
 //! next is nothing but in the rows between the two, so that nearly all of it is zero in a block and
 //! left out of the sums; a tangent is the sum of these parts from its own on, and so are its products.
 
-use super::products::Products;
 use super::recipe::{Level, Recipe};
 use crate::model::Term;
+use std::borrow::Cow;
 
 /// Columns that differ in their beginning alone, the earliest first.
 #[derive(Clone, Debug, Default)]
@@ -33,29 +33,41 @@ impl Onsets {
         Self(found)
     }
 
-    /// Makes of the sums of the parts those of the columns.
-    pub(super) fn join(&self, sums: &mut Products, width: usize) {
-        let pairs = || self.0.iter().flat_map(|columns| columns.windows(2).rev());
-        let blocks = sums.blocks.iter_mut();
-        for matrix in blocks.flat_map(|all| all.chunks_exact_mut(width * width)) {
-            for pair in pairs() {
-                for other in 0..width {
-                    matrix[pair[0] * width + other] += matrix[pair[1] * width + other];
-                }
+    /// Products of each two columns from those of their parts.
+    pub(super) fn matrix<'a>(&self, parts: &'a [f64], width: usize) -> Cow<'a, [f64]> {
+        let mut whole = Cow::Borrowed(parts);
+        for pair in self.pairs() {
+            let lines = whole.to_mut();
+            for other in 0..width {
+                lines[pair[0] * width + other] += lines[pair[1] * width + other];
             }
-            let lines = matrix.chunks_exact_mut(width);
-            lines.for_each(|line| add(line, pairs()));
         }
-        let cells = sums.cells.iter_mut();
-        let lines = cells.flat_map(|all| all.chunks_exact_mut(width));
-        lines.for_each(|line| add(line, pairs()));
+        if let Cow::Owned(lines) = &mut whole {
+            lines
+                .chunks_exact_mut(width)
+                .for_each(|line| self.add(line));
+        }
+        whole
     }
-}
 
-/// Adds to each number of a line the one that stands for the next beginning, the latest first.
-fn add<'a>(line: &mut [f64], pairs: impl Iterator<Item = &'a [usize]>) {
-    for pair in pairs {
-        line[pair[0]] += line[pair[1]];
+    /// Products of the columns with one that has no beginning, from those of their parts.
+    pub(super) fn line<'a>(&self, parts: &'a [f64]) -> Cow<'a, [f64]> {
+        let mut whole = Cow::Borrowed(parts);
+        if self.pairs().next().is_some() {
+            self.add(whole.to_mut());
+        }
+        whole
+    }
+
+    fn add(&self, line: &mut [f64]) {
+        for pair in self.pairs() {
+            line[pair[0]] += line[pair[1]];
+        }
+    }
+
+    /// Each column and the one that begins next, the latest first.
+    fn pairs(&self) -> impl Iterator<Item = &[usize]> {
+        self.0.iter().flat_map(|columns| columns.windows(2).rev())
     }
 }
 
@@ -100,7 +112,7 @@ fn beyond(recipe: &Recipe, later: &Recipe) -> Recipe {
 mod tests {
     use super::*;
     use crate::conditions::Quantity;
-    use crate::evidence::{Columns, Distinct, Layout, Numbers};
+    use crate::evidence::{Columns, Distinct, Layout, Numbers, Products};
     use crate::{Law, Model};
 
     const ROWS: usize = 1500;
@@ -171,7 +183,7 @@ mod tests {
             let memories = [0.0, 0.5, 0.9];
             let parts = Products::gather(&distinct.among(&columns), &layout, &memories, 1);
             let whole = Products::gather(&columns, &layout, &memories, 1);
-            for (parts, whole) in parts.into_iter().zip(&whole) {
+            for (parts, whole) in parts.iter().zip(&whole) {
                 assert_alike(&distinct.spread(parts), whole);
             }
         }

@@ -17,7 +17,7 @@
 
 use super::gram::GROUP;
 use super::source::Source;
-use super::spans::{KINDS, Kinds, Parts, Plan, gathered};
+use super::spans::{Class, KINDS, Kinds, Parts, Plan, gathered};
 
 /// How rows belong together.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,8 @@ pub struct Layout<'a> {
 /// `present` sums `z_t z_t'` over rows that follow another row of their series, `previous` sums
 /// `z_(t-1) z_(t-1)'`, `lagged` sums the symmetric part of `z_t z_(t-1)'` over the same rows,
 /// `first` sums `z_t z_t'` over rows that begin a series. Block sums are `width * width` each and
-/// symmetric; cell sums are the row of the first column, where `lagged` is doubled.
+/// symmetric; cell sums are the row of the first column, where `lagged` is doubled. Sums over rows of
+/// which there are none are empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Products {
     /// Products per block: present, previous, lagged, first.
@@ -107,8 +108,10 @@ fn added(
     remembered: Option<usize>,
     memory: f64,
 ) -> [Vec<f64>; 4] {
-    let [mut present, mut previous, mut other, mut first] =
-        [(); 4].map(|()| vec![0.0; count * length]);
+    let none = |wanted: bool| vec![0.0; if wanted { count * length } else { 0 }];
+    let follow = |class: &Class| !class.begins || class.next.is_some();
+    let [mut present, mut previous, mut other] = [(); 3].map(|()| none(classes.keys().any(follow)));
+    let mut first = none(classes.keys().any(|class| class.begins));
     let kind = remembered.map_or(0, |k| KINDS + k);
     // beside a memory the plain products, without one those of the differences
     let beside = if remembered.is_some() { 0 } else { 1 };

@@ -291,7 +291,7 @@ pub(super) fn beginning(starts: &[bool], first: usize, factor: f64) -> usize {
 }
 
 /// Lets a memory end: of columns that are nought again, whole panels are then left out.
-fn forget(memory: &mut [f64]) {
+pub(super) fn forget(memory: &mut [f64]) {
     for number in memory.iter_mut().filter(|number| number.abs() < FAINT) {
         *number = 0.0;
     }

@@ -1,7 +1,7 @@
 //! Rows in spans, on several threads.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The spans of a table, at most: as many sums are added up in the end.
 const SPANS: usize = 16;
@@ -24,6 +24,23 @@ pub(super) fn in_spans<T: Send, W: FnMut(usize, usize) -> T>(
     })
 }
 
+/// Fills numbers, one for each row, span by span as [`in_spans`].
+///
+/// `worker` makes what one thread works with: it is given the first row and the numbers.
+pub(super) fn fill_spans<W: FnMut(usize, &mut [f64])>(
+    into: &mut [f64],
+    threads: usize,
+    worker: impl Fn() -> W + Sync,
+) {
+    let size = into.len().div_ceil(SPANS).max(WORTH);
+    let parts: Vec<_> = into.chunks_mut(size).map(Mutex::new).collect();
+    each_part(parts.len(), threads, || {
+        let mut run = worker();
+        let parts = &parts;
+        move |part: usize| run(part * size, &mut held(&parts[part]))
+    });
+}
+
 /// What each part of some work gives, in order; threads take the next part when they are done.
 fn each_part<T: Send, W: FnMut(usize) -> T>(
     parts: usize,
@@ -38,9 +55,7 @@ fn each_part<T: Send, W: FnMut(usize) -> T>(
             let part = next.fetch_add(1, Ordering::Relaxed);
             let Some(place) = done.get(part) else { break };
             let found = run(part);
-            *place
-                .lock()
-                .unwrap_or_else(std::sync::PoisonError::into_inner) = Some(found);
+            *held(place) = Some(found);
         }
     };
     std::thread::scope(|scope| {
@@ -52,6 +67,11 @@ fn each_part<T: Send, W: FnMut(usize) -> T>(
     let each = done.into_iter();
     each.filter_map(|place| place.into_inner().ok().flatten())
         .collect()
+}
+
+/// What only one thread asks for.
+fn held<T>(place: &Mutex<T>) -> MutexGuard<'_, T> {
+    place.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What each item gives, in order, on several threads where there are many.
