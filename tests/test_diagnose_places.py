@@ -1,14 +1,13 @@
 """Where an effect may begin: places along a column, closer where it explains most."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 
-from echocal.diagnose import places as module
 from echocal.diagnose.base import Base
 from echocal.diagnose.candidates import Scene
+from echocal.diagnose.look import Divided, Look
 from echocal.diagnose.places import places
 from echocal.registry import find_effect
 
@@ -36,7 +35,6 @@ def found(id_: str, order: np.ndarray) -> list[tuple[float, float]]:
 
 @pytest.mark.parametrize("id_", ["step_change", "beam_edge"])
 def test_the_order_of_the_rows_does_not_matter(id_: str) -> None:
-    """Rows in order are looked at between places alone, others all over again."""
     in_order = found(id_, np.arange(ROWS))
     shuffled = found(id_, np.random.default_rng(2).permutation(ROWS))
     np.testing.assert_allclose(in_order, shuffled, rtol=1e-12)
@@ -47,17 +45,21 @@ def test_a_step_is_found_to_the_row() -> None:
     assert near <= 60.0
 
 
-def test_rows_are_not_looked_at_again_where_the_place_changes_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    looked: list[int] = []
-    plain = module._Look._products
-
-    def counted(self: Any, values: Sequence[float], rows: slice) -> Any:
-        looked.append(len(self.of[0][rows]))
-        return plain(self, values, rows)
-
-    monkeypatch.setattr(module._Look, "_products", counted)
-    found("step_change", np.arange(ROWS))
-    assert looked.count(ROWS) == 1  # what a scale and the temperature leave, and all that is left, at once
-    assert sum(looked) < (1 + 2 * 0.6) * ROWS
+@pytest.mark.parametrize("order", [np.arange(ROWS), np.random.default_rng(3).permutation(ROWS)])
+def test_sums_beyond_a_place_are_those_of_the_columns(order: np.ndarray) -> None:
+    """Of an effect that divides its column, no row is looked at twice: sums from each row on say it all."""
+    effect, there = find_effect("step_change"), scene(order)
+    given: dict[str, Any] = {
+        "effect": effect,
+        "parameters": {p.name: p.neutral for p in effect.parameters},
+        "place": "time",
+        "scene": there,
+        "of": [there.leftover, there.residual],
+    }
+    column = there.conditions["elapsed_time"]
+    divided, plain = Divided(**given, column=column, first=240.0), Look(**given)
+    places = [240.0, 241.0, 60.0 * 700, 60.0 * 1890.5, 60.0 * (ROWS - 2), 60.0 * ROWS]
+    for look in (divided, plain):
+        look.at(places)
+    for place in places:
+        np.testing.assert_allclose(divided.known[place], plain.known[place], rtol=1e-11, atol=1e-12)

@@ -41,6 +41,8 @@ class Parameter:
     over : tuple of (str, float) or None
         The range of an influence quantity that `prior_scale` is meant for; over a longer range the
         scale is smaller in proportion.
+    divides : str or None
+        An influence quantity: the effect is one thing in rows up to this value, another in all beyond.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Parameter:
     tried_along: str | None
     tail: float
     over: tuple[str, float] | None
+    divides: str | None
 
     @classmethod
     def from_core(cls, facts: dict[str, Any]) -> "Parameter":

@@ -65,6 +65,7 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
             dict.set_item("tried_along", along)?;
             dict.set_item("tail", p.tail)?;
             dict.set_item("over", p.over.map(|(q, range)| (q.facts().name, range)))?;
+            dict.set_item("divides", p.divides.map(|q| q.facts().name))?;
             Ok(dict)
         })
         .collect();
