@@ -24,17 +24,16 @@ CLOSING = """
 
 One pass in the core makes every column, block by block, and sums the products of each two for every
 memory of the noise; columns that are multiples of each other are made once, and of steps that differ in
-their beginning each row is summed for one. Whitening, hypotheses,
-alias classes and the fits for held-out rows work on these sums: they take as long for a million rows
-as for a thousand. What else passes over the rows: reading and its checks, the search for faults, the
-places where a step or an edge may lie, the errors on held-out rows, and what each named cause adds to
-the readings. For a step the first places are looked at in all rows, the others in the rows between two
-places, half as many each time. Most faults are ruled out by the largest deviation and by the least and
-largest ratio of reading and reference; what asks for a closer look is searched for as in a short table.
-Noises with a likelihood of their own look at five stretches of 1000 rows, the fit under other conditions
-at 100,000 rows in runs, the search for wild rows sizes their limits by at most 100,000, and the ranks
-that say which column a cause follows look at 10,000 rows evenly spread; no probability depends on the
-latter.
+their beginning each row is summed for one. Whitening, hypotheses, alias classes and the fits for
+held-out rows work on these sums: they take as long for a million rows as for a thousand. What else
+passes over the rows: reading and its checks, the search for faults, the places where a step or an edge
+may lie, the errors on held-out rows, and what each named cause adds to the readings. What a step
+explains, wherever it begins, is told by sums from each row to the last. Most faults are ruled out by the
+largest deviation and by the least and largest ratio of reading and reference; what asks for a closer look
+is searched for as in a short table. Noises with a likelihood of their own look at five stretches of 1000
+rows, the fit under other conditions at 100,000 rows in runs, the search for wild rows sizes their limits
+by at most 100,000, and the ranks that say which column a cause follows look at 10,000 rows evenly spread;
+no probability depends on the latter.
 
 ## Where the limit lies
 

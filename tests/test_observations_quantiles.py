@@ -19,13 +19,18 @@ def test_as_numpy(count: int) -> None:
         assert np.isnan(median(values))
 
 
-@pytest.mark.parametrize("count", [60, 20_000])
-def test_medians_of_groups(count: int) -> None:
+@pytest.mark.parametrize(("count", "groups"), [(60, [0, 1, 3]), (20_000, [0, 1, 3]), (20_000, [0, 1, 2, 3])])
+def test_medians_of_groups(count: int, groups: list[int]) -> None:
     random = np.random.default_rng(3)
-    labels = random.choice([0, 1, 3], count)
+    labels = random.choice(groups, count)
     values = random.normal(size=count)
     for some in (values, np.where(np.arange(count) % 7 == 0, np.nan, values)):
         medians = Grouped(labels).median(some)
-        assert np.isnan(medians[2])
-        for group in (0, 1, 3):
+        assert np.isnan(medians[2]) == (2 not in groups)
+        for group in groups:
             assert medians[group] == np.nanmedian(some[labels == group])
+        centers, usual, farthest = Grouped(labels).scatter(some)
+        np.testing.assert_array_equal(centers, medians)
+        off = np.abs(some - medians[labels])
+        np.testing.assert_array_equal(usual, Grouped(labels).median(off))
+        assert farthest == np.nanmax(off)

@@ -132,7 +132,11 @@ class Scene:
             rows = slice(first, first + _CACHED)
             distance = self.distance[rows]
             scaled = ((warm[rows] if warm.ndim else warm) - mean) / spread
-            return np.stack([np.ones_like(distance), *(distance * scaled**power for power in range(3))])
+            columns = np.empty((4, len(distance)))
+            columns[0], columns[1] = 1.0, distance
+            for power in (2, 3):  # the distance times the temperature, once and twice
+                np.multiply(columns[power - 1], scaled, out=columns[power])
+            return columns
 
         among, along = np.zeros((4, 4)), np.zeros(4)
         for first in firsts:

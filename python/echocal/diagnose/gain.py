@@ -89,10 +89,25 @@ class Folds:
         """Rows of the blocks in `held`: a slice where they follow each other, so that none is copied."""
         key = held.tobytes()
         if key not in self.known:
-            mask = held[self.blocks]
-            first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
-            self.known[key] = slice(first, last) if last - first == int(mask.sum()) else mask
+            self.known[key] = self._run(held) if self._ascending else self._mask(held)
         return self.known[key]
+
+    @cached_property
+    def _ascending(self) -> bool:
+        """Whether the rows of each block follow those of the block before."""
+        return bool((self.blocks[1:] >= self.blocks[:-1]).all())
+
+    def _run(self, held: Mask) -> Rows:
+        """Rows of blocks, where blocks ascend."""
+        first, last = int(held.argmax()), len(held) - 1 - int(held[::-1].argmax())
+        if not held[first : last + 1].all():
+            return np.asarray(held[self.blocks])
+        return slice(int(self.blocks.searchsorted(first)), int(self.blocks.searchsorted(last, side="right")))
+
+    def _mask(self, held: Mask) -> Rows:
+        mask = held[self.blocks]
+        first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
+        return slice(first, last) if last - first == int(mask.sum()) else mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +183,10 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
         test = folds.rows(held)
         if table.reference is not None:
             usual = (speed.sum() - speed[test].sum()) / (len(speed) - len(speed[test]))
-            error[test] = table.indication[test] / speed[test] * usual - table.reference[test]
+            reading = np.divide(table.indication[test], speed[test])
+            reading *= usual
+            reading -= table.reference[test]
+            error[test] = reading
             continue
         others = _others(test, len(table))
         reading = table.indication / speed * speed[others].mean()

@@ -61,7 +61,8 @@ def find_lattice(values: Column) -> Lattice | None:
     Lattice or None
         None where values stand anywhere, or too few differ.
     """
-    finite = values[np.isfinite(values)]
+    known = np.isfinite(values)
+    finite = values if known.all() else values[known]
     if len(finite) < _FEWEST:
         return None
     looked_at = finite[:: max(1, len(finite) // _ENOUGH)]

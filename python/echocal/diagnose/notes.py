@@ -1,5 +1,7 @@
 """What a person should know beside the verdict."""
 
+from functools import reduce
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,8 +27,7 @@ def because(case: Case, claim: Claim, judgment: Judgment) -> str:
     """One sentence on a cause that a user can check in the data."""
     signal = case.signal(claim.variant, claim.mean)
     beside = [c for c in judgment.kept if c is not claim] if claim in judgment.kept else []
-    others = sum((case.signal(c.variant, c.mean) for c in beside), start=np.zeros_like(signal))
-    left = case.residual - others
+    left = reduce(np.subtract, (case.signal(c.variant, c.mean) for c in beside), case.residual)
     if "position_in_group" in find_effect(claim.cause).reads:
         return first_against_others(left, signal, case.table.conditions["position_in_group"])
     return tendency(left, signal, case.table.against())

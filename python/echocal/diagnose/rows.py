@@ -130,10 +130,11 @@ def far_from_stand(indication: Column, stands: Labels, temperature: Column | Non
     if np.median(members[members > 0]) < _VOUCH:
         return none
     by_stand = Grouped(stands)
-    off = np.abs(indication - by_stand.median(indication)[stands])
-    least = max(_OFF_STAND * _MAD_TO_SD * float(np.nanmedian(by_stand.median(off))), _CYCLES)
-    if np.fmax.reduce(off) <= least:
+    centers, usual, farthest = by_stand.scatter(indication)
+    least = max(_OFF_STAND * _MAD_TO_SD * float(np.nanmedian(usual)), _CYCLES)
+    if farthest <= least:
         return none
+    off = np.abs(indication - centers[stands])
     limit = np.full(len(indication), least)
     if temperature is not None:
         warming = temperature - by_stand.median(temperature)[stands]

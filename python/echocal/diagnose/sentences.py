@@ -119,7 +119,7 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
             f"{1e3 * np.mean(signal):+.2f} mm by this cause"
         )
     low, high = quantiles(signal, [0.2, 0.8])
-    lowest, highest = signal <= low, signal >= high
+    lowest, highest = np.flatnonzero(signal <= low), np.flatnonzero(signal >= high)
     found = 1e3 * (left[highest].mean() - left[lowest].mean())
     predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
     ends = [quantity_text(name, median(against[name][rows])) for rows in (lowest, highest)]

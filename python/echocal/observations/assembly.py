@@ -61,7 +61,7 @@ class Assembly:
             echo_time=echo_time,
             conditions={**conditions, **derived(conditions, named), **self._hour()},
             reference_distance=values.get("reference_distance"),
-            unusable=np.array(self.reasons)[self.reason],
+            unusable=self._unusable(),
             reading=values.get("reading"),
             time=self.time,
             labels=named,
@@ -92,6 +92,10 @@ class Assembly:
             values = values - np.min(values, where=np.isfinite(values), initial=np.inf)
             self.notes += checks.newest_first(values, source)
         return values
+
+    def _unusable(self) -> NDArray[np.str_]:
+        reasons = np.array(self.reasons)
+        return reasons[self.reason] if len(reasons) > 1 else np.full(len(self.reason), reasons[0])
 
     def _hour(self) -> dict[str, Column]:
         return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}

@@ -60,11 +60,13 @@ def quantiles(values: Column, parts: Sequence[float]) -> list[float]:
     >>> quantiles(np.array([3.0, 0.0, 1.0, 2.0]), [0.0, 0.5, 1.0])
     [0.0, 1.5, 3.0]
     """
-    found = []
+    found, ordered, known = [], values.copy(), 0  # so many numbers are the smallest
     for part in parts:
         at = part * (len(values) - 1)
         place = min(int(at), max(len(values) - 2, 0))
-        ordered = np.partition(values, place)
+        known = known if known <= place else 0
+        ordered[known:].partition(place - known)
+        known = place
         low = float(ordered[place])
         high = float(ordered[place + 1 :].min()) if place + 1 < len(values) else low
         rest = at - place
@@ -98,12 +100,41 @@ class Grouped:
 
     def median(self, values: Column) -> Column:
         """Median of each group's values that are not NaN, shape (groups,); NaN where there are none."""
-        if self._order is not None:
-            parts = np.split(values[self._order], np.cumsum(self._members)[:-1])
-            medians = np.array([median(part) if len(part) else np.nan for part in parts])
-            if not np.isnan(medians).any():
-                return medians
+        medians = _medians(self._parts(values))
+        if len(medians) and not np.isnan(medians).any():
+            return medians
         import pandas as pd  # takes long to import
 
         found = pd.Series(values).groupby(self._labels).median()
         return np.asarray(found.reindex(range(len(self._members))), dtype=np.float64)
+
+    def scatter(self, values: Column) -> tuple[Column, Column, float]:
+        """Median of each group, how far its values are from it in the median, and the farthest of all.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> centers, usual, farthest = Grouped(np.array([0, 1, 0, 1, 0])).scatter(
+        ...     np.array([1.0, 5.0, 3.0, 7.0, 2.0])
+        ... )
+        >>> centers.tolist(), usual.tolist(), farthest
+        ([2.0, 6.0], [1.0, 1.0], 1.0)
+        """
+        parts = self._parts(values)
+        centers = _medians(parts)
+        if not parts or np.isnan(centers).any():
+            centers = self.median(values)
+            off = np.abs(values - centers[self._labels])
+            return centers, self.median(off), float(np.fmax.reduce(off))
+        apart = [np.abs(part - center) for part, center in zip(parts, centers, strict=True)]
+        return centers, _medians(apart), max(float(off.max()) for off in apart)
+
+    def _parts(self, values: Column) -> list[Column]:
+        """Values of each group, where these are few; else nothing."""
+        if self._order is None:
+            return []
+        return np.split(values[self._order], np.cumsum(self._members)[:-1])
+
+
+def _medians(parts: Sequence[Column]) -> Column:
+    return np.array([median(part) if len(part) else np.nan for part in parts])

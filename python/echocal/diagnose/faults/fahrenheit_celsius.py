@@ -9,6 +9,7 @@ from echocal.diagnose.facts import CauseFacts, Quantity
 from echocal.diagnose.faults.finding import Finding, listed
 from echocal.diagnose.faults.view import View
 from echocal.diagnose.parts import Parameter
+from echocal.diagnose.scene import some
 from echocal.observations import Observations
 
 __all__ = ["FACTS", "detect"]
@@ -87,7 +88,7 @@ def _single(recorded: Column, known: Mask) -> Mask:
     """Rows that stand out from their neighbors, and do not once converted."""
     rows = np.zeros(len(recorded), dtype=bool)
     at = np.flatnonzero(known)
-    values = recorded[at]
+    values = some(recorded, at)
     if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= _ODD:
         return rows  # no row can be that far from its neighbors
     import pandas as pd  # takes long to import

@@ -105,7 +105,8 @@ class View:
     @cached_property
     def farthest(self) -> float:
         """Largest deviation of any row that is known of [m]: it clears most tables of most faults."""
-        return float(np.fmax.reduce(np.abs(self.deviation), initial=0.0))
+        low, high = np.fmin.reduce(self.deviation, initial=0.0), np.fmax.reduce(self.deviation, initial=0.0)
+        return float(max(-low, high))
 
     @cached_property
     def ratios(self) -> tuple[float, float]:
@@ -146,16 +147,24 @@ class View:
         some = known[:: max(1, len(known) // _MANY)]  # the middle is asked for to a few percent
         center = median(error[some]) if len(some) else 0.0
         scale = median(error[some] / self.reference[some]) if len(some) else 0.0
-        limit = _ANYHOW * self.reference + _NEAR
-        near = np.abs(error - center) < limit
-        if not near.all():
-            near |= np.abs(error - scale * self.reference) < limit
-        sane &= near  # no leverage for wild rows
-        rows = np.flatnonzero(sane)
+        sane &= _near(error, self.reference, center, scale)  # no leverage for wild rows
+        rows = known if sane.all() else np.flatnonzero(sane)
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
         if len(rows) < 3 * len(shape):
             return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
         return shape.sum(_least_absolute(shape.columns(rows), error[rows]))
+
+
+def _near(error: Column, reference: Column, center: float, scale: float) -> Mask | bool:
+    """Rows whose error is near one level or one part of the distance; `True` for all that are known."""
+    most = max(center - float(np.fmin.reduce(error)), float(np.fmax.reduce(error)) - center)
+    if most < 0.999 * (_ANYHOW * float(np.fmin.reduce(reference)) + _NEAR):
+        return True  # seen at one glance
+    limit = _ANYHOW * reference + _NEAR
+    near = np.asarray(np.abs(error - center) < limit)
+    if not near.all():
+        near |= np.abs(error - scale * reference) < limit
+    return near
 
 
 @dataclass(frozen=True)
