@@ -54,6 +54,42 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
         DataError,
         "is not text in utf-8: a binary file, or name the encoding",
     ),
+    "utf-16": (
+        "echo_us\n1\n".encode("utf-16"),
+        {},
+        DataError,
+        "is not text in utf-8: a binary file, or name the encoding: --encoding utf-16",
+    ),
+    "thousands, German": (
+        b"reading_mm;temperature_C\n514,9;20,5\n1.025,4;20,5\n",
+        {"decimal": ","},
+        DataError,
+        "'1.025,4' has separators of thousands: write such numbers without, as 1025,4",
+    ),
+    "thousands, English": (
+        b'reading_mm\n"514.9"\n"1,025.4"\n',
+        {},
+        DataError,
+        "'1,025.4' has separators of thousands: write such numbers without, as 1025.4",
+    ),
+    "decimal comma": (
+        b"reading_m;temperature_C\n1,025;20\n",
+        {},
+        DataError,
+        "first at row 1: '1,025'; a decimal comma? pass --decimal ,",
+    ),
+    "temperature misspelled": (
+        b"reading_m,temprature_C\n1.025,20\n",
+        {},
+        DataError,
+        'map one (--column "temprature_C=temperature_C")',
+    ),
+    "echo in words": (
+        b"distance (m),Reading in cm\n1,102.5\n",
+        {},
+        DataError,
+        'Did you mean: --column "Reading in cm=reading_cm"',
+    ),
     "unknown encoding": (b"echo_us\n1\n", {"encoding": "utf-9"}, UsageError, "unknown encoding 'utf-9'"),
     "spreadsheet": (
         b"PK\x03\x04....",

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
-    {"_core", "errors"},
+    {"_core", "_interrupt", "errors"},
     {"domain", "codes"},
     {"conditions", "air", "registry"},
     {"model"},

@@ -1,5 +1,6 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
+from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
 from echocal import firmware
 from echocal._core import absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate

@@ -193,7 +193,7 @@ def generate(
     output_unit : {"um", "mm", "cm"}
         What the function counts, and the end of its name: ``echocal_distance_um``.
     max_error : float
-        Largest error against the model at distances up to `max_distance` [m].
+        Largest error against the model at distances up to `max_distance` [m]; 0.5 mm is ``0.5e-3``.
     max_distance : float
         Distances up to this meet `max_error` [m].
     prefer : {"size", "speed"}

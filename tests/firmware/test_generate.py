@@ -147,6 +147,7 @@ def test_what_the_law_assumes_is_stated() -> None:
         ({"echo": 70_000}, "outside 1 .. 65535"),
         ({"max_error": 0.0}, "error bound is 0 mm: give a positive number"),
         ({"max_error": float("nan")}, "positive number"),
+        ({"max_error": 0.5}, "is 500 mm, and no distance sensor needs one above 100 mm: 0.5 mm is max_error"),
         ({"target": "z80"}, "unknown target 'z80'; this version has c99"),
         ({"prefer": "beauty"}, "unknown preference 'beauty'"),
         ({"n_threads": 0}, "n_threads is 0; give a whole number of 1"),

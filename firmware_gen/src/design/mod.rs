@@ -151,6 +151,9 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Error>
     search.unreachable(failed, listen)
 }
 
+/// Bound [m] above which somebody has most likely written millimeters.
+const LOOSEST: f64 = 0.1;
+
 fn check(request: &Request<'_>) -> Result<(), Error> {
     for (what, value, unit) in [
         ("error bound", request.maximum_error * 1e3, "mm"),
@@ -161,6 +164,14 @@ fn check(request: &Request<'_>) -> Result<(), Error> {
                 "the {what} is {value} {unit}: give a positive number [{unit}]"
             )));
         }
+    }
+    if request.maximum_error > LOOSEST {
+        return Err(Error::Request(format!(
+            "the error bound is {} mm, and no distance sensor needs one above {} mm: 0.5 mm is \
+             max_error=0.5e-3 [m] in Python, --max-error-mm 0.5 on the command line",
+            request.maximum_error * 1e3,
+            LOOSEST * 1e3
+        )));
     }
     check_form(request)?;
     if !(1..=2).contains(&request.device.conditions.len()) {

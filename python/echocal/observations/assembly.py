@@ -15,7 +15,7 @@ from echocal.model import Model
 from echocal.observations import checks, clock, labels
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
-from echocal.observations.names import looks_like
+from echocal.observations.names import looks_like, phrase
 from echocal.observations.numbers import Missing, row, rows, to_numbers
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
@@ -130,7 +130,7 @@ class Assembly:
             return echo_time
         assert reading is not None  # one of both is there
         if echo_time is None:
-            speed = FirmwareSpeed(reading_speed, conditions)
+            speed = FirmwareSpeed(reading_speed, conditions, self._thermometer)
             if not speed.stated:
                 self.notes.append(
                     f"readings are taken to be made with the speed {speed.law}; "
@@ -139,11 +139,16 @@ class Assembly:
             return speed.echo_time(reading, self.reason == 0)
         if reading_speed is not None or "temperature" in conditions:
             sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])
-            speed = FirmwareSpeed(reading_speed, conditions)
+            speed = FirmwareSpeed(reading_speed, conditions, self._thermometer)
             apart = disagreeing(reading, echo_time, speed, sources)
             reason = f"{sources[0].column} and {sources[1].column} disagree"
             self._give(apart, reason)
         return echo_time
+
+    def _thermometer(self) -> str:
+        """How to say which column is the temperature."""
+        forms = [form for form in FORMS if form.quantity == "temperature"]
+        return self._meant(forms) or "NAME=temperature_C"
 
     def _labels(self, name: str) -> NDArray[np.int64]:
         column = self.plan.assignments[name].column
@@ -200,9 +205,19 @@ class Assembly:
         others = self.plan.others
         if not others:
             return "Record one of them"
-        known = [name for form in echo for name in form.names]
-        for name in others:
-            if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
-                return f'Did you mean: --column "{name}={near[0]}"'
+        if meant := self._meant(echo):
+            return f'Did you mean: --column "{meant}"'
         alike = (name for name in others if any(looks_like(name, form) for form in echo))
         return f'Say which it is: --column "{next(alike, others[0])}=reading_m"'
+
+    def _meant(self, forms: Collection[Form]) -> str | None:
+        """Request of a column whose name says a quantity in other words, or misspells it."""
+        for name in self.plan.others:
+            said = phrase(name)
+            if said and said[0] in forms:
+                return f"{name}={Assignment(name, *said).name}"
+        known = [name for form in forms for name in form.names]
+        for name in self.plan.others:
+            if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
+                return f"{name}={near[0]}"
+        return None

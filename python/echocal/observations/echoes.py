@@ -1,7 +1,7 @@
 """Echo times from what the device indicated, and whether both agree."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ class FirmwareSpeed:
         Name of a law, an expression (``331.3+0.606*T``) or a fixed speed [m/s] (``343``).
     conditions : mapping of str to ndarray, shape (n,)
         Recorded influence quantities.
+    thermometer : callable
+        Says what to map if there is no temperature: ``"NAME=temperature_C"``.
 
     Raises
     ------
@@ -38,7 +40,9 @@ class FirmwareSpeed:
         If the law needs a temperature that the table does not have.
     """
 
-    def __init__(self, text: str | float | None, conditions: Mapping[str, Column]) -> None:
+    def __init__(
+        self, text: str | float | None, conditions: Mapping[str, Column], thermometer: Callable[[], str]
+    ) -> None:
         self.stated = text is not None
         self._model = Model(str(text) if self.stated else DEFAULT_SPEED)
         self.law = self._model.law
@@ -48,7 +52,7 @@ class FirmwareSpeed:
             if "temperature" not in self._conditions:
                 message = (
                     f"readings become echo times with the speed that the firmware used: '{self.law}' needs a "
-                    'temperature and the table has none; map one (--column "NAME=temperature_C"), or say '
+                    f'temperature and the table has none; map one (--column "{thermometer()}"), or say '
                     "the speed: --reading-speed 343"
                 )
                 raise DataError(message)

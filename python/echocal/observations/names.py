@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from echocal.errors import DataError, UsageError
 from echocal.observations.units import FORMS, NAMES, Form
 
-__all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like"]
+__all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like", "phrase"]
 
 EXTRA = "extra"
 IGNORE = "ignore"
@@ -77,7 +77,7 @@ def by_request(column: str, request: str) -> tuple[Form, str] | None:
     request = request.strip()
     if request == EXTRA:
         return None
-    if found := _exact(request) or _phrase(request):
+    if found := _exact(request) or phrase(request):
         return found
     form = _form_of(request)
     if form is not None:
@@ -105,7 +105,8 @@ def _exact(name: str) -> tuple[Form, str] | None:
     return None
 
 
-def _phrase(request: str) -> tuple[Form, str] | None:
+def phrase(request: str) -> tuple[Form, str] | None:
+    """Form and unit of ``distance reading in m``, None where the words or the unit are unknown."""
     form, unit = _form_of(request), _unit_of(request)
     return (form, unit) if form is not None and unit in form.units else None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
@@ -13,6 +14,7 @@ from echocal.errors import DataError, UsageError
 
 __all__ = ["Missing", "row", "rows", "to_numbers"]
 
+_GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
 _EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
 
 Column = NDArray[np.float64]
@@ -94,17 +96,23 @@ def _parse(values: pd.Series[Any], column: str, missing: Missing) -> Column:
     numbers = pd.to_numeric(fields.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
     wrong = np.flatnonzero(np.isnan(numbers) & ~absent)
     if len(wrong):
-        first = fields.iloc[wrong[0]]
-        comma = _is_number(first.replace(",", ".", 1))
-        hint = (
-            "a decimal comma? pass --decimal ," if comma else f'if it means "no value": --missing "{first}"'
-        )
         message = (
             f"column '{column}' has text in {len(wrong)} of {len(fields)} rows, "
-            f"first at {row(wrong[0])}: '{first}'; {hint}"
+            f"first at {row(wrong[0])}: '{fields.iloc[wrong[0]]}'; {_hint(fields.iloc[wrong])}"
         )
         raise DataError(message)
     return numbers
+
+
+def _hint(texts: pd.Series[Any]) -> str:
+    """Way out of texts that are no numbers."""
+    grouped = next(filter(None, map(_GROUPED.fullmatch, texts)), None)
+    if grouped is not None:
+        plain = grouped[0].replace(grouped[1], "")
+        return f"'{grouped[0]}' has separators of thousands: write such numbers without, as {plain}"
+    if _is_number(texts.iloc[0].replace(",", ".", 1)):
+        return "a decimal comma? pass --decimal ,"
+    return f'if it means "no value": --missing "{texts.iloc[0]}"'
 
 
 def _is_number(text: str) -> bool:

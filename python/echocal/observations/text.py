@@ -106,7 +106,10 @@ def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
 
 def _no_text(path: Path, layout: Layout) -> str:
     encoding = layout.encoding.removesuffix("-sig")
-    return f"{path} is not text in {encoding}: a binary file, or name the encoding (latin-1, utf-16, ...)"
+    with path.open("rb") as file:
+        wide = file.read(2) in {b"\xff\xfe", b"\xfe\xff"}
+    likely = "utf-16" if wide else "latin-1 (or cp1252, utf-16, ...)"
+    return f"{path} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
 
 
 def _names(fields: list[str]) -> list[str]:
