@@ -1,4 +1,6 @@
 //! Several numbers side by side: the same arithmetic for several noises at once.
+//!
+//! Loops count by hand: an iterator's next number is a call where a function has its own registers.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::elementary;
@@ -82,21 +84,36 @@ lane_by_lane!(Add add +, Sub sub -, Mul mul *, Div div /);
 /// `from - a b`, in four sums at once: one alone would wait for itself.
 #[inline(always)]
 pub(super) fn less(from: Lane, a: &[Lane], b: &[Lane]) -> Lane {
-    let mut sums = [Lane::all(0.0); 4];
-    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
-    let mut rest = from;
-    for (a, b) in a.remainder().iter().zip(b.remainder()) {
-        rest = rest - *a * *b;
+    let (whole, b) = (a.len() & !3, &b[..a.len()]);
+    let (mut rest, mut at) = (from, whole);
+    while at < a.len() {
+        rest = rest - a[at] * b[at];
+        at += 1;
     }
-    if a.len() == 0 {
+    if whole == 0 {
         return rest;
     }
-    for (a, b) in a.zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum = *sum + *a * *b;
-        }
+    let mut sums = [Lane::all(0.0); 4];
+    at = 0;
+    while at < whole {
+        sums[0] = sums[0] + a[at] * b[at];
+        sums[1] = sums[1] + a[at + 1] * b[at + 1];
+        sums[2] = sums[2] + a[at + 2] * b[at + 2];
+        sums[3] = sums[3] + a[at + 3] * b[at + 3];
+        at += 4;
     }
     rest - ((sums[0] + sums[1]) + (sums[2] + sums[3]))
+}
+
+/// Sum of squares, each times a weight.
+#[inline(always)]
+pub(super) fn squares(values: &[Lane], weights: &[Lane]) -> Lane {
+    let (mut sum, mut at, weights) = (Lane::all(0.0), 0, &weights[..values.len()]);
+    while at < values.len() {
+        sum = sum + values[at] * values[at] * weights[at];
+        at += 1;
+    }
+    sum
 }
 
 /// Matrices of `order`, of which the lower triangle is read, with something `added` to the diagonal,
@@ -119,11 +136,12 @@ pub(super) fn factor(
         for j in 0..i {
             own[j] = less(line[j], &own[..j], &before[j * order..][..j]);
         }
-        let mut pivot = line[i] + added[i];
-        for (number, inverse) in own[..i].iter_mut().zip(&*inverse) {
-            let scaled = *number * *inverse;
-            pivot = pivot - *number * scaled;
-            *number = scaled;
+        let (mut pivot, mut at) = (line[i] + added[i], 0);
+        while at < i {
+            let scaled = own[at] * inverse[at];
+            pivot = pivot - own[at] * scaled;
+            own[at] = scaled;
+            at += 1;
         }
         own[i] = pivot.max(added[i]);
         inverse[i] = Lane::all(1.0) / own[i];

@@ -1,8 +1,9 @@
 //! The parts of a hypothesis's evidence: noises, several at a time, and combinations of widths.
+#![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::elementary::exp;
-use super::lanes::{LANES, Lane};
+use super::lanes::{LANES, Lane, on_widest};
 use super::widths::{WIDEST, WIDTHS};
 
 /// Evidence and variance by groups of noises and, within each, by combination.
@@ -18,34 +19,65 @@ impl Mixture {
         self.combinations = combinations;
     }
 
-    /// Scores of some noises, all combinations together, less a constant.
-    pub fn together(&self, noises: usize, less: f64) -> Vec<f64> {
-        let groups = self.parts.chunks(self.combinations);
-        let sums = groups.flat_map(|parts| {
-            let scores = parts.iter().map(|part| part.0);
-            let top = scores.clone().fold(parts[0].0, Lane::max);
-            let sum = scores.fold(Lane::all(0.0), |sum, score| sum + (score - top).exp());
-            (top + sum.ln() - Lane::all(less)).0
-        });
-        sums.take(noises).collect()
+    /// The highest score; lanes that only fill up have that of another.
+    pub fn best(&self) -> f64 {
+        let scores = self.parts.iter().map(|part| part.0);
+        let best = scores.fold(Lane::all(f64::NEG_INFINITY), Lane::max);
+        best.0.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Scores of some noises where one width was changed at a time, as if the causes were
-    /// independent; none where a narrower width gains more than it can by itself, for then bounds
-    /// that the causes violate together are met by narrowing one of them.
-    pub fn independent(&self, noises: usize, gain: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
+    on_widest! {
+        /// Scores of some noises, all combinations together, less a constant.
+        together together_avx2 together_avx512 summed (noises: usize, less: f64) -> Vec<f64>
+    }
+    on_widest! {
+        /// Scores of some noises where one width was changed at a time, as if the causes were
+        /// independent; none where a narrower width gains more than it can by itself, for then bounds
+        /// that the causes violate together are met by narrowing one of them.
+        independent independent_avx2 independent_avx512 multiplied (noises: usize, gains: &[f64]) -> Option<Vec<f64>>
+    }
+    on_widest! {
+        /// Share of each width of a cause where one was changed at a time, given the noises' scores.
+        shares shares_avx2 shares_avx512 shared (scores: &[f64], cause: usize) -> [f64; WIDTHS.len()]
+    }
+
+    #[inline(always)]
+    fn summed(&mut self, noises: usize, less: f64) -> Vec<f64> {
+        let mut found = Vec::with_capacity(noises + LANES);
+        for parts in self.parts.chunks(self.combinations) {
+            let mut top = parts[0].0;
+            for part in parts {
+                top = top.max(part.0);
+            }
+            let mut sum = Lane::all(0.0);
+            for part in parts {
+                sum = sum + (part.0 - top).exp();
+            }
+            found.extend((top + sum.ln() - Lane::all(less)).0);
+        }
+        found.truncate(noises);
+        found
+    }
+
+    #[inline(always)]
+    fn multiplied(&mut self, noises: usize, gains: &[f64]) -> Option<Vec<f64>> {
         let even = Lane::all((WIDTHS.len() as f64).ln());
-        let mut scores = Vec::with_capacity(noises);
+        let mut scores = Vec::with_capacity(noises + LANES);
         for parts in self.parts.chunks(self.combinations) {
             let mut sum = parts[0].0;
-            for (cause, narrower) in parts[1..].chunks(WIDEST).enumerate() {
-                let own = narrower.iter().map(|part| part.0 - parts[0].0);
-                let most = own.clone().fold(Lane::all(0.0), Lane::max);
-                if most.0.iter().any(|&most| most > gain(cause)) {
+            for (narrower, &gain) in parts[1..].chunks(WIDEST).zip(gains) {
+                let mut most = Lane::all(0.0);
+                for part in narrower {
+                    most = most.max(part.0 - parts[0].0);
+                }
+                if most.0.iter().any(|&most| most > gain) {
                     return None;
                 }
-                let widest = (Lane::all(0.0) - most).exp();
-                sum = sum - even + most + own.fold(widest, |sum, x| sum + (x - most).exp()).ln();
+                let mut all = (Lane::all(0.0) - most).exp();
+                for part in narrower {
+                    all = all + (part.0 - parts[0].0 - most).exp();
+                }
+                sum = sum - even + most + all.ln();
             }
             scores.extend(sum.0);
         }
@@ -53,19 +85,25 @@ impl Mixture {
         Some(scores)
     }
 
-    /// Share of each width of a cause where one was changed at a time, given the noises' scores.
-    pub fn shares(&self, scores: &[f64], cause: usize) -> [f64; WIDTHS.len()] {
+    #[inline(always)]
+    fn shared(&mut self, scores: &[f64], cause: usize) -> [f64; WIDTHS.len()] {
         let total = log_sum(scores.iter().copied());
         let mut shares = [0.0; WIDTHS.len()];
         let groups = self.parts.chunks(self.combinations);
         for (parts, scores) in groups.zip(scores.chunks(LANES)) {
-            let narrow = &parts[1 + cause * WIDEST..][..WIDEST];
-            for (lane, score) in scores.iter().enumerate() {
-                let own = |width: usize| narrow.get(width).unwrap_or(&parts[0]).0.0[lane];
-                let sum = log_sum((0..WIDTHS.len()).map(own));
-                for (width, share) in shares.iter_mut().enumerate() {
-                    *share += exp(own(width) - sum + score - total);
-                }
+            let mut weight = Lane::all(f64::NEG_INFINITY);
+            for (weight, score) in weight.0.iter_mut().zip(scores) {
+                *weight = score - total;
+            }
+            let mut own = [parts[0].0; WIDTHS.len()];
+            for (own, part) in own.iter_mut().zip(&parts[1 + cause * WIDEST..][..WIDEST]) {
+                *own = part.0;
+            }
+            let top = own[0].max(own[1]).max(own[2]);
+            let own = own.map(|score| (score - top).exp());
+            let weight = weight.exp() / (own[0] + own[1] + own[2]);
+            for (share, own) in shares.iter_mut().zip(own) {
+                *share += (own * weight).0.iter().sum::<f64>();
             }
         }
         shares

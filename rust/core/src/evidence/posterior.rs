@@ -4,7 +4,7 @@ use super::company::promising;
 use super::hypothesis::{Layout, Variant, columns};
 use super::ladder::{BESIDE, EXTENDED, NEGLIGIBLE, UNDECIDED, floor};
 use super::mixture::log_sum;
-use super::noises::{allowed, plausible};
+use super::noises::Carried;
 use super::prior::{Prior, combinations};
 use super::stack::{Stack, Table};
 use super::threaded::each_of;
@@ -67,11 +67,11 @@ pub fn posterior(
     } else {
         1.0 - prior.shape
     };
-    let mut noises = plausible(&every, variants, &causes, &shapes, threads);
+    let mut noises = Carried::of(&every, variants, &causes, &shapes, prior, threads);
     loop {
-        let some = (!noises.iter().all(|&held| held)).then(|| every.only(&noises, &all, threads));
+        let table = every.carried(&noises.search, &all, threads);
         let search = Search {
-            table: some.as_ref().unwrap_or(&every),
+            table: table.as_ref().unwrap_or(&every),
             variants,
             causes: &causes,
             share,
@@ -80,26 +80,21 @@ pub fn posterior(
         };
         let found = search.found(&shapes);
         let best = search.distinct(&found).into_iter().take(BESIDE);
-        let allowed = allowed(&every, variants, best.map(|c| c.variants.clone()), threads);
-        let complete = allowed
-            .iter()
-            .zip(&noises)
-            .all(|(more, held)| *held || !more);
-        if complete {
-            let outcomes = search.outcomes(found);
-            return (outcomes, noises, every.solved());
-        }
-        for (held, more) in noises.iter_mut().zip(allowed) {
-            *held |= more;
+        let best: Vec<_> = best.map(|c| c.variants.clone()).collect();
+        if !noises.extend(&every, variants, &best, threads) {
+            let table = every.carried(&noises.weigh, &all, threads);
+            let search = Search {
+                table: table.as_ref().unwrap_or(&every),
+                ..search
+            };
+            return (search.outcomes(found), noises.weigh, every.solved());
         }
     }
 }
 
 fn top(found: &[Candidate]) -> f64 {
-    found
-        .iter()
-        .map(|c| c.score)
-        .fold(f64::NEG_INFINITY, f64::max)
+    let scores = found.iter().map(|c| c.score);
+    scores.fold(f64::NEG_INFINITY, f64::max)
 }
 
 pub(super) struct Search<'a> {

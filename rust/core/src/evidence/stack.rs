@@ -72,6 +72,11 @@ impl Table {
         }
     }
 
+    /// Some of the columns under the noises in `kept`; none where that is all of the table.
+    pub fn carried(&self, kept: &[bool], columns: &[usize], threads: usize) -> Option<Self> {
+        (!kept.iter().all(|&kept| kept)).then(|| self.only(kept, columns, threads))
+    }
+
     /// Some of the columns, in ascending order, under the noises in `kept`.
     pub fn only(&self, kept: &[bool], columns: &[usize], threads: usize) -> Self {
         let noises: Vec<usize> = (0..kept.len()).filter(|&noise| kept[noise]).collect();

@@ -3,7 +3,7 @@
 
 use super::bounds::Bounds;
 use super::hypothesis::Layout;
-use super::lanes::{Lane, backward, factor, forward, invert, less, on_widest};
+use super::lanes::{Lane, backward, factor, forward, invert, less, on_widest, squares};
 use super::stack::{Noises, Place, Table};
 
 /// Part of a sum of squares that arithmetic leaves behind.
@@ -157,10 +157,13 @@ impl System {
     #[inline(always)]
     fn weighed(&mut self, precisions: &[Lane], changed: usize) -> Part {
         let (order, square) = (self.order, self.square());
-        for (i, &precision) in (0..order).rev().zip(&precisions[..changed]) {
+        let mut own = 0;
+        while own < changed {
             // data without noise would make any prior too wide for the arithmetic
+            let i = order - 1 - own;
             let least = Lane::all(WHITENED) * self.among[i * order + i];
-            self.precision[i] = precision.max(least);
+            self.precision[i] = precisions[own].max(least);
+            own += 1;
         }
         self.halfway(order - changed);
         let degrees = Lane::all(self.degrees);
@@ -195,23 +198,26 @@ impl System {
     /// `ln(det(D) / det(diagonal of precisions))`, with as few logarithms as fit.
     #[inline(always)]
     fn log_determinant_ratio(&self) -> Lane {
-        let mut sum = Lane::all(0.0);
-        for (chunk, precisions) in self.precision.chunks(FACTORS).enumerate() {
-            let mut product = Lane::all(1.0);
-            let inverse = &self.inverse_pivot[chunk * FACTORS..];
-            for (&inverse, &precision) in inverse.iter().zip(precisions) {
-                product = product * (inverse * precision);
+        let (mut sum, mut product, mut at) = (Lane::all(0.0), Lane::all(1.0), 0);
+        while at < self.order {
+            product = product * (self.inverse_pivot[at] * self.precision[at]);
+            at += 1;
+            if at % FACTORS == 0 || at == self.order {
+                sum = sum - product.ln();
+                product = Lane::all(1.0);
             }
-            sum = sum - product.ln();
         }
         sum
     }
 
     #[inline(always)]
     fn solve(&mut self) {
-        self.solved.clear();
-        let half = self.half.iter().zip(&self.inverse_pivot);
-        self.solved.extend(half.map(|(&x, &inverse)| x * inverse));
+        self.solved.resize(self.order, Lane::all(0.0));
+        let mut at = 0;
+        while at < self.order {
+            self.solved[at] = self.half[at] * self.inverse_pivot[at];
+            at += 1;
+        }
         backward(&self.lower, self.order, &mut self.solved);
     }
 
@@ -251,14 +257,4 @@ fn rest(table: &Table, places: &[Place], noises: &Noises) -> Lane {
         rest = rest - table.at(place, noises);
     }
     rest
-}
-
-/// Sum of squares, each times a weight.
-#[inline(always)]
-fn squares(values: &[Lane], weights: &[Lane]) -> Lane {
-    let mut sum = Lane::all(0.0);
-    for (&value, &weight) in values.iter().zip(weights) {
-        sum = sum + value * value * weight;
-    }
-    sum
 }

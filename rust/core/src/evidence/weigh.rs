@@ -16,7 +16,7 @@ use super::system::{Part, System};
 use super::widths::{WIDEST, WIDTHS, Widths};
 
 /// What a narrower prior and a bound may add to the log evidence, a coefficient: `ln 9 + ln 2`.
-const NARROWER: f64 = 2.9;
+pub(super) const NARROWER: f64 = 2.9;
 /// Log odds against the best noise of a hypothesis beyond which a noise does not matter to it.
 const OUT_OF_THE_RACE: f64 = 12.0;
 /// The same while searching, where a hundredth of a unit of log evidence decides nothing.
@@ -93,11 +93,12 @@ impl Scales {
         log_sum(scores.into_iter())
     }
 
-    /// Probability of each noise under the hypothesis, with the widest priors.
-    pub(super) fn noise(&mut self, table: &Table, layout: &Layout) -> Vec<f64> {
+    /// Probability of each noise under the hypothesis, with the widest priors, and log evidence.
+    pub(super) fn noise(&mut self, table: &Table, layout: &Layout) -> (Vec<f64>, f64) {
         self.look(table, layout);
         let total = log_sum(self.scores.iter().copied());
-        self.scores.iter().map(|s| (s - total).exp()).collect()
+        let shares = self.scores.iter().map(|s| (s - total).exp()).collect();
+        (shares, total)
     }
 
     /// Everything that is to be known about a hypothesis.
@@ -195,7 +196,9 @@ impl Scales {
             .one(layout, |cause| best[cause].unwrap_or(WIDEST));
         self.refine(table);
         for (part, scores) in self.mixture.parts.iter_mut().zip(scores.chunks(LANES)) {
-            part.0.0[..scores.len()].copy_from_slice(scores);
+            for (lane, score) in part.0.0.iter_mut().enumerate() {
+                *score = scores[lane.min(scores.len() - 1)]; // the last fills up
+            }
         }
         scores
     }
@@ -208,8 +211,9 @@ impl Scales {
         }
         self.widths.star(layout);
         self.refine(table);
-        let gain = |cause: usize| NARROWER * layout.counts[cause] as f64;
-        self.mixture.independent(self.race.len(), gain)
+        let gains = layout.counts.iter().map(|&count| NARROWER * count as f64);
+        let gains: Vec<f64> = gains.collect();
+        self.mixture.independent(self.race.len(), &gains)
     }
 
     /// Takes those noises out of the race that hold next to nothing together.
@@ -272,10 +276,7 @@ impl Scales {
     fn average(&mut self, table: &Table, layout: &Layout, result: &mut Weighed) {
         let each = self.widths.len();
         let mut sums = Moments::new(layout.free.len());
-        let lanes = self.mixture.parts.chunks(each).zip(self.race.chunks(LANES));
-        let scores =
-            lanes.flat_map(|(parts, race)| parts.iter().map(|part| &part.0.0[..race.len()]));
-        let best = scores.flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let best = self.mixture.best();
         for first in (0..self.race.len()).step_by(LANES) {
             let count = LANES.min(self.race.len() - first);
             let mut started = None;
