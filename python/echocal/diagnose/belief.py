@@ -30,7 +30,9 @@ from echocal.diagnose.steadiness import unsteady
 
 __all__ = ["Belief", "believe"]
 
-_IN_DOUBT = 0.44  # probability of no effect below which some effect is told, though each may be unlikely
+_IN_DOUBT = 0.6  # probability of no effect below which some effect is told, though each may be unlikely
+_IN_DOUBT_OF_FEW = 0.44  # the same, of too few rows to tell whether their noise remembers
+_FEW = 100  # rows
 _IN_DOUBT_AMID_NOISE = 0.25  # the same, where noise remembers or stands err: what else does it do?
 _UNUSUAL = 0.5  # probability from which on such noise is reckoned to be there
 _LIKELY = 0.5  # probability from which on a claim enters the model; if none is, all do
@@ -116,17 +118,19 @@ def _claimed(
         ids = effects_named(best.hypothesis)
         (more,) = _of(grown, case, ranking, carried, ids)
         alone, beside = ranking.more(ids, (more.cause, *more.rivals))
-        if beside <= alone if ids else alone >= _in_doubt(ranking, shares):
+        if beside <= alone if ids else alone >= _in_doubt(len(case.table), ranking, shares):
             break
         best, claimed = grown, _of(grown, case, ranking, carried)
     return best, claimed
 
 
-def _in_doubt(ranking: Ranking, shares: NoiseShares) -> float:
+def _in_doubt(rows: int, ranking: Ranking, shares: NoiseShares) -> float:
     """Probability of no effect below which some effect is told."""
     guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
     there = (sum(found.get(guard.FACTS.id, 0.0) for found in guards) for guard in GUARDS)
-    return _IN_DOUBT_AMID_NOISE if max(there) > _UNUSUAL else _IN_DOUBT
+    if max(there) > _UNUSUAL:
+        return _IN_DOUBT_AMID_NOISE
+    return _IN_DOUBT_OF_FEW if rows < _FEW else _IN_DOUBT
 
 
 def _spared(
