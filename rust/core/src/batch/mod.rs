@@ -153,7 +153,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
                 }
             }
         };
-        threads::split(rows, threads, &span);
+        threads::split(rows, threads, threads::OF_A_FORMULA, &span);
     }
 
     unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
@@ -169,7 +169,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
                 }
             }
         };
-        threads::split(rows, threads, &span);
+        threads::split(rows, threads, threads::OF_A_FORMULA, &span);
     }
 }
 

@@ -72,7 +72,7 @@ impl Kernel for OfModel {
                 unsafe { output.skip(first + from).put(&found.0[..some]) };
             }
         };
-        threads::split(rows, threads, &span);
+        threads::split(rows, threads, threads::OF_A_MODEL, &span);
     }
 
     unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
@@ -149,7 +149,7 @@ pub fn jacobian(model: &Model, inputs: &[&[f64]], threads: usize) -> Vec<f64> {
             }
         }
     };
-    threads::split(rows, threads, &span);
+    threads::split(rows, threads, threads::OF_A_MODEL, &span);
     found
 }
 

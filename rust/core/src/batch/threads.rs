@@ -3,15 +3,24 @@
 use super::block::BLOCK;
 use std::thread::{Builder, available_parallelism, scope};
 
-/// Below this a thread costs more than it saves: starting one takes tens of microseconds.
-const ROWS_PER_THREAD: usize = 50_000;
+/// Rows of a formula below which a thread costs more than it saves: starting one takes tens of
+/// microseconds.
+pub(super) const OF_A_FORMULA: usize = 50_000;
+/// Rows of a model, which take many times as long.
+pub(super) const OF_A_MODEL: usize = 8_000;
 
-/// Calls `span(first, count)` so that every row belongs to one call, on at most `threads` threads.
+/// Calls `span(first, count)` so that every row belongs to one call, on at most `threads` threads of
+/// `least` rows or more.
 ///
 /// The threads live for this call only, so a process that forks has none to lose. A row's result
 /// does not depend on which thread computes it.
-pub(super) fn split(rows: usize, threads: usize, span: &(dyn Fn(usize, usize) + Sync)) {
-    let threads = threads.min(rows / ROWS_PER_THREAD).max(1);
+pub(super) fn split(
+    rows: usize,
+    threads: usize,
+    least: usize,
+    span: &(dyn Fn(usize, usize) + Sync),
+) {
+    let threads = threads.min(rows / least).max(1);
     let share = rows.div_ceil(threads).next_multiple_of(BLOCK);
     if threads == 1 || share >= rows {
         return span(0, rows);
@@ -44,7 +53,7 @@ mod tests {
         for rows in [0, 1, 99_999, 100_000, 123_457, 1_000_003] {
             for threads in [0, 1, 2, 7] {
                 let spans = Mutex::new(Vec::new());
-                split(rows, threads, &|first, count| {
+                split(rows, threads, OF_A_FORMULA, &|first, count| {
                     spans.lock().unwrap().push((first, count));
                 });
                 let mut spans = spans.into_inner().unwrap();

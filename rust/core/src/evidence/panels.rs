@@ -58,8 +58,7 @@ impl Panels {
     /// begun, what it would add is nought.
     pub(super) fn leave_out_zeros(&mut self, count: usize) {
         let panels = self.groups.chunks_exact(ROWS).enumerate();
-        let zero = |group: &Group| group.0 == [0.0; GROUP];
-        let others = panels.filter(|(_, panel)| !panel[1..=count].iter().all(zero));
+        let others = panels.filter(|(_, panel)| !are_zero(&panel[1..=count]));
         self.active = others.map(|(place, _)| place).collect();
     }
 
@@ -265,6 +264,16 @@ impl Panels {
     }
 }
 
+/// Whether all numbers are zero, some rows at a time.
+fn are_zero(rows: &[Group]) -> bool {
+    const SOME: usize = 16;
+    let any = |bits: [u64; GROUP], row: &Group| {
+        core::array::from_fn(|i| bits[i] | row.0[i].to_bits() << 1) // but for the sign
+    };
+    let mut parts = rows.chunks(SOME);
+    parts.all(|part| part.iter().fold([0; GROUP], any) == [0; GROUP])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -309,6 +318,20 @@ mod tests {
                 (0..WIDTH).map(own).collect::<Vec<_>>()
             );
         }
+    }
+
+    #[test]
+    fn panels_of_zeros_are_left_out() {
+        let mut lines = [Line::of(0.0); WIDTH];
+        lines[3 * GROUP + 5].0[199] = 1e-300;
+        lines[GROUP].0[7] = -0.0;
+        lines[0].0[0] = f64::NAN;
+        let mut panels = Panels::new(WIDTH);
+        panels.fill(&lines, BLOCK);
+        panels.leave_out_zeros(BLOCK);
+        assert_eq!(panels.rows().panels, [0, 3]);
+        panels.leave_out_zeros(199);
+        assert_eq!(panels.rows().panels, [0]);
     }
 
     #[test]
