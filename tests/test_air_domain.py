@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import echocal
+from echocal import domain
 from echocal.conditions import QUANTITIES
 from echocal.domain import warn_outside
 
@@ -52,6 +53,21 @@ def test_one_warning_with_both_sides() -> None:
     assert "first at row 813 (row 1 is the first): 0.099" in text
     assert "'virial'" in text
     assert caught[0].filename == __file__
+
+
+def test_where_nobody_listens_no_row_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[object] = []
+    plain = domain._extreme
+    monkeypatch.setattr(domain, "_extreme", lambda *given: looked.append(given) or plain(*given))
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
+        warn_outside([20.0, 99.0])
+        assert not looked
+        warnings.filterwarnings("ignore", message="another", category=UserWarning)  # not of this one, perhaps
+        warn_outside([20.0, 99.0])
+        assert looked
+        warnings.simplefilter("error", echocal.DomainWarning)
+        with pytest.raises(echocal.DomainWarning):
+            warn_outside([20.0, 99.0])
 
 
 def test_silent_inside_and_for_rows_without_a_number() -> None:

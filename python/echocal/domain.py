@@ -101,6 +101,8 @@ def warn_outside(
     >>> from echocal.domain import warn_outside
     >>> warn_outside([10.0, 20.0], 0.5)
     """
+    if _unheard():
+        return
     values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
     if min(value.size for value in values) == 0:
         return
@@ -121,6 +123,14 @@ def warn_outside(
     where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
     message = f"{describe(law, row, where)} (echocal.departures gives every row)"
     warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
+
+
+def _unheard() -> bool:
+    """Whether such warnings are ignored, whatever they say and wherever they come from."""
+    for action, message, category, module, line in warnings.filters:
+        if issubclass(DomainWarning, category):
+            return action == "ignore" and message is None and module is None and not line
+    return False
 
 
 def _extreme(which: np.ufunc, values: NDArray[np.float64]) -> float:
