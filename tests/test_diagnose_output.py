@@ -13,7 +13,7 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 from matplotlib.figure import Figure
 
 import echocal
-from echocal.diagnose.sentences import tendency
+from echocal.diagnose.sentences import Recorded, tendency
 from echocal.plots.diagnosis import plot_residuals, save_diagnosis
 
 TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
@@ -72,9 +72,10 @@ def test_the_sentence_can_be_checked_in_the_data(diagnosis: echocal.Diagnosis) -
 def test_a_shift_that_hardly_varies_is_told_as_a_shift() -> None:
     temperature = np.linspace(0.0, 40.0, 50)
     delay = 79e-6 * (331.4 + 0.6 * temperature) / 2  # 13.1 to 14.0 mm
-    text = tendency(delay, delay, {"temperature": temperature})
+    recorded = Recorded({"temperature": temperature})
+    text = tendency(delay, delay, recorded)
     assert text.startswith("every reading is off by nearly the same: +13.56 mm")
-    assert tendency(10 * temperature, 10 * temperature, {"temperature": temperature}).startswith("the fifth")
+    assert tendency(10 * temperature, 10 * temperature, recorded).startswith("the fifth")
 
 
 def _figures(sentence: str) -> tuple[str, str]:

@@ -1,6 +1,7 @@
 """Everything between the rows and the verdict."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from echocal.diagnose.memories import at_first, that_may_be_there
 from echocal.diagnose.noise import FINEST, WHITE, Convection, Noise, noises
 from echocal.diagnose.order import Order
 from echocal.diagnose.scene import Table
+from echocal.diagnose.sentences import Recorded
 from echocal.diagnose.sums import Sums
 from echocal.diagnose.unexplained import shape_candidates
 
@@ -53,6 +55,11 @@ class Case:
     folds: Folds
     seed: int
     signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def recorded(self) -> Recorded:
+        """Columns that what a cause adds may follow."""
+        return Recorded(self.table.against())
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]; not to be written to, for it is made once."""

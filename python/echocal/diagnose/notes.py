@@ -30,7 +30,7 @@ def because(case: Case, claim: Claim, judgment: Judgment) -> str:
     left = reduce(np.subtract, (case.signal(c.variant, c.mean) for c in beside), case.residual)
     if "position_in_group" in find_effect(claim.cause).reads:
         return first_against_others(left, signal, case.table.conditions["position_in_group"])
-    return tendency(left, signal, case.table.against())
+    return tendency(left, signal, case.recorded)
 
 
 def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:

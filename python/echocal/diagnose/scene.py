@@ -205,7 +205,7 @@ def _arrange(
     breaks = np.zeros(len(kept), dtype=bool)
     breaks[steps] = True
     groups = np.cumsum(breaks) if stands is None else stands
-    breaks[1:] |= np.diff(groups) != 0
+    breaks[1:] |= groups[1:] != groups[:-1]
     return Table(
         row=kept,
         indication=indication,

@@ -1,6 +1,7 @@
 """Sentences that a user can check in the data."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from echocal.diagnose.parts import Shifted
 from echocal.observations.quantiles import median, quantiles
 
 __all__ = [
+    "Recorded",
     "first_against_others",
     "parameter_text",
     "quantity_text",
@@ -80,26 +82,51 @@ def spoken(name: str) -> str:
     return name.replace("_", " ") if name in QUANTITIES or name in _SHOWN else name
 
 
-def telling_column(signal: Column, against: Mapping[str, Column]) -> str | None:
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """Recorded columns, and the ranks of some of their rows once these are asked for.
+
+    Attributes
+    ----------
+    columns : mapping of str to ndarray, shape (n,)
+    """
+
+    columns: Mapping[str, Column]
+    _known: dict[str, Column | None] = field(default_factory=dict, init=False, repr=False)
+
+    def ranks(self, name: str) -> Column | None:
+        """Ranks of some rows of a column; None where not every row is known, or all are the same."""
+        if name not in self._known:
+            column = self.columns[name]
+            some = _some(column)
+            varies = np.isfinite(column).all() and np.ptp(some) > 0
+            self._known[name] = _ranks(some) if varies else None
+        return self._known[name]
+
+
+def telling_column(signal: Column, against: Recorded) -> str | None:
     """Name of the column that a signal follows most closely, by rank correlation."""
     best, name = 0.0, None
     if np.ptp(signal) < _SAME:
         return None
-    some = slice(None, None, max(1, len(signal) // _ENOUGH))
-    ranks = _ranks(signal[some])
-    for candidate, column in against.items():
-        if np.isfinite(column).all() and np.ptp(column[some]) > 0:
-            strength = abs(float(np.corrcoef(ranks, _ranks(column[some]))[0, 1]))
+    ranks = _ranks(_some(signal))
+    for candidate in against.columns:
+        if (own := against.ranks(candidate)) is not None:
+            strength = abs(float(np.corrcoef(ranks, own)[0, 1]))
             if strength > best + 0.02:  # a tie goes to the column that comes first
                 best, name = strength, candidate
     return name
+
+
+def _some(values: Column) -> Column:
+    return values[:: max(1, len(values) // _ENOUGH)]
 
 
 def _ranks(values: Column) -> Column:
     return np.unique(values, return_inverse=True)[1].astype(float)
 
 
-def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str:
+def tendency(left: Column, signal: Column, against: Recorded) -> str:
     """Compare what a cause predicts with what the base and the other causes leave.
 
     Parameters
@@ -108,8 +135,7 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
         Reading less base less every other cause [m].
     signal : ndarray, shape (n,)
         What the cause adds [m].
-    against : mapping of str to ndarray
-        Recorded columns.
+    against : Recorded
     """
     name = telling_column(signal, against)
     mean = abs(float(np.mean(signal)))
@@ -122,7 +148,7 @@ def tendency(left: Column, signal: Column, against: Mapping[str, Column]) -> str
     lowest, highest = np.flatnonzero(signal <= low), np.flatnonzero(signal >= high)
     found = 1e3 * (left[highest].mean() - left[lowest].mean())
     predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
-    ends = [quantity_text(name, median(against[name][rows])) for rows in (lowest, highest)]
+    ends = [quantity_text(name, median(against.columns[name][rows])) for rows in (lowest, highest)]
     return (
         f"the fifth of the rows with {name.replace('_', ' ')} around {ends[1]} reads {found:+.2f} mm against "
         f"the fifth around {ends[0]}, where this cause predicts {predicted:+.2f} mm"

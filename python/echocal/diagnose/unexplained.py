@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates import UNKNOWN, Candidates, Variant
-from echocal.observations.quantiles import spread
+from echocal.observations.quantiles import quantiles, spread
 
 __all__ = ["HOUR", "Basis", "column_of", "shape_candidates"]
 
@@ -23,6 +23,7 @@ _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise 
 _SCALES = tuple(_SIZE / degree for degree in range(1, max(_DEGREES) + 1))
 _WAVES = tuple(_SIZE / multiple for multiple in range(1, _HARMONICS + 1))
 _DAY = 86400.0
+_NEARLY_ALL = (0.005, 0.995)
 _LEVELS = 6  # fewer distinct values cannot show a smooth shape
 
 
@@ -46,8 +47,8 @@ class Basis:
         """Functions for a column; for the time of day, of the time [s]."""
         if against == HOUR:
             return cls(HOUR, 0.0, 24.0)
-        low, high = np.percentile(spread(column), [0.5, 99.5])  # a few far values must not bend the shape
-        return cls(against, float(low), float(high))
+        low, high = quantiles(spread(column), _NEARLY_ALL)  # a few far values must not bend the shape
+        return cls(against, low, high)
 
     def at(self, values: Column) -> list[Column]:
         """Every function, in units of its prior standard deviation [m]."""

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.sentences import shown, telling_column
+from echocal.diagnose.sentences import Recorded, shown, telling_column
 from echocal.errors import writing
 from echocal.plots.labels import fitted, title_beside
 from echocal.plots.next_measurements import next_figure
@@ -116,7 +116,7 @@ def telling(diagnosis: Diagnosis) -> list[str]:
     signal = changed if np.nanstd(changed) > _SAME else traces.before
     known = np.isfinite(signal)
     varied = {name: column[known] for name, column in traces.against.items() if _varies(column)}
-    first = telling_column(signal[known], varied)
+    first = telling_column(signal[known], Recorded(varied))
     return sorted(varied, key=lambda name: (name != first, -_followed(varied[name], signal[known])))
 
 

@@ -14,11 +14,13 @@ from echocal.observations.quantiles import median
 __all__ = ["View"]
 
 Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
 _ENOUGH = 20_000  # rows that a robust fit needs at most
 _MANY = 100_000  # rows that tell which ones are wild
+_CACHED = 32_768  # rows whose columns stay near the processor
 _ROUNDS = 12  # reweightings: least absolute deviations to a part in a thousand
 _WINDOW = 13  # rows that vouch for a level where no reference is known
 _ANYHOW = 0.06  # part of a distance that no law or thermometer is wrong by
@@ -173,53 +175,63 @@ class _Shape:
 
     Attributes
     ----------
-    far : ndarray, shape (n,)
-        Distance, in units of 2 m.
-    warm : ndarray, shape (n,), or None
-        Temperature, in units of 25 K; None where it is one number.
+    distance : ndarray, shape (n,)
+    temperature : ndarray, shape (n,), or None
+        None where it is one number.
     bends : bool
         Whether there is more than one distance.
     """
 
-    far: Column
-    warm: Column | None
+    distance: Column
+    temperature: Column | None
     bends: bool
 
     @classmethod
     def of(cls, distance: Column, temperature: Column | None) -> "_Shape":
-        far = distance / 2.0
-        finite = np.isfinite(far)
-        bends = bool(np.ptp(far if finite.all() else far[finite]) > 0)
+        finite = np.isfinite(distance)
+        bends = bool(np.ptp(distance if finite.all() else distance[finite]) > 0)
         varies = temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature)
-        return cls(far, temperature / 25.0 if temperature is not None and varies else None, bends)
+        return cls(distance, temperature if varies else None, bends)
 
     def __len__(self) -> int:
-        return 1 + 2 * self.bends + 2 * (self.warm is not None)
+        return 1 + 2 * self.bends + 2 * (self.temperature is not None)
 
     @property
     def known(self) -> Mask:
         """Rows of which every column is known."""
-        known = np.isfinite(self.far)
-        return known if self.warm is None else known & np.isfinite(self.warm)
+        known = np.isfinite(self.distance)
+        return known if self.temperature is None else known & np.isfinite(self.temperature)
 
-    def columns(self, rows: NDArray[np.int64]) -> Column:
+    def _units(self, rows: Labels | slice) -> tuple[Column, Column | None]:
+        """Distance in units of 2 m, temperature in units of 25 K, of some rows."""
+        warm = None if self.temperature is None else self.temperature[rows] / 25.0
+        return self.distance[rows] / 2.0, warm
+
+    def columns(self, rows: Labels) -> Column:
         """Every column at some rows, one per line."""
-        far = self.far[rows]
+        far, warm = self._units(rows)
         columns = [np.ones_like(far), *([far, far**2] if self.bends else [])]
-        if self.warm is not None:
-            warm = self.warm[rows]
+        if warm is not None:
             columns += [far * warm, far * warm**2]
         return np.stack(columns)
 
     def sum(self, coefficients: Column) -> Column:
         """Every column times its coefficient, in all rows."""
+        whole = np.empty_like(self.distance)
+        for first in range(0, len(whole), _CACHED):
+            rows = slice(first, first + _CACHED)
+            whole[rows] = self._sum(coefficients, rows)
+        return whole
+
+    def _sum(self, coefficients: Column, rows: slice) -> Column:
         level, *rest = coefficients.tolist()
-        slope = np.full(len(self.far), rest[0]) if self.bends else np.zeros(len(self.far))
+        far, warm = self._units(rows)
+        slope = np.full(len(far), rest[0]) if self.bends else np.zeros(len(far))
         if self.bends:
-            slope += rest[1] * self.far
-        if self.warm is not None:
-            slope += (rest[-1] * self.warm + rest[-2]) * self.warm
-        slope *= self.far
+            slope += rest[1] * far
+        if warm is not None:
+            slope += (rest[-1] * warm + rest[-2]) * warm
+        slope *= far
         slope += level
         return slope
 
