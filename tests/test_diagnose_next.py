@@ -183,3 +183,20 @@ def test_the_average_corrects_what_it_predicts() -> None:
     reading = diagnosis.predict(1.0, **air)
     distance = diagnosis.correct(reading.value, **air)
     assert distance.value == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("seed", [489751801, None])
+def test_every_proposal_says_what_it_is_for(seed: int | None) -> None:
+    """Also where rows help and yet tell nothing apart for sure, as in the table of this seed."""
+    random = np.random.default_rng(seed)
+    distance = random.uniform(0.5, 3.5, 400)
+    reading = distance + 8e-3 + random.normal(0.0, 1e-3, 400)
+    data = {
+        "reading_m": reading,
+        "distance_m": distance,
+        "temperature_C": random.uniform(19.9, 20.1, 400),
+    }
+    diagnosis = echocal.diagnose(data)
+    assert diagnosis.next_measurements
+    assert all(proposal.separates for proposal in diagnosis.next_measurements)
+    assert "to tell zero_error from fixed_delay" in diagnosis.explain()

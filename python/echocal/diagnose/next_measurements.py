@@ -88,8 +88,8 @@ def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -
         at = tuple(float(f"{column[place]:.3g}") for column in varied.values())
         merged[at] = merged.get(at, 0) + int(rows)
     where = {name: [at[i] for at in merged] for i, name in enumerate(varied)}
-    firsts = [members[group[0]].ids for group in plan.classes]
-    separates = _differing(firsts)
+    classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]  # rows help a bit
+    separates = _differing([members[group[0]].ids for group in classes])
     return NextMeasurement({**where, "rows": list(merged.values())}, separates, plan.expected, plan.now)
 
 
