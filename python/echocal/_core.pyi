@@ -86,6 +86,18 @@ def posterior(
     shape: float,
     hopeless: float,
 ) -> tuple[list[tuple[list[int], float, _Weighed]], list[bool], int]: ...
+def log_density(values: NDArray[np.float64], freedom: float) -> NDArray[np.float64]: ...
+def slips(
+    left: NDArray[np.float64],
+    step: NDArray[np.float64],
+    cells: NDArray[np.int64],
+    stretches: NDArray[np.int64],
+    orders: list[float],
+    freedom: float,
+    spread: float,
+    level: NDArray[np.float64],
+    scale: float,
+) -> tuple[float, NDArray[np.float64], float, NDArray[np.float64]]: ...
 
 @final
 class Columns:

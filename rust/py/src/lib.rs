@@ -9,6 +9,7 @@ mod errors;
 mod evidence;
 mod firmware;
 mod model;
+mod noise;
 mod registry;
 mod sums;
 
@@ -30,6 +31,8 @@ mod _core {
     use super::firmware::{CoreFirmware, design_firmware};
     #[pymodule_export]
     use super::model::CoreModel;
+    #[pymodule_export]
+    use super::noise::{log_density, slips};
     #[pymodule_export]
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.facts import CauseFacts, Quantity
-from echocal.diagnose.noises.trace import Likelihood, Trace, log_density
+from echocal.diagnose.noises.trace import Likelihood, Trace
 
 __all__ = ["FACTS", "fit"]
 
@@ -18,7 +19,6 @@ _PERIOD = 25e-6  # s, of 40 kHz (HC-SR04 data sheet)
 _MISSED = (0, 1, 2, 3)  # cycles, where zero is known
 _EITHER = (-2, -1, 0, 1, 2)  # around the level of a stretch, which may itself have slipped
 _KERNELS = (np.inf, 4.0)
-_ROUNDS = 40
 _PER_CELL = 60  # rows from which on a distance has probabilities of its own
 _CELLS = 8
 _TRACE = 5e-3  # part of the rows below which a component costs nothing and says nothing
@@ -128,34 +128,18 @@ def _cells(distance: Column) -> Labels:
 def _mixture(
     trace: Trace, step: Column, cells: Labels, freedom: float, orders: Orders, stretch: Labels
 ) -> _Mixture:
-    """Expectation and maximization; the level is zero, one, or one per stretch."""
-    left = trace.left
+    """Fit the groups; the level is zero, one, or one per stretch."""
+    left = np.ascontiguousarray(trace.left)
     leveled = bool(stretch.any()) or trace.free_mean
-    shifts = np.array(orders)[:, None] * step  # a line each: sums over the few orders run along the rows
     level: Column = (
         trace.stretch_median if stretch.any() else np.full(len(left), np.quantile(left, 0.1) * leveled)
     )
-    scale = max(0.25 * float(np.median(step)), 1e-4)
+    first = max(0.25 * float(np.median(step)), 1e-4)
+    spread = _LEVEL if leveled else 0.0
+    log, level, scale, weights = _core.slips(
+        left, step, cells, stretch, [float(order) for order in orders], freedom, spread, level, first
+    )
     rows, members = np.bincount(cells), np.bincount(stretch)
-    weights = np.full((len(rows), len(orders)), 1.0 / len(orders))
-    log = -np.inf
-    for _ in range(_ROUNDS):
-        away = left - level - shifts
-        parts = log_density(away, scale, freedom) + np.log(weights.T + 1e-12)[:, cells]
-        top = parts.max(axis=0)
-        share = np.exp(parts - top)
-        total = share.sum(axis=0)
-        share /= total
-        before, log = log, float((np.log(total) + top).sum())
-        if log < before + 1e-3:
-            break
-        tail = 1.0 if np.isinf(freedom) else (freedom + 1) / (freedom + (away / scale) ** 2)
-        pull = share * tail
-        if leveled:
-            moved = np.bincount(stretch, (pull * (left - shifts)).sum(axis=0))
-            level = (moved / (np.bincount(stretch, pull.sum(axis=0)) + (scale / _LEVEL) ** 2))[stretch]
-        scale = max(float(np.sqrt((pull * away**2).sum() / len(left))), 1e-5)
-        weights = np.stack([np.bincount(cells, line) / rows for line in share], axis=1)
     used = (weights > _TRACE).sum(axis=1) - 1
     cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
     if leveled:  # a level of its own costs what its prior spreads it over

@@ -6,6 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
+
 __all__ = ["KERNELS", "Likelihood", "Trace", "log_density", "scale_of"]
 
 Column = NDArray[np.float64]
@@ -19,13 +21,8 @@ _WORTH = 2.0  # standard errors of a moment from which on a fit is tried
 
 def log_density(values: Column, scale: Column | float, freedom: float) -> Column:
     """Log density of Student's t, or of the normal distribution for infinite degrees of freedom."""
-    from scipy.special import gammaln  # takes long to import
-
-    square = (values / scale) ** 2
-    if np.isinf(freedom):
-        return np.asarray(-0.5 * square - np.log(scale) - 0.5 * np.log(2 * np.pi))
-    constant = gammaln(0.5 * (freedom + 1)) - gammaln(0.5 * freedom) - 0.5 * np.log(freedom * np.pi)
-    return np.asarray(constant - np.log(scale) - 0.5 * (freedom + 1) * np.log1p(square / freedom))
+    unit = values / scale
+    return np.asarray(_core.log_density(unit.ravel(), freedom).reshape(unit.shape) - np.log(scale))
 
 
 def scale_of(values: Column, freedom: float) -> Column:
