@@ -199,4 +199,4 @@ def test_every_proposal_says_what_it_is_for(seed: int | None) -> None:
     diagnosis = echocal.diagnose(data)
     assert diagnosis.next_measurements
     assert all(proposal.separates for proposal in diagnosis.next_measurements)
-    assert "to tell zero_error from fixed_delay" in diagnosis.explain()
+    assert "Next: to tell " in diagnosis.explain()
