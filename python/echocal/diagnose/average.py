@@ -2,13 +2,13 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.errors import DisagreementWarning, UsageError
+from echocal.errors import DataError, DataWarning, DisagreementWarning, UsageError
 from echocal.model import Model
 
 __all__ = ["Estimate", "Member", "averaged"]
@@ -78,7 +78,7 @@ def averaged(
         message = "this diagnosis was made without its members; diagnose the table again"
         raise UsageError(message)
     given: Mapping[str, Any] = conditions
-    values = np.array([getattr(m.model, method)(first, **given) for m in members], dtype=float)
+    members, values = _heard(members, method, first, given)
     share = np.array([m.probability for m in members]).reshape(-1, *[1] * (values.ndim - 1))
     mean = (share * values).sum(axis=0)
     variance = np.zeros_like(mean)
@@ -90,6 +90,30 @@ def averaged(
     _warn(agreed, heard)
     by_cause = {m.ids: v for m, v in zip(members, values, strict=True)}
     return Estimate(mean, np.sqrt(variance), agreed, by_cause)
+
+
+def _heard(
+    members: Sequence[Member], method: str, first: ArrayLike, given: Mapping[str, Any]
+) -> tuple[list[Member], Column]:
+    """What those members say that need no more than is given."""
+    able: list[Member] = []
+    values, unable = [], []
+    for member in members:
+        try:
+            values.append(getattr(member.model, method)(first, **given))
+            able.append(member)
+        except DataError as error:
+            unable.append(error)
+    if not able:
+        raise unable[0]
+    total = sum(member.probability for member in able)
+    if unable:
+        message = (
+            f"{len(unable)} of {len(members)} possible sets of causes, with {1 - total:.2f} of their "
+            f"probability, are left out: {unable[0]}"
+        )
+        warnings.warn(message, DataWarning, stacklevel=4)
+    return [replace(m, probability=m.probability / total) for m in able], np.array(values, dtype=float)
 
 
 def _variance(model: Model, distance: ArrayLike, conditions: Mapping[str, Any]) -> Column | float:
