@@ -1,11 +1,11 @@
 //! Noise of warm cells that drift through the path of the echo.
 //!
-//! Along a path much longer than the cells, the variance of the travel time grows in proportion to
-//! its length (Chernov 1960, Wave Propagation in a Random Medium, chapter 5), and a cell stays for some
-//! rows: white noise beside a first-order autoregression whose variance is proportional to the
-//! distance of the row. With another distance in every row no lag-1 products whiten that; Kalman's
-//! filter does (Durbin & Koopman 2012, Time Series Analysis by State Space Methods, section 4.3), with the
-//! same gains for all columns.
+//! The delays of cells that know nothing of each other add up, and so do their variances: that of the
+//! travel time grows in proportion to the path, until caustics bend it upward (Andreeva & Durgin 2005,
+//! <https://doi.org/10.1080/17455030500284170>). A cell stays for some rows: white noise beside a
+//! first-order autoregression whose variance is proportional to the distance of the row. With another
+//! distance in every row no lag-1 products whiten that; Kalman's filter (1960,
+//! <https://doi.org/10.1115/1.3662552>) does, with the same gains for all columns.
 
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
