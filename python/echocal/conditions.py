@@ -82,12 +82,13 @@ def columns(
         fallback = np.nan if quantity.default is None else quantity.default
         values.append(numbers(name, given.get(name, fallback)))
     try:
-        broadcast = np.broadcast_arrays(*values)
+        shape = np.broadcast_shapes(*(value.shape for value in values))
     except ValueError:
         shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in given.items())
         message = f"shapes do not broadcast: first argument {values[0].shape}, {shapes}"
         raise UsageError(message) from None
-    return broadcast[0].shape, [np.ascontiguousarray(column).reshape(-1) for column in broadcast]
+    whole = (value if value.shape == shape else np.full(shape, value) for value in values)
+    return shape, [np.ascontiguousarray(column).reshape(-1) for column in whole]
 
 
 def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:

@@ -10,7 +10,6 @@ from echocal.diagnose.claims import (
     Ranking,
     beside_a_remainder,
     claims,
-    effects_named,
     rank,
     resized,
     without,
@@ -114,8 +113,8 @@ def _claimed(
     if best is None:
         raise RuntimeError("no hypothesis was weighed")
     claimed = _of(best, case, ranking, carried)
-    while (grown := ranking.best(beyond=effects_named(best.hypothesis))) is not None:
-        ids = effects_named(best.hypothesis)
+    while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
+        ids = best.hypothesis.effects
         (more,) = _of(grown, case, ranking, carried, ids)
         alone, beside = ranking.more(ids, (more.cause, *more.rivals))
         if beside <= alone if ids else alone >= _in_doubt(len(case.table), ranking, shares):

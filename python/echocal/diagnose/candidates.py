@@ -218,7 +218,8 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     for name, size in sizes.items():
         column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
         found.size_tangents[id_] = (column, size)
-    variants.append(_freed(found, whole, shapes, at_work=True, levels=levels) if shapes else whole)
+    usual = [p.prior_scale for p in shapes]
+    variants.append(_freed(found, whole, shapes, usual, at_work=True, levels=levels) if shapes else whole)
     if effect.extends and effect.calls:  # it stands in for the law: the law's own uncertainty comes in
         law = _LAW * scene.base.expected(scene.distance, scene.conditions)
         celsius = np.asarray(scene.conditions.get("temperature", _MIDDLE))
@@ -235,11 +236,11 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     variants = []
     for shape, weight in _shapes(effect, scene):
         at = {**neutral, **shape}
-        scaled = [replace(p, prior_scale=_scale(p, scene)) for p in sizes]
-        variants.append(_freed(found, Variant(effect.id, at, weight=weight), scaled))
+        scales = [_scale(p, scene) for p in sizes]
+        variants.append(_freed(found, Variant(effect.id, at, weight=weight), sizes, scales))
         if any(p.tail > 1 for p in sizes):
-            wide = [replace(p, prior_scale=p.tail * p.prior_scale) for p in scaled]
-            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL * weight), wide))
+            wide = [p.tail * scale for p, scale in zip(sizes, scales, strict=True)]
+            variants.append(_freed(found, Variant(effect.id, at, weight=_TAIL * weight), sizes, wide))
     return variants
 
 
@@ -270,21 +271,22 @@ def _freed(
     found: Candidates,
     variant: Variant,
     parameters: list[Parameter],
+    scales: list[float],
     *,
     at_work: bool = False,
     levels: Column | None = None,
 ) -> Variant:
-    """Let parameters of a variant move around where they stand."""
-    scales = tuple(float(p.prior_scale) for p in parameters)
-    low_high = [tuple((b - variant.at[p.name]) / p.prior_scale for b in p.bounds) for p in parameters]
+    """Let parameters of a variant move around where they stand, by prior standard deviations."""
+    each = list(zip(parameters, scales, strict=True))
+    low_high = [tuple((b - variant.at[p.name]) / scale for b in p.bounds) for p, scale in each]
     tangents = [
         found.columns.tangent(variant.cause, variant.at, p.name, scale, at_work=at_work, levels=levels)
-        for p, scale in zip(parameters, scales, strict=True)
+        for p, scale in each
     ]
     return replace(
         variant,
         free=tuple(tangents),
         names=tuple(p.name for p in parameters),
-        scales=scales,
+        scales=tuple(float(scale) for scale in scales),
         bounds=tuple((low, high) for low, high in low_high),
     )

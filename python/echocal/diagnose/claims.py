@@ -21,7 +21,6 @@ __all__ = [
     "beside_a_remainder",
     "claims",
     "covariance_of",
-    "effects_named",
     "effects_of",
     "free_size",
     "free_sizes",
@@ -75,7 +74,7 @@ class Ranking:
         likely = max(effects.values())
         near = [named for named in effects if effects[named] > _NEARLY * likely]
         top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
-        same = [w for w in self.weighed if effects_named(w.hypothesis) == top]
+        same = [w for w in self.weighed if w.hypothesis.effects == top]
         return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
 
     def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
@@ -104,11 +103,6 @@ def _out_of_reach(ids: Sequence[str]) -> int:
     effects = [find_effect(id_) for id_ in ids]
     foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail != "relative_humidity"]
     return len(foreign) + sum(e.firmware == "refused" for e in effects)
-
-
-def effects_named(hypothesis: Hypothesis) -> Ids:
-    """Ids of the effects of a hypothesis, sorted."""
-    return tuple(sorted(id_ for id_ in hypothesis.causes if id_ != UNKNOWN))
 
 
 def rank(weighed: list[Weighed], causes: int) -> Ranking:
@@ -151,7 +145,7 @@ def claims(
     """Claim the causes of a hypothesis, each with its class; but those in `beyond`."""
     others = _by_cause(found.variants)
     made = []
-    chosen = set(effects_named(best.hypothesis))
+    chosen = set(best.hypothesis.effects)
     deviation = np.sqrt(np.diag(best.covariance))
     known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
     for variant, place in ((v, place) for v, place in known if v.cause not in beyond):

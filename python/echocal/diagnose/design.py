@@ -134,15 +134,27 @@ def _overlaps(prospect: Prospect, designs: NDArray[np.int64], rows: Sequence[int
     spread = prospect.covariance(designs, rows)
     mean = prospect.shift[:, designs]
     m = len(mean)
-    logs = np.linalg.slogdet(spread)[1]
+    logs = _distances(spread, np.zeros_like(mean))[1]
+    one, other = np.triu_indices(m, 1)
+    square, log = _distances(0.5 * (spread[one] + spread[other]), mean[one] - mean[other])
     overlap = np.ones((m, m, len(designs)))
-    for i, j in combinations(range(m), 2):
-        both = 0.5 * (spread[i] + spread[j])
-        apart = (mean[i] - mean[j])[..., None]
-        distance = 0.125 * (apart * np.linalg.solve(both, apart)).sum(axis=(1, 2))
-        distance += 0.5 * (np.linalg.slogdet(both)[1] - 0.5 * (logs[i] + logs[j]))
-        overlap[i, j] = overlap[j, i] = np.exp(-distance)
+    distance = 0.125 * square + 0.5 * (log - 0.5 * (logs[one] + logs[other]))
+    overlap[one, other] = overlap[other, one] = np.exp(-distance)
     return overlap
+
+
+def _distances(covariance: Matrix, apart: Matrix) -> tuple[Matrix, Matrix]:
+    """Squared Mahalanobis distances, and log determinants: of many small matrices, row by row."""
+    rest, left = covariance.copy(), apart.copy()
+    square, log = np.zeros(apart.shape[:-1]), np.zeros(apart.shape[:-1])
+    for i in range(apart.shape[-1]):
+        pivot = rest[..., i, i].copy()
+        square += left[..., i] ** 2 / pivot
+        log += np.log(pivot)
+        part = rest[..., i + 1 :, i] / pivot[..., None]
+        left[..., i + 1 :] -= part * left[..., i, None]
+        rest[..., i + 1 :, i + 1 :] -= part[..., None] * rest[..., i, None, i + 1 :]
+    return square, log
 
 
 def _least(overlap: Matrix, probability: Matrix) -> int:

@@ -1,5 +1,6 @@
 """Evidence: how probable the data are under a hypothesis, all sizes of its causes averaged."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.candidates import Variant
+from echocal.diagnose.candidates import UNKNOWN, Variant
 from echocal.diagnose.noise import FINEST, Noise
 from echocal.diagnose.sums import Whitened
 
@@ -38,6 +39,16 @@ class Hypothesis:
     def causes(self) -> tuple[str, ...]:
         """Ids of its causes."""
         return tuple(variant.cause for variant in self.variants)
+
+    @cached_property
+    def ids(self) -> tuple[str, ...]:
+        """The same, sorted: hypotheses with other forms of these causes have them, too."""
+        return tuple(sorted(self.causes))
+
+    @cached_property
+    def effects(self) -> tuple[str, ...]:
+        """Ids of its effects, sorted: of its causes without a shape."""
+        return tuple(id_ for id_ in self.ids if id_ != UNKNOWN)
 
     @cached_property
     def columns(self) -> tuple[int, ...]:
@@ -128,10 +139,17 @@ class Weighed:
     noise: Matrix
     variance: float
 
+    def raised(self, by: float) -> "Weighed":
+        """The same with more log evidence."""
+        return Weighed(
+            self.hypothesis, self.log_evidence + by, self.mean, self.covariance, self.noise, self.variance
+        )
+
     @property
     def log_posterior(self) -> float:
         """Up to the constant that normalizes."""
-        return self.log_evidence + float(np.log(self.hypothesis.prior))
+        prior = self.hypothesis.prior
+        return self.log_evidence + (math.log(prior) if prior > 0.0 else -math.inf)
 
 
 def form(variant: Variant, cause: int | None = 0) -> "_core._Form":

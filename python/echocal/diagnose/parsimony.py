@@ -46,7 +46,7 @@ def shown(weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: 
     best: dict[Ids, Weighed] = {}
     sets: dict[Ids, float] = {}
     for one, p in zip(weighed, probability, strict=True):
-        ids = tuple(sorted(one.hypothesis.causes))
+        ids = one.hypothesis.ids
         best.setdefault(ids, one)
         sets[ids] = sets.get(ids, 0.0) + float(p)
     before = dict(sets)

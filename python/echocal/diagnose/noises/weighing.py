@@ -1,7 +1,7 @@
 """Noises in the posterior: every likely hypothesis on the mean, beside each noise."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -121,7 +121,7 @@ def weigh_noises(case: Case, weighed: list[Weighed], carried: Stack, steps: Coll
     weighed = _with_nothing(case, weighed, carried)
     best: dict[Ids, Weighed] = {}
     for one in weighed:
-        best.setdefault(_ids(one), one)
+        best.setdefault(one.hypothesis.ids, one)
     chosen = list(best)[:_SETS] + [ids for ids in [()] if ids not in list(best)[:_SETS]]
     skipped = set().union(*(_STEPPED.get(step, set()) for step in steps))
     shapes = [shape for shape in SHAPES if shape.FACTS.id not in skipped]
@@ -132,10 +132,10 @@ def weigh_noises(case: Case, weighed: list[Weighed], carried: Stack, steps: Coll
         gains[ids], shares.shapes[ids], shares.fits[ids] = _beside(case, best[ids], carried, rows, shapes)
     least = min(gains.values())
     shares.weighed = sorted(
-        (replace(w, log_evidence=w.log_evidence + gains.get(_ids(w), least)) for w in weighed),
+        (w.raised(gains.get(w.hypothesis.ids, least)) for w in weighed),
         key=lambda w: -w.log_posterior,
     )
-    order = list(dict.fromkeys(_ids(w) for w in shares.weighed))
+    order = list(dict.fromkeys(w.hypothesis.ids for w in shares.weighed))
     shares.shapes = {ids: shares.shapes[ids] for ids in order if ids in shares.shapes}
     shares.fits = {ids: shares.fits[ids] for ids in order if ids in shares.fits}
     stakes = [_Stake.of(guard, case, carried) for guard in GUARDS]
@@ -143,10 +143,6 @@ def weigh_noises(case: Case, weighed: list[Weighed], carried: Stack, steps: Coll
         shares.guards[ids] = _guards(best[ids], stakes, shares.shape_of(ids))
     _doubt(shares, stakes)
     return shares
-
-
-def _ids(weighed: Weighed) -> Ids:
-    return tuple(sorted(weighed.hypothesis.causes))
 
 
 def _with_nothing(case: Case, weighed: list[Weighed], carried: Stack) -> list[Weighed]:
@@ -241,7 +237,7 @@ def _doubt(shares: NoiseShares, stakes: Collection[_Stake]) -> None:
         with_it = float(total @ part) / before * stake.facts.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - stake.facts.prior)
         believed = with_it / max(with_it + without, 1e-300)
-        given = np.array([shares.guard_of(_ids(w)).get(id_, 0.0) for w in shares.weighed])
+        given = np.array([shares.guard_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.weighed])
         usual = float(total @ given) / float(total.sum())
         factor = min(believed / max(usual, 1e-12), 1.0)
         for found in shares.guards.values():
