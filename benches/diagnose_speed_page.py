@@ -60,16 +60,17 @@ stages are Python that makes objects and calls NumPy on short columns.
 
 For a million rows the pass in the core is the largest stage: {pass_share:.0f} % of the time. The stands of
 this table take turns, so that every row begins a series of its own and nothing is remembered: of 179
-columns, 178 of them no multiples of others, 17,664 plain products a row are summed, in panels of eight
+columns, 178 of them no multiples of others, 10,944 plain products a row are summed, in panels of eight
 columns. Of a stand that is measured for a while, products of differences and of three memories are
 summed too, five times as many{one_by_one}. Columns are made in blocks of 240 rows, brought into panels
 and summed there, all in the second cache; a panel of columns that are zero is left out. What follows an
 effect in the chain is not computed for each column: derivatives of the reading to
 the variables of the chain, found once a block, serve all effects that do nothing where their
-derivative is taken. Sampled by `perf` on two busy processors, half of that pass are sums of products, a
-third makes columns, and a fifteenth brings them into panels. 50 of the 178 columns are steps that differ
-in their beginning alone: of each only what it has before the next one begins is summed, which is zero in
-nearly all blocks, and the sums of the steps are sums of these.
+derivative is taken. Sampled by `perf` on two busy processors, two fifths of that pass are sums of
+products, two fifths make columns, and a tenth brings them into panels. 50 of the 178 columns are steps
+that differ in their beginning alone: of each only what it has before the next one begins is summed, which
+is zero in nearly all blocks, and the sums of the steps are sums of these. One by one they would make
+17,664 products of them.
 The errors on held-out rows come next: six models, each inverted row by row; the first step of
 Newton's method alone computes the air and the speed of sound, where no effect ties them to the distance.
 """

@@ -144,8 +144,10 @@ class Scene:
             among += columns @ columns.T
             along += columns @ self.residual[first : first + _CACHED]
         found = np.linalg.lstsq(among, along, rcond=1e-9)[0]
-        explained = np.concatenate([found @ design(first) for first in firsts])
-        return np.asarray(self.residual - explained)
+        left = self.residual.copy()
+        for first in firsts:
+            left[first : first + _CACHED] -= found @ design(first)
+        return left
 
     def columns(self) -> Columns:
         """A table's columns, of which there is none yet."""

@@ -63,9 +63,10 @@ def far_rows(indication: Column, expected: Column | None, orders: Callable[[], S
         expected = window.median().to_numpy()
     deviation = indication - expected
     center, spread = _robust(deviation)
-    off, usual = np.abs(deviation - center), _FAR * spread
-    if np.fmax.reduce(off) <= usual:
+    usual = _FAR * spread
+    if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= usual:
         return np.zeros(len(indication), dtype=bool)
+    off = np.abs(deviation - center)
     far = np.asarray(off > np.maximum(usual, _FAR_RELATIVE * np.abs(expected)))
     limit = max(usual, _CYCLES)
     odd = np.flatnonzero((off > limit) & ~far)

@@ -16,6 +16,7 @@ from echocal.diagnose.noise import Noise
 from echocal.diagnose.parts import Shifted
 from echocal.diagnose.sums import Sums
 from echocal.model import Model
+from echocal.observations.quantiles import quantiles
 
 __all__ = ["shifted"]
 
@@ -66,10 +67,12 @@ def _along(
     seen: Labels,
 ) -> Shifted | None:
     """Fit to the middle of a column, which is given at the rows that are looked at."""
-    low, high = np.quantile(column, _INNER)
+    if np.isnan(column).any() or not _varies(column):
+        return None
+    low, high = quantiles(column, _INNER)
     middle = (low <= column) & (column <= high)
     inside, outside = seen[middle], seen[~middle]
-    if min(len(inside), len(outside)) < _FEWEST or len(np.unique(column)) < _PLACES:
+    if min(len(inside), len(outside)) < _FEWEST:
         return None
     effects = _fit(case, hypothesis, causes, noise, inside)
     before, after = (
@@ -77,7 +80,12 @@ def _along(
     )
     if not np.isfinite(before) or not np.isfinite(after):
         return None  # no level of the rows outside is known inside
-    return Shifted(name, float(low), float(high), len(outside), before, after)
+    return Shifted(name, low, high, len(outside), before, after)
+
+
+def _varies(column: Column) -> bool:
+    """Whether a column has a middle: mostly its first rows tell."""
+    return any(len(np.unique(some)) >= _PLACES for some in (column[:_RUN], column))
 
 
 def _seen(case: Case) -> Labels:

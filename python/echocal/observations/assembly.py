@@ -82,9 +82,10 @@ class Assembly:
         checks.refuse_truth(self.table[source.column], source)
         values = to_numbers(self.table[source.column], source.column, self.missing)
         self._check_filled(values, source)
-        checks.refuse_other_unit(values, source, self.trusted)
-        self.notes += checks.suspected_codes(values, source)
-        wrong, notes = checks.impossible(values, source)
+        seen = checks.ends(values)
+        checks.refuse_other_unit(values, seen, source, self.trusted)
+        self.notes += checks.suspected_codes(values, seen, source)
+        wrong, notes = checks.impossible(values, seen, source)
         self._mark(wrong, f"{source.column} out of range", source)
         self.notes += notes
         values = source.unit.to_si(values)

@@ -16,13 +16,14 @@ from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
 from echocal.observations.units import NAMES, Form, Unit
 
-__all__ = ["impossible", "newest_first", "refuse_other_unit", "refuse_truth", "refuse_without_values"]
+__all__ = ["ends", "impossible", "newest_first", "refuse_other_unit", "refuse_truth", "refuse_without_values"]
 __all__ += ["si_unit", "suspected_codes"]
 
 _CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Ends = tuple[float, float]
 
 
 def refuse_without_values(values: Column, column: str) -> None:
@@ -33,7 +34,7 @@ def refuse_without_values(values: Column, column: str) -> None:
     DataError
         If no row has a value.
     """
-    if np.isnan(values).all():
+    if not len(values) or (np.isnan(values[0]) and np.isnan(values).all()):
         message = (
             f"column '{column}' has no value in any of {len(values)} rows; "
             f'if it is not needed: --column "{column}=ignore"'
@@ -80,13 +81,15 @@ def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
     ]
 
 
-def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collection[str]) -> None:
+def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, trusted: Collection[str]) -> None:
     """Refuse a column that is in another unit, by the look of its median.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
         Values in the unit that the column's name says.
+    seen : (float, float)
+        Their `ends`.
     trusted : collection of str
         Columns that the user vouches for.
 
@@ -97,13 +100,13 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
     usual = form.typical or form.physical
-    if all(_within(unit, end, usual) for end in _ends(values)):
+    if all(_within(unit, end, usual) for end in seen):
         return  # and so is their median
     finite = np.isfinite(values)
     known = values if finite.all() else values[finite]
     if form.label or column in trusted or EVERYTHING in trusted or not known.any():
         return
-    wrong = impossible(known, assignment)[0]  # single impossible rows are another matter
+    wrong = impossible(known, seen, assignment)[0]  # single impossible rows are another matter
     possible = known[~wrong] if wrong.any() else known
     median = middle(possible if 2 * len(possible) >= len(known) else known)
     if _within(unit, median, usual):
@@ -129,16 +132,18 @@ def refuse_other_unit(values: Column, assignment: Assignment, trusted: Collectio
     raise DataError(message)
 
 
-def impossible(values: Column, assignment: Assignment) -> tuple[Mask, list[str]]:
+def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask, list[str]]:
     """Rows whose value cannot be, and a sentence on each kind of them.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
         Values in the unit that the column's name says.
+    seen : (float, float)
+        Their `ends`.
     """
     low, high = (assignment.unit.from_si(bound) for bound in assignment.form.physical)
-    least, most = _ends(values)
+    least, most = seen
     if (least > low if assignment.form.positive else least >= low) and most <= high:
         return np.zeros(len(values), dtype=np.bool_), []
     with np.errstate(invalid="ignore"):
@@ -150,10 +155,10 @@ def impossible(values: Column, assignment: Assignment) -> tuple[Mask, list[str]]
     return np.asarray(below | above, dtype=np.bool_), notes
 
 
-def suspected_codes(values: Column, assignment: Assignment) -> list[str]:
+def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[str]:
     """A sentence on each value that loggers write where they have none."""
     codes = (85.0, *_CODES) if assignment.name == "temperature_C" else _CODES  # 85: DS18B20 at power-on
-    least, most = _ends(values)
+    least, most = seen
     found = {code: int((values == code).sum()) for code in codes if least <= code <= most}
     column = assignment.column
     return [
@@ -170,7 +175,7 @@ def si_unit(quantity: str) -> str:
     return "" if unit == "1" else unit
 
 
-def _ends(values: Column) -> tuple[float, float]:
+def ends(values: Column) -> Ends:
     """Least and largest of the values that are known; most tables need no closer look."""
     if not len(values):
         return np.nan, np.nan
