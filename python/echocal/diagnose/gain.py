@@ -204,8 +204,10 @@ def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
     errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
     squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
     drawn = np.random.default_rng(seed).integers(len(rows), size=(_RESAMPLES, len(rows)))
-    total = rows[drawn].sum(axis=1)
-    rms = [np.sqrt(square[drawn].sum(axis=1) / total) for square in squares]
+    places = drawn + len(rows) * np.arange(_RESAMPLES)[:, None]
+    counts = np.bincount(places.ravel(), minlength=places.size).reshape(_RESAMPLES, -1)
+    total = counts @ rows
+    rms = [np.sqrt(counts @ square / total) for square in squares]
     low, high = np.percentile(rms[0] - rms[1], [2.5, 97.5])
     return float(low), float(high)
 

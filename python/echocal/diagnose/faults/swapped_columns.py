@@ -121,7 +121,7 @@ def _evidence(warm: Column, percent: Column, steps: Column, until: Column, row: 
     across the seam must fit too. `steps` are those of both columns, and `until` their sums before.
     """
     sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
-    ends = np.array([[np.median(column[side]) for side in sides] for column in (warm, percent)])
+    ends = np.array([[median(column[side]) for side in sides] for column in (warm, percent)])
     straight, crossed = np.abs(ends[:, 1] - ends[:, 0]), np.abs(ends[::-1, 1] - ends[:, 0])
     most = 2 * until / (row - 1)  # no median is larger than twice the mean
     if (crossed / _wide(most)).max() > _FITS:

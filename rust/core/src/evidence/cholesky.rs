@@ -5,6 +5,7 @@
 ///
 /// `added` was added to the diagonal of a matrix without negative eigenvalues, so no pivot squared
 /// can be smaller; rounding would make it so where columns are nearly the same.
+#[inline(always)]
 pub(super) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
     for i in 0..order {
         for j in 0..=i {
@@ -20,6 +21,7 @@ pub(super) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
 }
 
 /// Sum of products, in eight sums at once: one alone would wait for itself.
+#[inline(always)]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
@@ -34,6 +36,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Solves `L x = b` in place.
+#[inline(always)]
 pub(super) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
     for i in 0..order {
         b[i] = (b[i] - dot(&lower[i * order..][..i], &b[..i])) / lower[i * order + i];
@@ -41,6 +44,7 @@ pub(super) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
 }
 
 /// Solves `L' x = b` in place.
+#[inline(always)]
 pub(super) fn backward(lower: &[f64], order: usize, b: &mut [f64]) {
     for i in (0..order).rev() {
         let mut sum = b[i];

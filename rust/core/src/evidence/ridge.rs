@@ -1,7 +1,9 @@
 //! What all columns together leave unexplained.
+#![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::cholesky::{backward, dot, factor, forward};
+use super::lanes::on_widest;
 
 /// Rounds of the fixed point: the variance sets the ridge, and the ridge the variance.
 const ROUNDS: usize = 3;
@@ -20,35 +22,61 @@ pub fn left_over(products: &[f64], width: usize, degrees: f64, variance: f64, fi
     assert!(width >= 2 && products.len() == width * width);
     let order = width - 2;
     let line = |row: usize| &products[(1 + row) * width + 1..][..order + 1];
-    let along: Vec<f64> = (0..order).map(|row| line(row)[order]).collect();
-    let square = line(order)[order];
-    let mut variance = variance;
-    for _ in 0..ROUNDS {
-        let ridge = variance.max(finest) / 9.0;
-        let mut lower: Vec<f64> = (0..order)
+    let mut ridge = Ridge {
+        among: (0..order)
             .flat_map(|row| &line(row)[..order])
             .copied()
-            .collect();
+            .collect(),
+        along: (0..order).map(|row| line(row)[order]).collect(),
+        square: line(order)[order],
+        ..Ridge::default()
+    };
+    (0..ROUNDS).fold(variance, |variance, _| {
+        ridge.round(degrees, variance.max(finest) / 9.0)
+    })
+}
+
+/// Products of columns with each other and with what they explain, and memory.
+#[derive(Default)]
+struct Ridge {
+    among: Vec<f64>,
+    along: Vec<f64>,
+    square: f64,
+    lower: Vec<f64>,
+    solved: Vec<f64>,
+}
+
+impl Ridge {
+    on_widest! {
+        /// Variance that a ridge leaves.
+        round round_avx2 round_avx512 rounded (degrees: f64, ridge: f64) -> f64
+    }
+
+    #[inline(always)]
+    fn rounded(&mut self, degrees: f64, ridge: f64) -> f64 {
+        let (order, lower, solved) = (self.along.len(), &mut self.lower, &mut self.solved);
+        lower.clone_from(&self.among);
         for i in 0..order {
             lower[i * order + i] += ridge;
         }
-        factor(&mut lower, order, &vec![ridge; order]);
-        let mut solved = along.clone();
-        forward(&lower, order, &mut solved);
-        let explained = squares(&solved);
-        backward(&lower, order, &mut solved);
-        let left = square - explained - ridge * squares(&solved);
-        let used = order as f64 - ridge * inverse_trace(&lower, order);
-        variance = left.max(ROUNDING * square) / (degrees - used).max(1.0);
+        factor(lower, order, &vec![ridge; order]);
+        solved.clone_from(&self.along);
+        forward(lower, order, solved);
+        let explained = squares(solved);
+        backward(lower, order, solved);
+        let left = self.square - explained - ridge * squares(solved);
+        let used = order as f64 - ridge * inverse_trace(lower, order);
+        left.max(ROUNDING * self.square) / (degrees - used).max(1.0)
     }
-    variance
 }
 
+#[inline(always)]
 fn squares(values: &[f64]) -> f64 {
     dot(values, values)
 }
 
 /// Trace of the inverse of `L L'`: the squares of the inverse of `L`.
+#[inline(always)]
 fn inverse_trace(lower: &[f64], order: usize) -> f64 {
     let mut sum = 0.0;
     let mut column = vec![0.0; order];
