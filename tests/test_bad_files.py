@@ -90,6 +90,12 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
         DataError,
         'Did you mean: --column "Reading in cm=reading_cm"',
     ),
+    "echo misspelled, with a unit": (
+        b"Time [UTC],Distace [mm]\n2019/03/09,1611\n",
+        {},
+        DataError,
+        'Say which it is: --column "Distace [mm]=reading_mm"',
+    ),
     "unknown encoding": (b"echo_us\n1\n", {"encoding": "utf-9"}, UsageError, "unknown encoding 'utf-9'"),
     "spreadsheet": (
         b"PK\x03\x04....",

@@ -15,7 +15,7 @@ from echocal.model import Model
 from echocal.observations import checks, clock, labels
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
-from echocal.observations.names import looks_like, phrase
+from echocal.observations.names import looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, row, rows, to_numbers
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
@@ -208,8 +208,11 @@ class Assembly:
             return "Record one of them"
         if meant := self._meant(echo):
             return f'Did you mean: --column "{meant}"'
-        alike = (name for name in others if any(looks_like(name, form) for form in echo))
-        return f'Say which it is: --column "{next(alike, others[0])}=reading_m"'
+        alike = [(name, form) for name in others for form in echo if looks_like(name, form)]
+        for name, form in alike:
+            if unit_of(name) in form.units:
+                return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
+        return f'Say which it is: --column "{alike[0][0] if alike else others[0]}=reading_m"'
 
     def _meant(self, forms: Collection[Form]) -> str | None:
         """Request of a column whose name says a quantity in other words, or misspells it."""

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from echocal.errors import DataError, UsageError
 from echocal.observations.units import FORMS, NAMES, Form
 
-__all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like", "phrase"]
+__all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
 EXTRA = "extra"
 IGNORE = "ignore"
@@ -107,7 +107,7 @@ def _exact(name: str) -> tuple[Form, str] | None:
 
 def phrase(request: str) -> tuple[Form, str] | None:
     """Form and unit of ``distance reading in m``, None where the words or the unit are unknown."""
-    form, unit = _form_of(request), _unit_of(request)
+    form, unit = _form_of(request), unit_of(request)
     return (form, unit) if form is not None and unit in form.units else None
 
 
@@ -118,7 +118,8 @@ def _form_of(request: str) -> Form | None:
     return _FORM_BY_WORDS.get(words) or _FORM_BY_ROLE.get(role)
 
 
-def _unit_of(request: str) -> str:
+def unit_of(request: str) -> str:
+    """Unit that a name or a phrase ends with, in brackets or after "in"; empty without one."""
     match = _PHRASE.fullmatch(request)
     written = ((match["unit"] or match["bracket"] or "") if match else "").strip()
     known = (unit for unit, words in _UNIT_WORDS.items() if written.lower() in words)

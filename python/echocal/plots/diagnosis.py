@@ -147,7 +147,11 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
     same = np.array_equal(traces.before, traces.after, equal_nan=True)
     values, label = shown(against, traces.against[against])
     for residual, color, width, name in (
-        (traces.before, _BEFORE, 3.2, "base, not extended" if same else "base"),  # seen below the other
+        (
+            traces.before,
+            _BEFORE,
+            *((1.6, "base, not extended") if same else (3.2, "base")),
+        ),  # wide: seen below
         (traces.after, _AFTER, 1.6, "extended model"),
     )[: 1 if same else 2]:
         finite = np.isfinite(residual)
