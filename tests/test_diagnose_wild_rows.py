@@ -49,3 +49,30 @@ def test_rows_alike_vouch_for_each_other() -> None:
     assert far(warmest) == []
     farthest = warmest[[np.argmax(distance[warmest])]]
     assert far(farthest) == farthest.tolist()
+
+
+def logged(random: np.random.Generator) -> dict[str, np.ndarray]:
+    """A logger's whole millimeters, with forty rows that are off by whatever the air did."""
+    table = bench(random)
+    wild = random.choice(ROWS, 40, replace=False)
+    table["reading_m"][wild] += random.choice([-1, 1], 40) * random.uniform(0.012, 0.12, 40)
+    table["reading_m"] = np.round(table["reading_m"], 3)
+    return table
+
+
+def test_nobody_mistyped_what_is_consistent_by_chance() -> None:
+    told = [cause.id for _ in range(5) for cause in echocal.diagnose(logged(np.random.default_rng())).causes]
+    assert told.count("mistyped_rows") <= 1  # as many rows are one edit away as chance brings
+
+
+def test_typed_rows_among_wild_ones_are_told() -> None:
+    told = 0
+    for _ in range(3):
+        table = logged(np.random.default_rng())
+        exact = [row for row in range(ROWS) if 0.0 < table["distance_m"][row] < 3.7][3::23]
+        for row in exact:  # 1.350 becomes 3.150
+            digits = f"{round(1e3 * table['reading_m'][row]):04d}"
+            table["reading_m"][row] = int(digits[1] + digits[0] + digits[2:]) / 1e3
+        causes = {cause.id: cause for cause in echocal.diagnose(table).causes}
+        told += "mistyped_rows" in causes and causes["mistyped_rows"].probability > 0.9
+    assert told >= 2

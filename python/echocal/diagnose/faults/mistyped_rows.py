@@ -20,6 +20,9 @@ _LEAST = 4e-3  # m, that a slip changes
 _CLOSE = 5.0  # and lower again once corrected
 _REPEATED = 3  # rows of one value that nobody types by chance
 _USUAL = "two digits swapped"
+_ENOUGH = 8  # odd rows that tell how odd rows deviate
+_TRIED, _SHIFTS = 100, 5  # odd rows, and deviations of others, that tell how many match by chance
+_PARTS = 64  # of what part may be typed
 _MOST = 2000  # odd rows beyond which nobody typed them
 
 FACTS = CauseFacts(
@@ -68,7 +71,7 @@ def detect(view: View) -> Finding | None:
     seldom = dict(zip(at.tolist(), _seldom(values[at]), strict=True))
     evidence, corrected, stories = 0.0, values.copy(), []
     for row in at:
-        found = _meant(view, float(values[row]), int(row), decimals or _DECIMALS[0])
+        found = _meant(view, float(values[row]), float(view.expected[row]), decimals or _DECIMALS[0])
         if found is None or (found[1] != _USUAL and not seldom[int(row)]):
             odd[row] = False
             continue
@@ -76,6 +79,9 @@ def detect(view: View) -> Finding | None:
         evidence += bayes + (0.0 if decimals else 2.0)
         corrected[row] = value
         stories.append(f"row {row + 1} reads {values[row]:g} m, {value:g} m would be consistent ({slip})")
+    if stories and len(at) >= _ENOUGH:
+        by_chance = _by_chance(view, values, at, decimals or _DECIMALS[0])
+        evidence = min(evidence, _typed_at_all(len(stories), len(at), by_chance))
     if evidence <= 0 or not stories:
         return None
     observations = view.observations
@@ -91,6 +97,26 @@ def detect(view: View) -> Finding | None:
     )
 
 
+def _by_chance(view: View, values: NDArray[np.float64], at: NDArray[np.intp], decimals: int) -> float:
+    """Part of the odd rows that one edit makes consistent if they deviate as other odd rows do."""
+    tried = at[:: -(-len(at) // _TRIED)]
+    others = [view.deviation[np.roll(tried, shift)] for shift in range(1, min(_SHIFTS, len(tried) - 1) + 1)]
+    matched = [
+        _meant(view, float(values[row]), float(values[row] - deviation), decimals) is not None
+        for deviations in others
+        for row, deviation in zip(tried, deviations, strict=True)
+    ]
+    return (sum(matched) + 0.5) / (len(matched) + 1.0)
+
+
+def _typed_at_all(matched: int, odd: int, by_chance: float) -> float:
+    """Log Bayes factor of some part of the odd rows being typed, any part as likely, against none."""
+    typed = (np.arange(_PARTS) + 0.5) / _PARTS
+    match, miss = typed + (1 - typed) * by_chance, (1 - typed) * (1 - by_chance)
+    log = matched * np.log(match / by_chance) + (odd - matched) * np.log(miss / (1 - by_chance))
+    return float(np.logaddexp.reduce(log) - np.log(_PARTS))
+
+
 def _seldom(values: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Values that hardly repeat: a constant in place of a reading is another fault."""
     _, which, counts = np.unique(values, return_inverse=True, return_counts=True)
@@ -103,9 +129,9 @@ def _on_lattice(values: NDArray[np.float64], decimals: int) -> NDArray[np.bool_]
         return np.asarray(np.abs(scaled - np.round(scaled)) < 1e-9 * np.maximum(np.abs(scaled), 1.0))
 
 
-def _meant(view: View, value: float, row: int, decimals: int) -> tuple[float, str, float] | None:
+def _meant(view: View, value: float, expected: float, decimals: int) -> tuple[float, str, float] | None:
     """The edit that fits best, and the log Bayes factor of a slip against any other wild value."""
-    expected, scale = float(view.expected[row]), 10.0**-decimals
+    scale = 10.0**-decimals
     text = f"{round(value / scale):0{decimals + 1}d}"
     close = _CLOSE * max(view.scatter, 0.3 * scale)
     best, chance = None, 0.0
