@@ -163,7 +163,12 @@ def test_verify_a_model(run: Run) -> None:
         ("correct EXAMPLE -o out.csv --column temperature_C=ignore", 3, "'cramer'"),
         ("correct EXAMPLE -o out.csv --encoding utf-9", 2, "unknown encoding 'utf-9'"),
         ("verify EXAMPLE", 2, "--maximum-permissible-error-mm"),
-        ("verify EXAMPLE --maximum-permissible-error-mm 0", 2, "must be a positive length"),
+        ("verify EXAMPLE --maximum-permissible-error-mm 0", 2, "must be a positive length [mm], got 0"),
+        (
+            "diagnose EXAMPLE --base 3",
+            2,
+            "the base is a fixed speed of 3 m/s; give one of 300 .. 400, or a law",
+        ),
         (
             "verify EXAMPLE --maximum-permissible-error-mm 3 --column distance_m=ignore",
             3,

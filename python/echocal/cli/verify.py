@@ -25,6 +25,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose.sentences import quantity_text
+from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
@@ -59,6 +60,9 @@ def command(
     """Examine errors of indication against a bound; exit 1 where one exceeds it."""
     refuse_unwritable(json)
     bound = maximum_permissible_error_mm * 1e-3
+    if not bound > 0.0:
+        message = f"the maximum permissible error must be a positive length [mm], got {1e3 * bound:g}"
+        raise UsageError(message)
     with noted(quiet):
         if subject.suffix == ".json":
             ranges = {

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.errors import ModelError
+from echocal.errors import ModelError, UsageError
 from echocal.model import Model
-from echocal.registry import Effect
+from echocal.registry import Effect, find_effect
 
 __all__ = ["Base"]
 
@@ -54,9 +54,14 @@ class Base:
         speed = isinstance(base, Real) and not isinstance(base, bool)
         law = Model(str(base) if speed else cast("str", base)).law  # which refuses what is neither
         try:
-            return cls("linear", {}, device_speed=float(law))
+            device_speed = float(law)
         except ValueError:
             return cls(law, {})
+        (low, high) = next(p.bounds for p in find_effect("fixed_speed").parameters if p.name == "speed")
+        if not low <= device_speed <= high:
+            message = f"the base is a fixed speed of {law} m/s; give one of {low:g} .. {high:g}, or a law"
+            raise UsageError(message)
+        return cls("linear", {}, device_speed=device_speed)
 
     @cached_property
     def plain(self) -> Model:

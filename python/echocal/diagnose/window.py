@@ -41,7 +41,8 @@ def between(observations: Observations, since: str | None, until: str | None) ->
         outside |= ~(_times(observations, until) <= _instant(until, last=True))
     if len(observations) and outside.all():
         time = _times(observations, since or until or "")
-        there = "none" if np.isnat(time).all() else f"{np.nanmin(time)} to {np.nanmax(time)}"
+        ends = (np.datetime_as_string(end(time), unit="s") for end in (np.nanmin, np.nanmax))
+        there = "none" if np.isnat(time).all() else " to ".join(map(str, ends))
         message = f"no row lies in the time asked for ({since or ''} .. {until or ''}); the table's: {there}"
         raise UsageError(message)
     reasons = observations.unusable.astype(object)

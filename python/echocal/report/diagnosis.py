@@ -60,10 +60,9 @@ def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     said = lead(diagnosis)
     yield Text.assemble((diagnosis.verdict, _STYLE[diagnosis.verdict]), f": {said[0].lower()}{said[1:]}")
     rows = diagnosis.rows
-    yield Text(
-        f"{rows['used']} of {rows['total']} rows used; base {diagnosis.base['law']}; "
-        f"{diagnosis.seconds:.2f} s"
-    )
+    speed = diagnosis.base["device_speed"]
+    base = diagnosis.base["law"] if speed is None else f"{speed:g} m/s at any temperature"
+    yield Text(f"{rows['used']} of {rows['total']} rows used; base {base}; {diagnosis.seconds:.2f} s")
     for reason, count in rows["unusable"].items():
         yield Text(f"  left out: {count} x {reason}", style="dim")
 
