@@ -61,8 +61,10 @@ stages are Python that makes objects and calls NumPy on short columns.
 For a million rows the pass in the core is the largest stage: {pass_share:.0f} % of the time. The stands of
 this table take turns, so that every row begins a series of its own and nothing is remembered: of 179
 columns, 178 of them no multiples of others, 10,944 plain products a row are summed, in panels of eight
-columns. Of a stand that is measured for a while, products of differences and of three memories are
-summed too, five times as many{one_by_one}. Columns are made in blocks of 240 rows, brought into panels
+columns. Rows that follow each other may remember: in a short table products of differences and of three
+memories are summed too, five times as many; of more than 20,000 rows only what the noise may have, in a
+second pass. What all columns together leave tells it: nothing where that is white, as where the stands
+of this table are measured one by one{one_by_one}. Columns are made in blocks of 240 rows, brought into panels
 and summed there, all in the second cache; a panel of columns that are zero is left out. What follows an
 effect in the chain is not computed for each column: derivatives of the reading to
 the variables of the chain, found once a block, serve all effects that do nothing where their
