@@ -263,9 +263,9 @@ def covariance_of(weighed: Weighed, names: Sequence[str]) -> NDArray[np.float64]
 def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, float]:
     """Parameters of a cause; a mean outside a bound (the prior is cut off there) stands on it."""
     values = dict(variant.at)
-    limits = zip(variant.names, mean, variant.scales, variant.bounds, strict=False)
+    limits = zip(variant.names, mean.tolist(), variant.scales, variant.bounds, strict=False)
     for name, size, scale, (low, high) in limits:
-        values[name] = values.get(name, 0.0) + float(np.clip(size, low, high)) * scale
+        values[name] = values.get(name, 0.0) + min(max(size, low), high) * scale
     return values
 
 
