@@ -22,8 +22,10 @@ from measure import processor
 
 import echocal
 from echocal import _core
-from echocal.diagnose import belief, case, engine, hypotheses, verdict
-from echocal.diagnose.columns import Columns
+from echocal.diagnose import engine, verdict
+from echocal.diagnose.evidence import case, hypotheses
+from echocal.diagnose.naming import belief
+from echocal.diagnose.signals.columns import Columns
 
 HERE = Path(__file__).parent
 RUNS = {1_000: 9, 100_000: 5, 1_000_000: 3}

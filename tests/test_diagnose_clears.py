@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.base import Base
 from echocal.diagnose.faults import _GROSS, _ROWS
-from echocal.diagnose.faults.view import View
+from echocal.diagnose.table.base import Base
+from echocal.diagnose.table.view import View
 
 ROWS = 120
 Table = dict[str, np.ndarray]

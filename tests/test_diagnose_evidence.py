@@ -6,14 +6,14 @@ from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 import echocal
-from echocal.diagnose.candidates import Candidates, Variant
-from echocal.diagnose.columns import Columns
-from echocal.diagnose.evidence import Hypothesis, Stack, weigh, weigh_each
-from echocal.diagnose.innovation import innovation
-from echocal.diagnose.noise import CONVECTIONS, Convection, Noise, noises
-from echocal.diagnose.order import Order
-from echocal.diagnose.sums import Sums, Whitened
-from echocal.diagnose.unexplained import HOUR, Basis, column_of, shape_candidates
+from echocal.diagnose.evidence.innovation import innovation
+from echocal.diagnose.evidence.noise import CONVECTIONS, Convection, Noise, noises
+from echocal.diagnose.evidence.sums import Sums, Whitened
+from echocal.diagnose.evidence.weigh import Hypothesis, Stack, weigh, weigh_each
+from echocal.diagnose.signals.candidates import Candidates, Variant
+from echocal.diagnose.signals.columns import Columns
+from echocal.diagnose.signals.unexplained import HOUR, Basis, column_of, shape_candidates
+from echocal.diagnose.table.order import Order
 
 
 def sums(

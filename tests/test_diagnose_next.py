@@ -9,11 +9,11 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
 from echocal import Model
-from echocal.diagnose.average import Member
-from echocal.diagnose.design import best_plan
-from echocal.diagnose.noise import Noise
-from echocal.diagnose.prospect import Prospect
-from echocal.diagnose.ranges import grid, guards, parsed_ranges
+from echocal.diagnose.evidence.noise import Noise
+from echocal.diagnose.planning.average import Member
+from echocal.diagnose.planning.design import best_plan
+from echocal.diagnose.planning.prospect import Prospect
+from echocal.diagnose.planning.ranges import grid, guards, parsed_ranges
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
 

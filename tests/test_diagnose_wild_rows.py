@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.rows import far_rows
-from echocal.diagnose.scene import FAR
+from echocal.diagnose.table.rows import far_rows
+from echocal.diagnose.table.scene import FAR
 
 ROWS = 400
 

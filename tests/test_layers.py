@@ -23,6 +23,22 @@ LAYERS = (
     {"study", "explore"},
     {"cli"},
 )
+ROOMS_OF_DIAGNOSE = [
+    "terms",
+    "table",
+    "signals",
+    "evidence",
+    "noises",
+    "faults",
+    "catalogue",
+    "progress",
+    "naming",
+    "judging",
+    "planning",
+    "telling",
+    "verdict",
+    "engine",
+]
 FLOOR = {room: floor for floor, rooms in enumerate(LAYERS) for room in rooms}
 
 
@@ -52,6 +68,20 @@ def test_imports_point_down(path: Path) -> None:
     assert here in FLOOR, f"{here} has no floor: give it one in LAYERS"
     for there in imported_rooms(path):
         assert there == here or FLOOR[there] < FLOOR[here], f"{here} must not import {there}"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [p for p in MODULES if room(p) == "diagnose" and p != PACKAGE / "diagnose" / "__init__.py"],
+    ids=lambda path: str(path.relative_to(PACKAGE)),
+)
+def test_rooms_of_the_diagnosis_stand_on_each_other(path: Path) -> None:
+    here = ROOMS_OF_DIAGNOSE.index(path.relative_to(PACKAGE / "diagnose").parts[0].removesuffix(".py"))
+    for node in ast.walk(ast.parse(path.read_text())):
+        match node:
+            case ast.ImportFrom(module=str(module)) if module.startswith("echocal.diagnose."):
+                there = module.split(".")[2]
+                assert ROOMS_OF_DIAGNOSE.index(there) <= here, f"{path.name} must not import {module}"
 
 
 def dependencies(manifest: str) -> set[str]:

@@ -24,7 +24,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.diagnose.ranges import parsed_ranges
+from echocal.diagnose.planning.ranges import parsed_ranges
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.report import print_diagnosis

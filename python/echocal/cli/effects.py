@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
-from echocal.diagnose.facts import CauseFacts
+from echocal.diagnose.terms.facts import CauseFacts
 from echocal.errors import writing
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, effects

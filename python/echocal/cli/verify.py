@@ -24,7 +24,7 @@ from echocal.cli._tables import (
     read,
     write_json,
 )
-from echocal.diagnose.sentences import quantity_text
+from echocal.diagnose.terms.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.sweep import parse

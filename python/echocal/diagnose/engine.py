@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from echocal.diagnose.base import Base
-from echocal.diagnose.case import examine
+from echocal.diagnose.evidence.case import examine
 from echocal.diagnose.faults import find_faults
-from echocal.diagnose.gain import Folds
-from echocal.diagnose.level_steps import further_step
+from echocal.diagnose.planning.ranges import checked_ranges
 from echocal.diagnose.progress import Progress, Steps
-from echocal.diagnose.ranges import checked_ranges
-from echocal.diagnose.result import Diagnosis
-from echocal.diagnose.scene import prepare, refuse_distance
+from echocal.diagnose.table.base import Base
+from echocal.diagnose.table.folds import Folds
+from echocal.diagnose.table.scene import prepare, refuse_distance
+from echocal.diagnose.table.window import between, held_out
+from echocal.diagnose.telling.level_steps import further_step
+from echocal.diagnose.telling.result import Diagnosis
 from echocal.diagnose.verdict import conclude
-from echocal.diagnose.window import between, held_out
 from echocal.errors import DataError, DomainWarning, EchocalError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations, read_observations

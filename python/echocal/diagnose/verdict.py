@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.belief import Belief, believe
-from echocal.diagnose.candidates import UNKNOWN
-from echocal.diagnose.case import Case
-from echocal.diagnose.claims import Claim, alternatives, parameters
+from echocal.diagnose.evidence.case import Case
 from echocal.diagnose.faults import Faults
-from echocal.diagnose.gain import errors
-from echocal.diagnose.joint import NAMED, Joint, join
-from echocal.diagnose.judge import Judgment, judge
-from echocal.diagnose.level_steps import steps_of
-from echocal.diagnose.members import members
-from echocal.diagnose.next_measurements import propose
-from echocal.diagnose.notes import because, notes
-from echocal.diagnose.parts import Cause, Parameter, Traces, Verdict
+from echocal.diagnose.judging.gain import errors
+from echocal.diagnose.judging.judge import Judgment, judge
+from echocal.diagnose.judging.remaining_shape import with_its_shape
+from echocal.diagnose.naming.belief import Belief, believe
+from echocal.diagnose.naming.claims import Claim, alternatives, parameters
+from echocal.diagnose.naming.joint import NAMED, Joint, join
+from echocal.diagnose.planning.members import members
+from echocal.diagnose.planning.next_measurements import propose
+from echocal.diagnose.planning.ranges import Ranges
 from echocal.diagnose.progress import Steps
-from echocal.diagnose.ranges import Ranges
-from echocal.diagnose.remainder import with_its_shape
-from echocal.diagnose.result import Diagnosis
+from echocal.diagnose.signals.candidates import UNKNOWN
+from echocal.diagnose.telling.level_steps import steps_of
+from echocal.diagnose.telling.notes import because, notes
+from echocal.diagnose.telling.result import Diagnosis
+from echocal.diagnose.terms.parts import Cause, Parameter, Traces, Verdict
 from echocal.errors import DomainWarning
 from echocal.observations import Observations
 from echocal.registry import find_effect

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from echocal.diagnose import Diagnosis, NextMeasurement
-from echocal.diagnose.explain import proposal_text
-from echocal.diagnose.sentences import shown
+from echocal.diagnose.telling.explain import proposal_text
+from echocal.diagnose.terms.sentences import shown
 
 __all__ = ["next_figure", "plot_next"]
 

@@ -5,8 +5,6 @@ One file a fault: its facts, and a detector that hands back the rows, the repair
 
 from dataclasses import dataclass, replace
 
-from echocal.diagnose.base import Base
-from echocal.diagnose.facts import CauseFacts
 from echocal.diagnose.faults import (
     blanking_distance,
     censored_range,
@@ -22,9 +20,11 @@ from echocal.diagnose.faults import (
     timeout,
     unit_mixup,
 )
-from echocal.diagnose.faults.finding import Finding
-from echocal.diagnose.faults.view import View
 from echocal.diagnose.noises import find_steps
+from echocal.diagnose.table.base import Base
+from echocal.diagnose.table.view import View
+from echocal.diagnose.terms.facts import CauseFacts
+from echocal.diagnose.terms.finding import Finding
 from echocal.observations import Observations
 
 __all__ = ["Faults", "Finding", "find_faults", "gross_faults", "row_faults"]

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from echocal.diagnose.facts import CauseFacts, Quantity
-from echocal.diagnose.faults.finding import Finding
 from echocal.diagnose.faults.values import recorded
-from echocal.diagnose.faults.view import View
-from echocal.diagnose.parts import Parameter
+from echocal.diagnose.table.view import View
+from echocal.diagnose.terms.facts import CauseFacts, Quantity
+from echocal.diagnose.terms.finding import Finding
+from echocal.diagnose.terms.parts import Parameter
 
 __all__ = ["FACTS", "detect"]
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.facts import CauseFacts, Quantity
-from echocal.diagnose.faults.finding import Finding, listed
-from echocal.diagnose.faults.view import View
-from echocal.diagnose.parts import Parameter
-from echocal.diagnose.scene import some
+from echocal.diagnose.table.scene import some
+from echocal.diagnose.table.view import View
+from echocal.diagnose.terms.facts import CauseFacts, Quantity
+from echocal.diagnose.terms.finding import Finding, listed
+from echocal.diagnose.terms.parts import Parameter
 from echocal.observations import Observations
 
 __all__ = ["FACTS", "detect"]

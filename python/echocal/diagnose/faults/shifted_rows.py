@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.facts import CauseFacts, Quantity
-from echocal.diagnose.faults.finding import Finding
-from echocal.diagnose.faults.view import View
-from echocal.diagnose.parts import Parameter
+from echocal.diagnose.table.view import View
+from echocal.diagnose.terms.facts import CauseFacts, Quantity
+from echocal.diagnose.terms.finding import Finding
+from echocal.diagnose.terms.parts import Parameter
 from echocal.observations import Observations
 
 __all__ = ["FACTS", "detect"]

@@ -5,10 +5,6 @@ One file a noise. Steps are read off the columns themselves, before anything is 
 
 from collections.abc import Iterator
 
-from echocal.diagnose.facts import CauseFacts
-from echocal.diagnose.faults.finding import Finding
-from echocal.diagnose.faults.view import View
-from echocal.diagnose.lattice import HARMLESS, NEGLIGIBLE
 from echocal.diagnose.noises import (
     correlated_noise,
     cycle_slip,
@@ -19,6 +15,10 @@ from echocal.diagnose.noises import (
     temperature_quantization,
     timer_quantization,
 )
+from echocal.diagnose.table.lattice import HARMLESS, NEGLIGIBLE
+from echocal.diagnose.table.view import View
+from echocal.diagnose.terms.facts import CauseFacts
+from echocal.diagnose.terms.finding import Finding
 
 __all__ = ["find_steps", "noises"]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from echocal.diagnose.facts import CauseFacts, Quantity
-from echocal.diagnose.noise import Noise
+from echocal.diagnose.evidence.noise import Noise
+from echocal.diagnose.terms.facts import CauseFacts, Quantity
 
 __all__ = ["FACTS", "of", "parameters"]
 

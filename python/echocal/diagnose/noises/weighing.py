@@ -7,13 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates import UNKNOWN
-from echocal.diagnose.case import Case
-from echocal.diagnose.evidence import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.facts import CauseFacts
-from echocal.diagnose.hypotheses import PRIOR
-from echocal.diagnose.innovation import innovation
-from echocal.diagnose.noise import Noise
+from echocal.diagnose.evidence.case import Case
+from echocal.diagnose.evidence.hypotheses import PRIOR
+from echocal.diagnose.evidence.innovation import innovation
+from echocal.diagnose.evidence.noise import Noise
+from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.noises import (
     correlated_noise,
     cycle_slip,
@@ -22,6 +20,8 @@ from echocal.diagnose.noises import (
     reference_error,
 )
 from echocal.diagnose.noises.trace import Likelihood, Trace
+from echocal.diagnose.signals.candidates import UNKNOWN
+from echocal.diagnose.terms.facts import CauseFacts
 
 __all__ = ["GUARDS", "SHAPES", "NoiseShares", "weigh_noises"]
 

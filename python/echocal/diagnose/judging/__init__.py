@@ -1,0 +1,1 @@
+"""Claims before rows that no fit saw, and the gain measured there."""

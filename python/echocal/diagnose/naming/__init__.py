@@ -1,0 +1,1 @@
+"""What is claimed: causes, noises and faults with their rivals, and what remains."""

@@ -1,0 +1,97 @@
+"""The credible set as models."""
+
+from collections.abc import Iterable, Mapping, Sequence, Set
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.evidence.case import Case
+from echocal.diagnose.evidence.hypotheses import preferred
+from echocal.diagnose.evidence.weigh import Stack, Weighed, weigh
+from echocal.diagnose.judging.judge import Judgment
+from echocal.diagnose.naming.claims import Claim, Ranking, covariance_of, effects_of, without
+from echocal.diagnose.planning.average import Member
+from echocal.diagnose.signals.candidates import UNKNOWN
+from echocal.model import Model
+
+__all__ = ["members"]
+
+Ids = tuple[str, ...]
+
+_SHARE = 0.99  # probability that the members hold together
+_MOST = 10
+_LEAST = 1e-4  # of a rival that only its implausible size speaks against
+
+
+def members(
+    case: Case, ranking: Ranking, claimed: Sequence[Claim], judgment: Judgment, stack: Stack
+) -> tuple[Member, ...]:
+    """Return the sets of causes that the data leave possible, most probable first.
+
+    A shape without a cause says nothing about conditions that nobody measured, so it stands in
+    no model: sets that differ in it alone are one. Neither does a cause that rows never fitted
+    speak against.
+    """
+    refuted = {id_ for r in judgment.refuted for id_ in (r.id, *r.indistinguishable_from)}
+    left_out = {UNKNOWN, *refuted}
+    shares: dict[Ids, float] = {}
+    alone: dict[Ids, float] = {}
+    for ids, p in ranking.sets:
+        named = _named(ids, left_out)
+        shares[named] = shares.get(named, 0.0) + p
+        alone[named] = alone.get(named, 0.0) + p * (UNKNOWN not in ids)
+    chosen = _chosen(shares, claimed)
+    forms: dict[Ids, list[Weighed]] = {}
+    for weighed in ranking.weighed:
+        forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
+    weights = np.array([max(shares[named], _LEAST) for named in chosen])
+    return tuple(
+        Member(named, weight, _model(case, _best(forms[named], left_out, stack)), max(alone[named], _LEAST))
+        for named, weight in zip(chosen, (weights / weights.sum()).tolist(), strict=True)
+    )
+
+
+def _named(ids: Iterable[str], left_out: Set[str]) -> Ids:
+    return tuple(sorted(id_ for id_ in ids if id_ not in left_out))
+
+
+def _chosen(shares: Mapping[Ids, float], claimed: Sequence[Claim]) -> list[Ids]:
+    """Sets that hold most of the probability, and those that the geometry cannot tell from the best."""
+    ordered = sorted(shares, key=lambda named: -shares[named])
+    chosen, held = [], 0.0
+    for named in ordered[:_MOST]:
+        if held >= _SHARE:
+            break
+        chosen.append(named)
+        held += shares[named]
+    for named in _mimics(ordered[0], claimed):
+        if named in shares and named not in chosen and len(chosen) < _MOST:
+            chosen.append(named)
+    return chosen
+
+
+def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
+    """The most probable set with one cause replaced by one that it cannot be told from."""
+    return [
+        tuple(sorted(rival if id_ == claim.cause else id_ for id_ in best))
+        for claim in claimed
+        for rival in claim.rivals
+    ]
+
+
+def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack) -> Weighed:
+    """The best hypothesis of a set; weighed again without what is left out, if it had any of it."""
+    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes])
+    hypothesis = best.hypothesis
+    for cause in left_out - {UNKNOWN}:
+        hypothesis = without(hypothesis, cause)
+    return best if hypothesis.causes == best.hypothesis.causes else weigh(hypothesis, stack)
+
+
+def _model(case: Case, weighed: Weighed) -> Model:
+    base = replace(case.base, air={**case.base.air, **case.table.air()})
+    effects = effects_of(weighed)
+    names: tuple[str, ...] = base.model(effects).parameter_names
+    covariance: NDArray[np.float64] | None = covariance_of(weighed, names) if names else None
+    return base.model(effects, covariance=covariance)

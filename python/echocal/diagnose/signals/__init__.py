@@ -1,0 +1,1 @@
+"""What each cause, and each shape without one, would add to the readings."""

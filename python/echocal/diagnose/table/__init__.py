@@ -1,0 +1,1 @@
+"""Which rows are used, and how they belong together."""

@@ -1,0 +1,1 @@
+"""The diagnosis as a person reads it: its sentences, notes, steps of the level and classes."""

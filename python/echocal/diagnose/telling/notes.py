@@ -1,0 +1,120 @@
+"""What a person should know beside the verdict."""
+
+from functools import reduce
+
+import numpy as np
+
+from echocal.diagnose.evidence.case import INVISIBLE, Case
+from echocal.diagnose.evidence.weigh import Hypothesis, Stack
+from echocal.diagnose.judging.judge import Judgment
+from echocal.diagnose.naming.claims import Claim, free_size, without
+from echocal.diagnose.naming.tension import reconciled
+from echocal.diagnose.telling.level_steps import steps_of
+from echocal.diagnose.terms.sentences import first_against_others, tendency
+from echocal.observations import Observations
+from echocal.registry import find_effect
+
+__all__ = ["because", "notes"]
+
+_TENSION = 3.0  # standard uncertainties between a size found and the size that theory fixes
+
+
+def because(case: Case, claim: Claim, judgment: Judgment) -> str:
+    """One sentence on a cause that a user can check in the data."""
+    signal = case.signal(claim.variant, claim.mean)
+    beside = [c for c in judgment.kept if c is not claim] if claim in judgment.kept else []
+    left = reduce(np.subtract, (case.signal(c.variant, c.mean) for c in beside), case.residual)
+    if "position_in_group" in find_effect(claim.cause).reads:
+        return first_against_others(left, signal, case.table.conditions["position_in_group"])
+    return tendency(left, signal, case.recorded)
+
+
+def notes(case: Case, observations: Observations, judgment: Judgment, stack: Stack) -> tuple[str, ...]:
+    """Tension with theory, claims taken back, steps, and what could not be seen."""
+    said = list(observations.notes)
+    said += [_tension(case, cause, judgment, stack) for cause in case.found.size_tangents]
+    said += _temperature(judgment)
+    hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
+    if hidden:
+        said.append(f"whatever their size, these causes {INVISIBLE}: {', '.join(hidden)}")
+    for refuted in judgment.refuted:
+        said.append(
+            f"{refuted.id} fits the rows it was fitted to (probability {refuted.probability:.2f}) but makes "
+            f"rows never fitted worse ({1e3 * refuted.rms_without_m:.2f} mm without it, "
+            f"{1e3 * refuted.rms_with_m:.2f} mm with it): not claimed"
+        )
+    for cause in judgment.unheard:
+        said.append(
+            f"{cause} shows in too few stands or stretches to be learned from the others: the gain on rows "
+            "never fitted says nothing about it"
+        )
+    if passing := ", ".join(judgment.model.campaign_effects):
+        said.append(
+            f"{passing} belongs to this campaign: for another, leave it out (Model.transferable, echocal "
+            "correct --transferable)"
+        )
+    if len(case.table.steps):
+        steps = steps_of(case.table, observations)
+        at = "; ".join(str(step) for step in steps[:8])
+        more = f"; and {len(steps) - 8} more" if len(steps) > 8 else ""
+        said.append(
+            f"the level jumps ({at}{more}): each stretch has its own level, and a jump is not "
+            "blamed on the air"
+        )
+    given = observations.reference_distance
+    if case.table.reference is None and given is not None and np.nanmax(given) > np.nanmin(given):
+        said.append(
+            f"the reference distances, {np.nanmin(given):g} to {np.nanmax(given):g} m, were not used: "
+            "the distance was said to be constant; where it was not, leave --constant-distance out"
+        )
+    if case.table.reference is not None and np.ptp(case.table.reference) == 0:
+        said.append(
+            "there is one distance only: an error of the reference distance looks like zero_error, and "
+            "nothing in these data guards against it"
+        )
+    return tuple(text for text in said if text)
+
+
+def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
+    """Whether a correction that theory is sure of has the size that theory gives it."""
+    if find_effect(cause).supplies is None:  # a habit of devices, not a law of nature
+        return ""
+    claimed = cause in [c.cause for c in judgment.kept]
+    known = case.found.size_tangents[cause][1]
+    beside = without(judgment.weighed.hypothesis, cause)
+    plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # the first look
+    size, uncertainty = free_size(cause, case.found, beside, stack)
+    if max(plain_u, uncertainty) > 0.5 * abs(known):
+        return (
+            ""
+            if claimed
+            else f"these rows cannot show {cause} (its size left free: {size:.2f} +/- {uncertainty:.2f})"
+        )
+    odd = max(abs(plain - known) / plain_u, abs(size - known) / uncertainty) > _TENSION
+    if claimed and not odd:
+        return ""
+    found = (
+        f"left free, the size of {cause} is {plain:.2f} +/- {plain_u:.2f} by plain least squares and "
+        f"{size:.2f} +/- {uncertainty:.2f} with noise that remembers; theory says {known:g}"
+        f"{reconciled(case, cause, beside, stack, known, size, uncertainty)}"
+    )
+    if claimed:
+        return (
+            f"{found}: it is claimed with {known:g}, but something that goes with it is at work too, or the "
+            "recorded values are not those of the sound path"
+        )
+    return (
+        f"{cause} is not claimed; {found}: something of the opposite sign may hide it, or the recorded "
+        "values are not those of the sound path"
+    )
+
+
+def _temperature(judgment: Judgment) -> list[str]:
+    """What the base's law already does for the readings."""
+    fixed, before = judgment.gain.rms_fixed_speed_m, judgment.gain.rms_before_m
+    if fixed is None or before > 0.5 * fixed:
+        return []
+    return [
+        f"temperature is at work, and the base's law accounts for it: {1e3 * fixed:.2f} mm with one fixed "
+        f"speed, {1e3 * before:.2f} mm with the base"
+    ]

@@ -1,0 +1,1 @@
+"""What a diagnosis is made of, and how its numbers are said."""
