@@ -97,7 +97,9 @@ def _ladder(trials: "_Trials", hypothesis: Hypothesis, kept: Sequence[Claim], be
     """Error as the causes join, the largest first."""
 
     def size(claim: Claim) -> float:
-        return float(np.std(trials.case.signal(claim.variant, claim.mean)))
+        signal = trials.case.signal(claim.variant, claim.mean)
+        mean = 0.0 if trials.case.table.reference is not None else signal.mean()  # a level has it
+        return float(np.mean((signal - mean) ** 2))
 
     joined = sorted(kept, key=size, reverse=True)
     steps: list[tuple[tuple[str, ...], float]] = [((), before.rms)]
