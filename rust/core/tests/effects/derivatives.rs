@@ -81,7 +81,8 @@ fn one_sided(f: impl Fn(f64) -> f64, exact: f64, widest: f64) -> bool {
 }
 
 fn agree(model: &Model, d: f64, at: &Conditions<f64>) -> Result<(), TestCaseError> {
-    let size = model.indicate(d, at).abs();
+    let effects = model.terms().len().max(1) as f64; // each rounds once more
+    let size = effects * model.indicate(d, at).abs();
     for (to, step) in inputs(model, d) {
         let exact = moved(model, d, at, to, Dual::<1>::variable(0.0, 0)).derivatives[0];
         let Some((found, rounding)) = settled(|x| moved(model, d, at, to, x), size, step) else {
