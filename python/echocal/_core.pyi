@@ -4,6 +4,8 @@ from typing import Any, final, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__version__: str
+
 _Column = NDArray[np.float64]
 _Form = tuple[int | None, list[int], list[int], list[tuple[float, float]], float]
 _Weighed = tuple[float, _Column, _Column, _Column, float]
@@ -65,6 +67,7 @@ class Firmware:
     def steps(self) -> list[tuple[str, int]]: ...
     def evaluate(self, codes: list[NDArray[np.int64]]) -> NDArray[np.int32]: ...
 
+def echo_times(model: Model, wish: dict[str, Any], distances: list[float]) -> list[tuple[float, float]]: ...
 def design_firmware(
     model: Model, wish: dict[str, Any], progress: Callable[[str, int, int], object] | None
 ) -> Firmware: ...

@@ -2,37 +2,42 @@
 
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{
-    Columns, Distinct, Layout, Level, Memory, Numbers, Recipe, Shape, Sums, gram, legendre_lines,
+    Columns, Distinct, Level, Memory, Numbers, Recipe, Shape, Sums, gram, legendre_lines,
     wave_means,
 };
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::border::{Column, ascending, labels, same_length, same_length_not_empty, within};
 use crate::errors::to_python;
 use crate::evidence::layout;
 use crate::model::CoreModel;
 use crate::sums::{CoreSums, Remembered, memory};
 
-type Array = Py<PyArray1<f64>>;
+/// A column that Python holds: read anew each time.
+type Held = Py<PyArray1<f64>>;
+
+/// Polynomials of one column, or waves, that are no use any more; and each takes its time.
+const MOST_SHAPES: usize = 1000;
 
 /// A recorded quantity: one number, or a column.
 #[derive(FromPyObject)]
 enum Recorded {
     Number(f64),
-    Column(Array),
+    Column(Held),
 }
 
 /// A table, and recipes of columns that are made from it where a pass needs them.
 #[pyclass(name = "Columns", module = "echocal._core")]
 pub struct CoreColumns {
     base: Model,
-    distance: Array,
+    distance: Held,
     recorded: [Recorded; Quantity::COUNT],
-    stored: Vec<Array>,
+    stored: Vec<Held>,
     groups: Option<(Vec<u32>, Vec<f64>)>,
     recipes: Vec<Recipe>,
     taken: Vec<Vec<f64>>,
@@ -43,32 +48,29 @@ impl CoreColumns {
     /// `groups`: of each row, where the level of each is unknown.
     #[new]
     fn new(
+        py: Python<'_>,
         base: &CoreModel,
-        distance: Array,
+        distance: Held,
         recorded: [Recorded; Quantity::COUNT],
-        groups: Option<PyReadonlyArray1<'_, u32>>,
+        groups: Option<Column<'_, u32>>,
     ) -> PyResult<Self> {
-        let counted = |groups: &[u32]| {
-            let most = groups.iter().max().map_or(0, |&last| last as usize + 1);
+        let counted = |groups: Column<'_, u32>| {
+            let (labels, most) = labels("groups", &groups)?;
             let mut counts = vec![0.0; most];
-            groups
-                .iter()
-                .for_each(|&group| counts[group as usize] += 1.0);
-            (groups.to_vec(), counts)
+            labels.into_iter().for_each(|group| counts[group] += 1.0);
+            PyResult::Ok((groups.to_vec(), counts))
         };
-        let groups = groups
-            .as_ref()
-            .map(|groups| groups.as_slice())
-            .transpose()?;
-        Ok(Self {
+        let made = Self {
             base: base.model.clone(),
             distance,
             recorded,
             stored: Vec::new(),
-            groups: groups.map(counted),
+            groups: groups.map(counted).transpose()?,
             recipes: Vec::new(),
             taken: Vec::new(),
-        })
+        };
+        made.using(py, |_| ())?;
+        Ok(made)
     }
 
     fn __len__(&self) -> usize {
@@ -81,9 +83,9 @@ impl CoreColumns {
     }
 
     /// A column as it stands.
-    fn store(&mut self, column: Array) -> usize {
-        let recipe = Recipe::Stored(self.hold(column));
-        self.keep(recipe)
+    fn store(&mut self, py: Python<'_>, column: Held) -> PyResult<usize> {
+        let recipe = Recipe::Stored(self.hold(py, column)?);
+        Ok(self.keep(recipe))
     }
 
     /// Change of the reading by an effect; `levels` of the groups if it were there.
@@ -93,7 +95,7 @@ impl CoreColumns {
         parameters: Vec<(String, f64)>,
         levels: Option<Vec<f64>>,
     ) -> PyResult<usize> {
-        let level = levels.map_or(Level::Known, Level::OfGroups);
+        let level = self.level(levels, Level::Known)?;
         Ok(self.keep(Recipe::Shift(term(id, &parameters)?, level)))
     }
 
@@ -109,11 +111,8 @@ impl CoreColumns {
         scale: f64,
     ) -> PyResult<usize> {
         let term = term(id, &parameters)?;
-        let level = match levels {
-            Some(levels) => Level::OfGroups(levels),
-            None if at_work => Level::Known,
-            None => Level::OfBase,
-        };
+        let unmoved = if at_work { Level::Known } else { Level::OfBase };
+        let level = self.level(levels, unmoved)?;
         let position = term.facts().parameter(parameter);
         let position = position.ok_or_else(|| PyValueError::new_err("no such parameter"))?;
         Ok(self.keep(Recipe::Tangent(term, level, position, scale)))
@@ -124,14 +123,16 @@ impl CoreColumns {
     fn legendre(
         &mut self,
         py: Python<'_>,
-        column: Array,
+        column: Held,
         low: f64,
         high: f64,
         first: usize,
         scales: Vec<f64>,
     ) -> PyResult<Vec<usize>> {
         let between = (low, high);
-        let of = self.hold(column);
+        let last = first.saturating_add(scales.len());
+        within("degree", [last], MOST_SHAPES)?;
+        let of = self.hold(py, column)?;
         let recipes: Vec<Recipe> = self.using(py, |columns| {
             let degrees = first..first + scales.len();
             let lines = legendre_lines(degrees.clone(), columns.stored[of], between, first > 1);
@@ -157,11 +158,12 @@ impl CoreColumns {
     fn waves(
         &mut self,
         py: Python<'_>,
-        column: Array,
+        column: Held,
         period: f64,
         scales: Vec<f64>,
     ) -> PyResult<Vec<usize>> {
-        let of = self.hold(column);
+        within("multiple", [scales.len()], MOST_SHAPES)?;
+        let of = self.hold(py, column)?;
         let means = self.using(py, |columns| {
             wave_means(scales.len(), columns.stored[of], period)
         })?;
@@ -195,10 +197,14 @@ impl CoreColumns {
         &self,
         py: Python<'py>,
         chosen: Vec<usize>,
-        rows: Option<PyReadonlyArray1<'py, usize>>,
+        rows: Option<Column<'py, usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = rows.as_ref().map(|rows| rows.as_slice()).transpose()?;
-        let length = rows.map_or(self.distance.bind(py).len(), <[usize]>::len);
+        let rows = rows.as_deref();
+        let all = self.distance.bind(py).len();
+        within("column", chosen.iter().copied(), self.recipes.len())?;
+        within("row", rows.into_iter().flatten().copied(), all)?;
+        ascending("rows", rows.unwrap_or_default())?;
+        let length = rows.map_or(all, <[usize]>::len);
         let found = self.using(py, |columns| columns.made(&chosen, rows))?;
         PyArray1::from_vec(py, found).reshape([chosen.len(), length])
     }
@@ -209,12 +215,8 @@ impl CoreColumns {
         py: Python<'py>,
         chosen: Vec<(usize, f64)>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        if chosen
-            .iter()
-            .any(|&(column, _)| column >= self.recipes.len())
-        {
-            return Err(PyValueError::new_err("no such column"));
-        }
+        let columns = chosen.iter().map(|&(column, _)| column);
+        within("column", columns, self.recipes.len())?;
         let found = self.using(py, |columns| columns.combined(&chosen, available_threads()))?;
         Ok(PyArray1::from_vec(py, found))
     }
@@ -232,27 +234,20 @@ impl CoreColumns {
     fn products<'py>(
         &self,
         py: Python<'py>,
-        starts: PyReadonlyArray1<'py, bool>,
-        blocks: PyReadonlyArray1<'py, u32>,
-        cells: PyReadonlyArray1<'py, u32>,
-        distance: PyReadonlyArray1<'py, f64>,
+        starts: Column<'py, bool>,
+        blocks: Column<'py, u32>,
+        cells: Column<'py, u32>,
+        distance: Column<'py, f64>,
         places: Vec<(usize, usize)>,
         series: Vec<f64>,
         memories: Vec<Option<Remembered>>,
         flat_level: bool,
     ) -> PyResult<CoreSums> {
-        let rows = self.distance.bind(py).len();
-        let layout = layout(&starts, &blocks, &cells, &distance, rows)?;
-        let known = places.iter().all(|&(block, _)| block < series.len());
-        if layout.block_count > series.len() || layout.cell_count != places.len() || !known {
-            return Err(PyValueError::new_err(
-                "labels of blocks and cells do not fit",
-            ));
+        if self.recipes.is_empty() || memories.is_empty() {
+            return Err(PyValueError::new_err("there are no columns or no memories"));
         }
-        let layout = Layout {
-            block_count: series.len(),
-            ..layout
-        };
+        let (rows, count) = (self.distance.bind(py).len(), series.len());
+        let layout = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
         let threads = available_threads();
         let memories: Vec<Memory> = memories.into_iter().map(memory).collect();
         let products = self.using(py, |columns| {
@@ -278,62 +273,59 @@ impl CoreColumns {
         self.recipes.len() - 1
     }
 
-    fn hold(&mut self, column: Array) -> usize {
+    fn hold(&mut self, py: Python<'_>, column: Held) -> PyResult<usize> {
+        let lengths = [column.bind(py).len(), self.distance.bind(py).len()];
+        same_length(&[("column", lengths[0]), ("distance", lengths[1])])?;
         self.stored.push(column);
-        self.stored.len() - 1
+        Ok(self.stored.len() - 1)
+    }
+
+    /// The levels of the groups, where they are given.
+    fn level(&self, levels: Option<Vec<f64>>, unmoved: Level) -> PyResult<Level> {
+        let Some(levels) = levels else {
+            return Ok(unmoved);
+        };
+        let groups = self.groups.as_ref().map_or(0, |(_, counts)| counts.len());
+        same_length(&[("levels", levels.len()), ("groups", groups)])?;
+        Ok(Level::OfGroups(levels))
     }
 
     /// Does something with the columns while Python goes on.
+    ///
+    /// Python may have changed an array in place since it was given, so all are checked each time.
     fn using<R: Send>(
         &self,
         py: Python<'_>,
         work: impl FnOnce(&mut Columns<'_>) -> R + Send,
     ) -> PyResult<R> {
-        let distance = self.distance.bind(py).readonly();
-        let held: Vec<_> = self
-            .stored
-            .iter()
-            .map(|array| array.bind(py).readonly())
-            .collect();
-        let recorded: Vec<_> = self
-            .recorded
-            .iter()
-            .map(|quantity| match quantity {
-                Recorded::Number(number) => Ok(Err(*number)),
-                Recorded::Column(array) => array.bind(py).try_readonly().map(Ok),
-            })
-            .collect::<Result<_, _>>()
-            .map_err(|e| PyValueError::new_err(e.to_string()))?;
-        let rows = distance.len();
-        let mut numbers = Vec::with_capacity(recorded.len());
-        for quantity in &recorded {
-            numbers.push(match quantity {
+        let distance = Column::of(self.distance.bind(py))?;
+        let held = self.stored.iter().map(|array| Column::of(array.bind(py)));
+        let held: Vec<_> = held.collect::<PyResult<_>>()?;
+        let recorded = self.recorded.iter().map(|quantity| match quantity {
+            Recorded::Number(number) => Ok(Err(number)),
+            Recorded::Column(array) => Column::of(array.bind(py)).map(Ok),
+        });
+        let recorded: Vec<_> = recorded.collect::<PyResult<_>>()?;
+        let mut lengths = vec![("distance", distance.len())];
+        let groups = self.groups.as_ref().map(|(groups, _)| groups.len());
+        lengths.extend(groups.map(|length| ("groups", length)));
+        lengths.extend(held.iter().map(|column| ("a stored column", column.len())));
+        let mut each = Vec::with_capacity(Quantity::COUNT);
+        for (quantity, facts) in recorded.iter().zip(&Quantity::ALL) {
+            each.push(match quantity {
                 Err(number) => Numbers::All(number),
-                Ok(array) => Numbers::Each(array.as_slice()?),
+                Ok(array) => {
+                    lengths.push((facts.name, array.len()));
+                    Numbers::Each(array)
+                }
             });
         }
-        let stored: Vec<&[f64]> = held
-            .iter()
-            .map(|array| array.as_slice())
-            .collect::<Result<_, _>>()?;
-        let each = numbers.iter().filter_map(|n| match n {
-            Numbers::Each(column) => Some(column.len()),
-            Numbers::All(_) => None,
-        });
-        let groups = self.groups.as_ref().map(|(groups, _)| groups.len());
-        let mut lengths = each
-            .chain(stored.iter().map(|column| column.len()))
-            .chain(groups);
-        if rows == 0 || lengths.any(|length| length != rows) {
-            return Err(PyValueError::new_err(
-                "columns differ in length or are empty",
-            ));
-        }
+        same_length_not_empty(&lengths)?;
         let mut columns = Columns {
             base: &self.base,
-            distance: distance.as_slice()?,
-            recorded: core::array::from_fn(|q| numbers[q]),
-            stored,
+            distance: &distance,
+            recorded: core::array::from_fn(|q| each[q]),
+            stored: held.iter().map(|column| &**column).collect(),
             groups: self
                 .groups
                 .as_ref()

@@ -3,15 +3,26 @@
 use echocal_core::Law;
 use echocal_core::air::domain::RELAXATION;
 use echocal_core::air::{Air, Departure, Finding};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
+use crate::border::{Column, same_length};
 use crate::errors::to_python;
+use crate::laws::LawText;
 
 /// Name, value, lowest, highest, unit.
 type Comparison = (&'static str, f64, f64, f64, &'static str);
 
-/// Temperature, relative humidity, pressure, CO2 mole fraction, frequency; no law: absorption.
+/// What a row consists of.
+const NAMES: [&str; 5] = [
+    "temperature",
+    "relative_humidity",
+    "pressure",
+    "co2_mole_fraction",
+    "frequency",
+];
+
+/// Whether a row, in the order of [`NAMES`], lies outside; no law: absorption.
 fn examine(
     law: Option<&Law>,
     [t, humidity, pressure, co2, frequency]: [f64; 5],
@@ -28,21 +39,25 @@ fn examine(
     }
 }
 
-fn parse(law: Option<&str>) -> PyResult<Option<Law>> {
-    law.map(Law::parse).transpose().map_err(|e| to_python(&e))
+fn parse(law: Option<LawText<'_>>) -> PyResult<Option<Law>> {
+    law.map(|law| Law::parse(law.0))
+        .transpose()
+        .map_err(|e| to_python(&e))
 }
 
 /// Position in `departure_names()` of the first reason why each row lies outside; 0 inside.
 #[pyfunction]
 pub fn departures<'py>(
     py: Python<'py>,
-    law: Option<&str>,
-    columns: [PyReadonlyArray1<'py, f64>; 5],
+    law: Option<LawText<'_>>,
+    columns: [Column<'py, f64>; 5],
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let law = parse(law)?;
-    let views = columns.each_ref().map(PyReadonlyArray1::as_array);
-    let rows = views.iter().map(|view| view.len()).min().unwrap_or(0);
-    let code = |row| {
+    let views = columns.each_ref().map(|column| &**column);
+    let rows = same_length(&core::array::from_fn::<_, 5, _>(|k| {
+        (NAMES[k], views[k].len())
+    }))?;
+    let code = |row: usize| {
         let found = examine(law.as_ref(), views.map(|view| view[row]));
         found.map_or(Departure::None, |finding| finding.departure) as u8
     };
@@ -51,7 +66,7 @@ pub fn departures<'py>(
 
 /// What lies outside in one row, with its value, its range and their unit.
 #[pyfunction]
-pub fn departure(law: Option<&str>, row: [f64; 5]) -> PyResult<Option<Comparison>> {
+pub fn departure(law: Option<LawText<'_>>, row: [f64; 5]) -> PyResult<Option<Comparison>> {
     let found = examine(parse(law)?.as_ref(), row);
     Ok(found.map(|finding| {
         let name = Departure::NAMES[finding.departure as usize];

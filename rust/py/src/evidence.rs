@@ -3,30 +3,47 @@
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{self, Layout, Outcome, Prior, Stack, Variant, Weighed};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{Ix2, Ix3, PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Which rows belong together, checked.
+use crate::border::{Array, Column, same_length, within};
+
+/// Which rows of a table belong together, checked; `places` has block and group of each cell.
 pub fn layout<'a>(
-    starts: &'a PyReadonlyArray1<'_, bool>,
-    blocks: &'a PyReadonlyArray1<'_, u32>,
-    cells: &'a PyReadonlyArray1<'_, u32>,
-    distance: &'a PyReadonlyArray1<'_, f64>,
+    starts: &'a [bool],
+    blocks: &'a [u32],
+    cells: &'a [u32],
+    distance: &'a [f64],
     rows: usize,
+    places: &[(usize, usize)],
+    block_count: usize,
 ) -> PyResult<Layout<'a>> {
-    if [starts.len(), blocks.len(), cells.len(), distance.len()] != [rows; 4] {
-        return Err(PyValueError::new_err("columns and labels differ in length"));
+    same_length(&[
+        ("the table", rows),
+        ("starts", starts.len()),
+        ("blocks", blocks.len()),
+        ("cells", cells.len()),
+        ("distance", distance.len()),
+    ])?;
+    let of = |label: &u32| *label as usize;
+    within("block", blocks.iter().map(of), block_count)?;
+    within("cell", cells.iter().map(of), places.len())?;
+    within("block", places.iter().map(|place| place.0), block_count)?;
+    let elsewhere = |row: &usize| places[cells[*row] as usize].0 != blocks[*row] as usize;
+    if let Some(row) = (0..rows).find(elsewhere) {
+        let (block, cell) = (blocks[row], cells[row]);
+        let message =
+            format!("row {row} is of block {block} and of cell {cell}, which lies in another");
+        return Err(PyValueError::new_err(message));
     }
-    let (blocks, cells) = (blocks.as_slice()?, cells.as_slice()?);
-    let count = |labels: &[u32]| labels.iter().max().map_or(0, |&last| last as usize + 1);
     Ok(Layout {
-        starts: starts.as_slice()?,
+        starts,
         blocks,
         cells,
-        distance: distance.as_slice()?,
-        block_count: count(blocks),
-        cell_count: count(cells),
+        distance,
+        block_count,
+        cell_count: places.len(),
     })
 }
 
@@ -43,22 +60,23 @@ type Result<'py> = (
 );
 
 fn stack<'a>(
-    products: &'a PyReadonlyArray3<'_, f64>,
-    log_weight: &'a PyReadonlyArray1<'_, f64>,
+    products: &'a Array<'_, f64, Ix3>,
+    log_weight: &'a [f64],
     degrees: f64,
     finest: f64,
 ) -> PyResult<Stack<'a>> {
     let &[noises, width, other] = products.shape() else {
         unreachable!("a three-dimensional array has three lengths")
     };
-    if width != other || noises != log_weight.len() || noises == 0 || width == 0 {
+    if width != other || noises == 0 || width == 0 {
         return Err(PyValueError::new_err(
-            "products and weights differ in shape",
+            "products are no square matrices, one for each noise",
         ));
     }
+    same_length(&[("products", noises), ("log_weight", log_weight.len())])?;
     Ok(Stack {
-        products: products.as_slice()?,
-        log_weight: log_weight.as_slice()?,
+        products,
+        log_weight,
         width,
         degrees,
         finest,
@@ -67,12 +85,8 @@ fn stack<'a>(
 
 fn variants(forms: Vec<Form>, width: usize) -> PyResult<Vec<Variant>> {
     let variant = |(cause, offsets, free, bounds, weight): Form| {
-        if free.len() != bounds.len() || offsets.iter().chain(&free).any(|&column| column >= width)
-        {
-            return Err(PyValueError::new_err(
-                "a form has columns that are not there",
-            ));
-        }
+        same_length(&[("free", free.len()), ("bounds", bounds.len())])?;
+        within("column", offsets.iter().chain(&free).copied(), width)?;
         Ok(Variant {
             cause: cause.unwrap_or(usize::MAX),
             is_shape: cause.is_none(),
@@ -99,7 +113,7 @@ fn result<'py>(py: Python<'py>, weighed: Weighed) -> PyResult<Result<'py>> {
 /// Variance that the columns between the first and the last leave of the last, see the core.
 #[pyfunction]
 pub fn left_over(
-    products: PyReadonlyArray2<'_, f64>,
+    products: Array<'_, f64, Ix2>,
     degrees: f64,
     variance: f64,
     finest: f64,
@@ -110,18 +124,20 @@ pub fn left_over(
     if width != other || width < 2 {
         return Err(PyValueError::new_err("products are no square"));
     }
-    let products = products.as_slice()?;
     Ok(evidence::left_over(
-        products, width, degrees, variance, finest,
+        &products, width, degrees, variance, finest,
     ))
 }
+
+/// Forms of one hypothesis whose widths can be combined: each has three, and every combination costs.
+const MOST_MIXED: usize = 12;
 
 /// Weighs hypotheses, each by itself.
 #[pyfunction]
 pub fn weigh<'py>(
     py: Python<'py>,
-    products: PyReadonlyArray3<'py, f64>,
-    log_weight: PyReadonlyArray1<'py, f64>,
+    products: Array<'py, f64, Ix3>,
+    log_weight: Column<'py, f64>,
     degrees: f64,
     finest: f64,
     hypotheses: Vec<Vec<Form>>,
@@ -131,6 +147,14 @@ pub fn weigh<'py>(
     let each = hypotheses.into_iter();
     let hypotheses: PyResult<Vec<_>> = each.map(|forms| variants(forms, stack.width)).collect();
     let (hypotheses, threads) = (hypotheses?, available_threads());
+    let most = hypotheses.iter().map(Vec::len).max().unwrap_or(0);
+    if most > MOST_MIXED && !one_width {
+        let message = format!(
+            "a hypothesis has {most} forms, which would be 3^{most} combinations of widths; above \
+             {MOST_MIXED} forms, ask for one width"
+        );
+        return Err(PyValueError::new_err(message));
+    }
     let weighed = py.detach(|| evidence::weigh(&stack, &hypotheses, one_width, threads));
     weighed.into_iter().map(|one| result(py, one)).collect()
 }
@@ -141,8 +165,8 @@ pub fn weigh<'py>(
 #[allow(clippy::type_complexity, clippy::too_many_arguments)] // as Python sees them
 pub fn posterior<'py>(
     py: Python<'py>,
-    products: PyReadonlyArray3<'py, f64>,
-    log_weight: PyReadonlyArray1<'py, f64>,
+    products: Array<'py, f64, Ix3>,
+    log_weight: Column<'py, f64>,
     degrees: f64,
     finest: f64,
     forms: Vec<Form>,

@@ -1,16 +1,18 @@
 //! Firmware: a request in, texts and the bit-exact twin out.
 
-use echocal_core::Conditions;
-use echocal_firmware::lower::{describe, lower};
+use echocal_core::{Conditions, Quantity};
+use echocal_firmware::lower::{Lowered, describe, lower};
 use echocal_firmware::target;
 use echocal_firmware::{
     Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
     Request, Target, design, emit,
 };
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
+use crate::border::{Column, same_length};
 use crate::errors::raise;
 use crate::model::CoreModel;
 
@@ -51,14 +53,24 @@ impl CoreFirmware {
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
-        codes: Vec<PyReadonlyArray1<'py, i64>>,
-    ) -> Bound<'py, PyArray1<i32>> {
-        let rows = codes.first().map_or(0, |column| column.as_array().len());
+        codes: Vec<Column<'py, i64>>,
+    ) -> PyResult<Bound<'py, PyArray1<i32>>> {
+        let axes = self.device.axes().count();
+        if codes.len() != axes {
+            let message = format!("the function takes {axes} codes, but got {}", codes.len());
+            return Err(PyValueError::new_err(message));
+        }
+        let names = ["echo", "temperature_code", "humidity_code"];
+        let lengths = names
+            .into_iter()
+            .zip(codes.iter().map(|column| column.len()));
+        let lengths: Vec<_> = lengths.collect();
+        let rows = same_length(&lengths)?;
         let row = |row: usize| -> i32 {
-            let inputs: Vec<i64> = codes.iter().map(|column| column.as_array()[row]).collect();
+            let inputs: Vec<i64> = codes.iter().map(|column| column[row]).collect();
             self.design.output(&self.device, &inputs)
         };
-        PyArray1::from_iter(py, (0..rows).map(row))
+        Ok(PyArray1::from_iter(py, (0..rows).map(row)))
     }
 }
 
@@ -109,16 +121,26 @@ pub struct Wish {
     form: Option<String>,
     temperature: (f64, f64, f64, f64),
     humidity: Option<(f64, f64, f64, f64)>,
-    echo: (f64, f64),
+    /// Tick, shortest and longest echo time \[us\].
+    echo: (f64, f64, f64),
     output_unit: String,
     maximum_error: f64,
     maximum_distance: f64,
     maximum_table: usize,
     threads: usize,
     accept: Vec<String>,
-    assumed: Vec<f64>,
+    assumed: [f64; Quantity::COUNT],
     command: String,
     model_hash: String,
+}
+
+/// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all conditions that the device accepts.
+#[pyfunction]
+pub fn echo_times(model: &CoreModel, wish: Wish, distances: Vec<f64>) -> PyResult<Vec<(f64, f64)>> {
+    let device = device(&wish).map_err(|error| to_python(&error))?;
+    let lowered = lowered(&model.model, &device, &wish).map_err(|error| to_python(&error))?;
+    let times = |distance: &f64| lowered.echo_times(&device, *distance);
+    Ok(distances.iter().map(times).collect())
 }
 
 /// Design, prove and write a firmware; `progress(form, checked, total)` is told of each candidate and its proof.
@@ -167,15 +189,12 @@ impl Failure {
     }
 }
 
-fn fulfil(
-    model: &echocal_core::Model,
-    wish: &Wish,
-    progress: &mut dyn FnMut(&str, u64, u64) -> bool,
-) -> Result<CoreFirmware, Failure> {
-    Package::parse(&wish.package)?; // before the proof, which may take a minute
+/// What the device measures.
+fn device(wish: &Wish) -> Result<Device, Error> {
     let (lsb, low, high, zero) = wish.temperature;
+    let (tick, shortest, longest) = wish.echo;
     let mut device = Device {
-        echo: Axis::echo(wish.echo.0, wish.echo.1)?,
+        echo: Axis::echo(tick, shortest, longest)?,
         conditions: vec![Axis::temperature(lsb, low, high, zero)?],
         output: Output::parse(&wish.output_unit)?,
     };
@@ -183,14 +202,22 @@ fn fulfil(
         let humidity = Axis::humidity(lsb, low, high, zero)?;
         device.conditions.push(humidity);
     }
-    let assumed = Conditions::new(core::array::from_fn(|quantity| wish.assumed[quantity]));
-    let lowered = lower(
-        model,
-        &device,
-        &assumed,
-        &wish.accept,
-        wish.maximum_distance,
-    )?;
+    Ok(device)
+}
+
+fn lowered(model: &echocal_core::Model, device: &Device, wish: &Wish) -> Result<Lowered, Error> {
+    let assumed = Conditions::new(wish.assumed);
+    lower(model, device, &assumed, &wish.accept, wish.maximum_distance)
+}
+
+fn fulfil(
+    model: &echocal_core::Model,
+    wish: &Wish,
+    progress: &mut dyn FnMut(&str, u64, u64) -> bool,
+) -> Result<CoreFirmware, Failure> {
+    Package::parse(&wish.package)?; // before the proof, which may take a minute
+    let device = device(wish)?;
+    let lowered = lowered(model, &device, wish)?;
     let request = Request {
         reference: &lowered,
         device: &device,

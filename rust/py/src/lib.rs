@@ -3,11 +3,13 @@
 use pyo3::prelude::*;
 
 mod batch;
+mod border;
 mod columns;
 mod domain;
 mod errors;
 mod evidence;
 mod firmware;
+mod laws;
 mod model;
 mod noise;
 mod registry;
@@ -16,6 +18,11 @@ mod sums;
 /// The compiled core of echocal.
 #[pymodule]
 mod _core {
+    /// Version of the crates and of the package.
+    #[pymodule_export]
+    #[allow(non_upper_case_globals, reason = "the name that Python's packages use")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
     #[pymodule_export]
     use super::batch::{
         absorption, distance, error, instruction_sets, module_attribute, set_instruction_set,
@@ -28,7 +35,7 @@ mod _core {
     #[pymodule_export]
     use super::evidence::{left_over, posterior, weigh};
     #[pymodule_export]
-    use super::firmware::{CoreFirmware, design_firmware};
+    use super::firmware::{CoreFirmware, design_firmware, echo_times};
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]

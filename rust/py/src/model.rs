@@ -6,15 +6,13 @@ use std::sync::OnceLock;
 use echocal_core::batch::{ModelOutput, available_threads, jacobian, of_model};
 use echocal_core::{Law, Model, Quantity};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::batch::{Entry, Input, Label, Options, Threads, call};
-
+use crate::border::{Column, same_length};
 use crate::errors::to_python;
-
-type Column<'py> = PyReadonlyArray1<'py, f64>;
+use crate::laws::LawText;
 
 /// A law with effects, evaluated over columns of equal length.
 #[pyclass(name = "Model", module = "echocal._core", frozen)]
@@ -30,8 +28,8 @@ type Given<'py> = [Option<Bound<'py, PyAny>>; Quantity::COUNT];
 impl CoreModel {
     /// `effects`: pairs of id and pairs of parameter name and value.
     #[new]
-    fn new(law: &str, effects: Vec<(String, Vec<(String, f64)>)>) -> PyResult<Self> {
-        let law = Law::parse(law).map_err(|e| to_python(&e))?;
+    fn new(law: LawText<'_>, effects: Vec<(String, Vec<(String, f64)>)>) -> PyResult<Self> {
+        let law = Law::parse(law.0).map_err(|e| to_python(&e))?;
         let mut model = Model::new(law);
         for (id, parameters) in &effects {
             let parameters: Vec<_> = parameters.iter().map(|(n, v)| (n.as_str(), *v)).collect();
@@ -159,15 +157,16 @@ impl CoreModel {
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
-        distance: Column<'py>,
-        conditions: Vec<Column<'py>>,
+        distance: Column<'py, f64>,
+        conditions: [Column<'py, f64>; Quantity::COUNT],
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let inputs = iter::once(&distance).chain(&conditions);
-        let inputs: Vec<&[f64]> = inputs.map(|c| c.as_slice()).collect::<Result<_, _>>()?;
-        let rows = distance.len();
-        if inputs.len() != 1 + Quantity::COUNT || inputs.iter().any(|c| c.len() != rows) {
-            return Err(PyValueError::new_err("columns differ in number or length"));
-        }
+        let names = iter::once("distance").chain(Quantity::ALL.iter().map(|facts| facts.name));
+        let columns: Vec<_> = names
+            .zip(iter::once(&distance).chain(&conditions))
+            .collect();
+        let lengths: Vec<_> = columns.iter().map(|(name, c)| (*name, c.len())).collect();
+        let rows = same_length(&lengths)?;
+        let inputs: Vec<&[f64]> = columns.into_iter().map(|(_, column)| &**column).collect();
         let width = 1 + self.model.parameters().len();
         let found = py.detach(|| jacobian(&self.model, &inputs, available_threads()));
         PyArray1::from_vec(py, found).reshape([rows, width])

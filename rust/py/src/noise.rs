@@ -2,12 +2,11 @@
 
 use echocal_core::evidence::{Kernel, Slips};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-type Column<'py> = PyReadonlyArray1<'py, f64>;
-type Labels<'py> = PyReadonlyArray1<'py, i64>;
+use crate::border::{Column, labels, same_length_not_empty};
 
 /// Log likelihood, level of each row, scale, probability of each group by cell.
 type Fitted<'py> = (
@@ -21,10 +20,10 @@ type Fitted<'py> = (
 #[pyfunction]
 pub fn log_density<'py>(
     py: Python<'py>,
-    values: Column<'py>,
+    values: Column<'py, f64>,
     freedom: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let found = Kernel::of(freedom).log_densities(values.as_slice()?);
+    let found = Kernel::of(freedom).log_densities(&values);
     Ok(PyArray1::from_vec(py, found))
 }
 
@@ -33,23 +32,28 @@ pub fn log_density<'py>(
 #[allow(clippy::too_many_arguments)] // as Python sees it
 pub fn slips<'py>(
     py: Python<'py>,
-    left: Column<'py>,
-    step: Column<'py>,
-    cells: Labels<'py>,
-    stretches: Labels<'py>,
+    left: Column<'py, f64>,
+    step: Column<'py, f64>,
+    cells: Column<'py, i64>,
+    stretches: Column<'py, i64>,
     orders: Vec<f64>,
     freedom: f64,
     spread: f64,
     level: Vec<f64>,
     scale: f64,
 ) -> PyResult<Fitted<'py>> {
-    let (left, step) = (left.as_slice()?, step.as_slice()?);
-    let (cells, stretches) = (labels(&cells)?, labels(&stretches)?);
-    let lengths = [step.len(), cells.len(), stretches.len(), level.len()];
-    if lengths != [left.len(); 4] || left.is_empty() || orders.is_empty() {
-        return Err(PyValueError::new_err(
-            "columns differ in length or are empty",
-        ));
+    let (left, step) = (&*left, &*step);
+    let (cells, _) = labels("cells", &cells)?;
+    let (stretches, _) = labels("stretches", &stretches)?;
+    same_length_not_empty(&[
+        ("left", left.len()),
+        ("step", step.len()),
+        ("cells", cells.len()),
+        ("stretches", stretches.len()),
+        ("level", level.len()),
+    ])?;
+    if orders.is_empty() {
+        return Err(PyValueError::new_err("there are no orders"));
     }
     let slips = Slips {
         left,
@@ -69,12 +73,4 @@ pub fn slips<'py>(
         found.scale,
         PyArray1::from_vec(py, found.weights).reshape(shape)?,
     ))
-}
-
-fn labels(given: &Labels<'_>) -> PyResult<Vec<usize>> {
-    let each = given.as_slice()?.iter();
-    let labels = each.map(|&label| usize::try_from(label));
-    labels
-        .collect::<Result<_, _>>()
-        .map_err(|_| PyValueError::new_err("a label is negative"))
 }

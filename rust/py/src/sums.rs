@@ -3,9 +3,11 @@
 use echocal_core::batch::available_threads;
 use echocal_core::evidence::{Convection, Memory, Noise, Sums};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray3, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+
+use crate::border::{Column, ascending, same_length, within};
 
 /// Memory (by position), autoregression, variance ratio of stands, weight of first rows, log prior.
 type Given = (usize, f64, f64, f64, f64);
@@ -34,14 +36,16 @@ pub fn whitened<'py>(
     remembered: Option<Remembered>,
     rho: f64,
     first_weight: f64,
-    values: PyReadonlyArray1<'py, f64>,
-    starts: PyReadonlyArray1<'py, bool>,
-    distance: PyReadonlyArray1<'py, f64>,
+    values: Column<'py, f64>,
+    starts: Column<'py, bool>,
+    distance: Column<'py, f64>,
 ) -> PyResult<(Bound<'py, PyArray1<f64>>, f64)> {
-    let (values, starts, distance) = (values.as_slice()?, starts.as_slice()?, distance.as_slice()?);
-    if [starts.len(), distance.len()] != [values.len(); 2] {
-        return Err(PyValueError::new_err("columns differ in length"));
-    }
+    let (values, starts, distance) = (&*values, &*starts, &*distance);
+    same_length(&[
+        ("values", values.len()),
+        ("starts", starts.len()),
+        ("distance", distance.len()),
+    ])?;
     let memory = memory(remembered);
     let (white, log) = py.detach(|| memory.whitened(rho, first_weight, values, starts, distance));
     Ok((PyArray1::from_vec(py, white), log))
@@ -73,7 +77,7 @@ fn placed(some: &[f64], chosen: &[usize], width: usize) -> Vec<f64> {
 #[pymethods]
 impl CoreSums {
     /// Whitened products and log weight of each noise, over the blocks in use; of some columns
-    /// alone, the first among them, the others are zero.
+    /// alone, in ascending order and the first among them, the others are zero.
     #[allow(clippy::type_complexity)] // as Python sees it
     #[pyo3(signature = (noises, used, chosen=None))]
     fn whiten<'py>(
@@ -83,10 +87,9 @@ impl CoreSums {
         used: Vec<bool>,
         chosen: Option<Vec<usize>>,
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
-        let memories = self.sums.products.len();
-        if used.len() != self.sums.series.len() || noises.iter().any(|noise| noise.0 >= memories) {
-            return Err(PyValueError::new_err("no such block or memory"));
-        }
+        let memories = noises.iter().map(|noise| noise.0);
+        within("memory", memories, self.sums.products.len())?;
+        same_length(&[("used", used.len()), ("series", self.sums.series.len())])?;
         let noise = |(memory, rho, stand_ratio, first_weight, log_prior)| Noise {
             memory,
             rho,
@@ -96,8 +99,13 @@ impl CoreSums {
         };
         let noises: Vec<Noise> = noises.into_iter().map(noise).collect();
         let (threads, width) = (available_threads(), self.sums.width);
-        if chosen.iter().flatten().any(|&column| column >= width) {
-            return Err(PyValueError::new_err("no such column"));
+        if let Some(chosen) = &chosen {
+            within("column", chosen.iter().copied(), width)?;
+            ascending("columns", chosen)?;
+            if chosen.first() != Some(&0) || chosen.windows(2).any(|pair| pair[0] == pair[1]) {
+                let message = "columns must have the first among them, and none twice";
+                return Err(PyValueError::new_err(message));
+            }
         }
         let (products, weights) = py.detach(|| {
             let all: Vec<usize> = (0..width).collect();
@@ -121,7 +129,9 @@ impl CoreSums {
 
     /// Adds the sums of one more pass over the same rows and columns, which are then its own.
     fn join(&mut self, more: &mut Self) -> PyResult<()> {
-        if more.sums.width != self.sums.width || more.sums.series != self.sums.series {
+        let (own, others) = (&self.sums, &more.sums);
+        let same = own.width == others.width && own.flat_level == others.flat_level;
+        if !same || own.series != others.series || own.cells != others.cells {
             return Err(PyValueError::new_err("sums of other rows or columns"));
         }
         self.sums.join(core::mem::take(&mut more.sums.products));
@@ -129,7 +139,11 @@ impl CoreSums {
     }
 
     /// Makes columns zero that are not finite; tells which are.
-    fn clear_infinite(&mut self) -> Vec<bool> {
-        self.sums.clear_infinite()
+    fn clear_infinite(&mut self) -> PyResult<Vec<bool>> {
+        if self.sums.products.is_empty() {
+            let message = "there are no sums: none were asked for, or others have them now";
+            return Err(PyValueError::new_err(message));
+        }
+        Ok(self.sums.clear_infinite())
     }
 }

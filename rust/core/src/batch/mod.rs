@@ -8,6 +8,7 @@
 mod block;
 mod formulas;
 mod models;
+mod overlap;
 pub(crate) mod staged;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ mod widened;
 
 pub use formulas::{Output, absorption, echo, speed_of_sound};
 pub use models::{ModelOutput, jacobian, of_model};
+pub use overlap::copy_overlapping;
 pub use threads::available as available_threads;
 
 use crate::scalar::Rows;

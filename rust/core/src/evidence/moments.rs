@@ -59,8 +59,9 @@ impl Moments {
         let (order, share) = (self.mean.len(), total(&self.share));
         let off: Vec<f64> = self.mean.iter().map(|sum| total(sum) / share).collect();
         result.variance = total(&self.variance) / share;
-        let origin = self.origin.iter().map(|origin| origin.0[0]);
-        result.mean = origin.zip(&off).map(|(origin, off)| origin + off).collect();
+        let origin = |i: usize| self.origin.get(i).map_or(f64::NAN, |origin| origin.0[0]);
+        let each = off.iter().enumerate();
+        result.mean = each.map(|(i, off)| origin(i) + off).collect();
         let (high, low) = (|at: usize| at / order, |at: usize| at % order);
         let place = |at: usize| high(at).max(low(at)) * order + high(at).min(low(at));
         result.covariance = (0..order * order)

@@ -171,10 +171,13 @@ impl Scales {
         let mut kept = vec![[true; WIDTHS.len()]; layout.counts.len()];
         if let Some(mut scores) = self.rough(table, layout) {
             for (cause, kept) in kept.iter_mut().enumerate() {
-                *kept = self
+                let likely = self
                     .mixture
                     .shares(&scores, cause)
                     .map(|share| share > UNLIKELY);
+                if likely.contains(&true) {
+                    *kept = likely; // products that are no numbers make no width likely
+                }
             }
             self.leave_out(&mut scores);
         }

@@ -4,6 +4,7 @@
 use super::gram::{GROUP, add_products};
 use super::products::Products;
 use super::threaded::fill_each;
+use std::collections::HashMap;
 
 /// White noise on a first-order autoregression, with a random error per stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,17 +82,11 @@ impl Sums {
 
     /// Which line of group sums each cell adds to; none where its block is not in use.
     fn lines(&self, used: &[bool]) -> (Vec<Option<usize>>, usize) {
-        let most = self
-            .cells
-            .iter()
-            .map(|&(_, group)| group + 1)
-            .max()
-            .unwrap_or(0);
-        let mut place = vec![None; most];
+        let mut place = HashMap::new();
         let mut count = 0;
         let line = |&(block, group): &(usize, usize)| {
             used[block].then(|| {
-                *place[group].get_or_insert_with(|| {
+                *place.entry(group).or_insert_with(|| {
                     count += 1;
                     count - 1
                 })

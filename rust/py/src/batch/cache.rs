@@ -46,16 +46,18 @@ impl Function {
         Label { name, unit }
     }
 
-    /// The kernel; `laws` is a law's text, or two of them with a bar between.
+    /// The kernel; `laws` is a law's text, of an error two of them with a bar between.
     fn kernel(self, laws: &str, at_frequency: bool) -> PyResult<Box<dyn Kernel>> {
         let parse = |text: &str| Law::parse(text).map_err(|e| to_python(&e));
-        let (reading, law) = laws.split_once('|').unwrap_or((laws, laws));
-        let output = match self {
+        let (output, law) = match self {
             Self::Absorption => return Ok(absorption()),
-            Self::SpeedOfSound => return Ok(speed_of_sound(parse(law)?, at_frequency)),
-            Self::TimeOfFlight => Output::TimeOfFlight,
-            Self::Distance => Output::Distance,
-            Self::Error => Output::Error(parse(reading)?),
+            Self::SpeedOfSound => return Ok(speed_of_sound(parse(laws)?, at_frequency)),
+            Self::TimeOfFlight => (Output::TimeOfFlight, laws),
+            Self::Distance => (Output::Distance, laws),
+            Self::Error => {
+                let (reading, law) = laws.split_once('|').unwrap_or((laws, laws));
+                (Output::Error(parse(reading)?), law)
+            }
         };
         Ok(echo(output, parse(law)?, at_frequency))
     }
@@ -137,6 +139,9 @@ pub fn decoded<'py>(py: Python<'py>, name: &str) -> Option<PyResult<Bound<'py, P
     let plain = head.strip_suffix("@frequency");
     let (head, at_frequency) = (plain.unwrap_or(head), plain.is_some());
     let function = Function::ALL.into_iter().find(|f| f.label().name == head)?;
+    if function == Function::Absorption && (at_frequency || !laws.is_empty()) {
+        return None; // it has no law: every text would be another name of the same
+    }
     let entry = entry(function, &laws.replace(',', "."), at_frequency);
     Some(entry.and_then(|entry| entry.ufunc(py).cloned()))
 }

@@ -3,12 +3,13 @@
 use std::sync::OnceLock;
 
 use echocal_core::batch::available_threads;
-use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyTuple};
 
 use super::cache::Entry;
 use super::direct::direct;
+use super::explain::{check_condition, explained};
+use super::output;
 use super::ufunc::{MOST_INPUTS, with_threads};
 use crate::errors::raise;
 
@@ -77,19 +78,33 @@ pub fn call<'py>(
             return Ok(result);
         }
     }
+    through_ufunc(py, entry, label, inputs, options)
+}
+
+/// The long way, kept apart: a call with plain numbers sets up nothing of it.
+#[inline(never)]
+fn through_ufunc<'py>(
+    py: Python<'py>,
+    entry: &Entry,
+    label: Label,
+    inputs: &[Input<'_, 'py>],
+    options: &Options<'_, 'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    options.condition.map_or(Ok(()), check_condition)?;
+    options.out.map_or(Ok(()), output::check)?;
     let inputs: Vec<_> = inputs
         .iter()
         .map(|input| (input.name, filled(py, input)))
         .collect();
     let threads = threads(options.n_threads);
     let arguments = PyTuple::new(py, inputs.iter().map(|(_, value)| value))?;
-    let keywords = keywords(py, &arguments, options)?;
     let ufunc = entry.ufunc(py)?;
-    let result = with_threads(threads, || ufunc.call(arguments, keywords.as_ref()));
+    let result = keywords(py, &arguments, options)
+        .and_then(|keywords| with_threads(threads, || ufunc.call(arguments, keywords.as_ref())));
     match result {
         Ok(result) if options.out.is_some() => Ok(result),
         Ok(result) => labelled(result, label),
-        Err(error) => Err(explained(py, error, &inputs)),
+        Err(error) => Err(explained(py, error, &inputs, options)),
     }
 }
 
@@ -189,52 +204,4 @@ fn labelled(result: Bound<'_, PyAny>, label: Label) -> PyResult<Bound<'_, PyAny>
         "polars" => result.call_method1("alias", (label.name,)),
         _ => Ok(result),
     }
-}
-
-/// NumPy's error in terms of the function's own arguments.
-fn explained<'py>(
-    py: Python<'py>,
-    error: PyErr,
-    inputs: &[(&'static str, Bound<'py, PyAny>)],
-) -> PyErr {
-    let Ok(numpy) = py.import("numpy") else {
-        return error;
-    };
-    let ask = |function: &str, value: &Bound<'py, PyAny>| {
-        let answer = numpy.call_method1(function, (value,));
-        answer.and_then(|answer| Ok(answer.str()?.to_string()))
-    };
-    if error.is_instance_of::<PyValueError>(py) && error.to_string().contains("broadcast") {
-        let shapes = inputs.iter().filter_map(|(name, value)| {
-            let shape = ask("shape", value).ok()?;
-            (shape != "()").then(|| format!("{name} {shape}"))
-        });
-        let shapes = shapes.collect::<Vec<_>>().join(", ");
-        let message = format!("shapes do not broadcast: {shapes} ({})", error.value(py));
-        return raise("UsageError", message);
-    }
-    if error.is_instance_of::<PyTypeError>(py) {
-        for (name, value) in inputs {
-            let kind = numpy
-                .call_method1("asarray", (value,))
-                .and_then(|a| a.getattr("dtype"));
-            let Ok(kind) = kind else { continue };
-            let letter = kind.getattr("kind").and_then(|kind| kind.extract::<char>());
-            if !letter.is_ok_and(|letter| "fiub".contains(letter)) {
-                let message = format!("{name} must be real numbers, but has dtype {kind}");
-                return raise("UsageError", message);
-            }
-            let bytes = kind
-                .getattr("itemsize")
-                .and_then(|size| size.extract::<usize>());
-            if bytes.is_ok_and(|bytes| bytes > size_of::<f64>()) {
-                let message = format!(
-                    "{name} has dtype {kind}, and the result would have fewer digits; \
-                                       convert it with .astype(float)"
-                );
-                return raise("UsageError", message);
-            }
-        }
-    }
-    error
 }

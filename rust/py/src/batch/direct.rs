@@ -8,11 +8,12 @@
 use echocal_core::batch::{Column, Kernel};
 use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::prelude::*;
-use numpy::{Element, IxDyn, PyArray, PyArrayDescr, PyUntypedArray, dtype};
+use numpy::{IxDyn, PyArray, PyArrayDescr, PyUntypedArray, dtype};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt};
 
 use super::call::Input;
+use super::precision::Precision;
 use super::ufunc::MOST_INPUTS;
 
 /// Rows from which the GIL is worth releasing, as in NumPy.
@@ -40,53 +41,6 @@ pub fn direct<'py>(
         run::<f32>(py, kernel, inputs, first, &kind, out, threads)
     } else {
         None
-    }
-}
-
-/// A precision that kernels run in.
-trait Precision: Element + Copy {
-    fn rounded(value: f64) -> Self;
-
-    /// # Safety
-    /// As for [`Kernel::run_f64`].
-    unsafe fn run(
-        kernel: &dyn Kernel,
-        inputs: &[Column],
-        output: Column,
-        rows: usize,
-        threads: usize,
-    );
-}
-
-impl Precision for f64 {
-    fn rounded(value: f64) -> Self {
-        value
-    }
-    unsafe fn run(
-        kernel: &dyn Kernel,
-        inputs: &[Column],
-        output: Column,
-        rows: usize,
-        threads: usize,
-    ) {
-        // SAFETY: the caller's.
-        unsafe { kernel.run_f64(inputs, output, rows, threads) }
-    }
-}
-
-impl Precision for f32 {
-    fn rounded(value: f64) -> Self {
-        value as Self
-    }
-    unsafe fn run(
-        kernel: &dyn Kernel,
-        inputs: &[Column],
-        output: Column,
-        rows: usize,
-        threads: usize,
-    ) {
-        // SAFETY: the caller's.
-        unsafe { kernel.run_f32(inputs, output, rows, threads) }
     }
 }
 

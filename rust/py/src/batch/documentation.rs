@@ -30,7 +30,8 @@ macro_rules! options {
     ($result:literal) => {
         concat!(
             "out : ndarray, optional
-    Where to put the result; a fresh array can cost more time than the computation.
+    Where to put the result; a fresh array can cost more time than the computation. It may share
+    memory with an input in any way: the result is the one for a copy of that input.
 where : array_like of bool, optional
     Which rows to compute; the others keep what `out` holds, NaN without `out`.
 n_threads : int, optional
@@ -47,7 +48,8 @@ Returns
 Raises
 ------
 UsageError
-    If a name is unknown, shapes do not broadcast, or an input does not hold numbers.
+    If a name is unknown, shapes do not broadcast, an input does not hold numbers, or `out` does
+    not fit the result or shares memory within itself.
 "
         )
     };

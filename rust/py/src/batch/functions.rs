@@ -1,11 +1,12 @@
 //! The functions themselves: signatures and documentation.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyString};
+use pyo3::types::PyFloat;
 
-use super::cache::{Function, entry};
+use super::cache::{DEFAULT_LAW, Function, entry};
 use super::call::{Input, Options, Threads, call};
 use super::documentation::{air, law, options};
+use crate::laws::{LawText, speed_text};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -31,7 +32,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[pyfunction]
 #[pyo3(
     signature = (temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
-        *, law="cramer", frequency=None, out=None, r#where=None, n_threads=None),
+        *, law=LawText(DEFAULT_LAW), frequency=None, out=None, r#where=None, n_threads=None),
     text_signature = "(temperature, relative_humidity=0.0, pressure=101325.0, \
         co2_mole_fraction=0.0004, *, law='cramer', frequency=0.0, out=None, where=None, n_threads=None)"
 )]
@@ -42,7 +43,7 @@ pub fn speed_of_sound<'py>(
     relative_humidity: Argument<'_, 'py>,
     pressure: Argument<'_, 'py>,
     co2_mole_fraction: Argument<'_, 'py>,
-    law: &str,
+    law: LawText<'_>,
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
@@ -60,7 +61,7 @@ pub fn speed_of_sound<'py>(
         condition: r#where,
         n_threads,
     };
-    of_law(py, Function::SpeedOfSound, law, &inputs, &options)
+    of_law(py, Function::SpeedOfSound, law.0, &inputs, &options)
 }
 
 /// Time of flight of an echo, out and back [s].
@@ -84,7 +85,7 @@ pub fn speed_of_sound<'py>(
 #[pyfunction]
 #[pyo3(
     signature = (distance, temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
-        *, law="cramer", frequency=None, out=None, r#where=None, n_threads=None),
+        *, law=LawText(DEFAULT_LAW), frequency=None, out=None, r#where=None, n_threads=None),
     text_signature = "(distance, temperature, relative_humidity=0.0, pressure=101325.0, \
         co2_mole_fraction=0.0004, *, law='cramer', frequency=0.0, out=None, where=None, n_threads=None)"
 )]
@@ -96,7 +97,7 @@ pub fn time_of_flight<'py>(
     relative_humidity: Argument<'_, 'py>,
     pressure: Argument<'_, 'py>,
     co2_mole_fraction: Argument<'_, 'py>,
-    law: &str,
+    law: LawText<'_>,
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
@@ -115,7 +116,7 @@ pub fn time_of_flight<'py>(
         condition: r#where,
         n_threads,
     };
-    of_law(py, Function::TimeOfFlight, law, &inputs, &options)
+    of_law(py, Function::TimeOfFlight, law.0, &inputs, &options)
 }
 
 /// Distance of an echo's target [m]: the compensation of air.
@@ -142,7 +143,7 @@ pub fn time_of_flight<'py>(
 #[pyfunction]
 #[pyo3(
     signature = (time_of_flight, temperature, relative_humidity=None, pressure=None, co2_mole_fraction=None,
-        *, law="cramer", frequency=None, out=None, r#where=None, n_threads=None),
+        *, law=LawText(DEFAULT_LAW), frequency=None, out=None, r#where=None, n_threads=None),
     text_signature = "(time_of_flight, temperature, relative_humidity=0.0, pressure=101325.0, \
         co2_mole_fraction=0.0004, *, law='cramer', frequency=0.0, out=None, where=None, n_threads=None)"
 )]
@@ -154,7 +155,7 @@ pub fn distance<'py>(
     relative_humidity: Argument<'_, 'py>,
     pressure: Argument<'_, 'py>,
     co2_mole_fraction: Argument<'_, 'py>,
-    law: &str,
+    law: LawText<'_>,
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
@@ -173,7 +174,7 @@ pub fn distance<'py>(
         condition: r#where,
         n_threads,
     };
-    of_law(py, Function::Distance, law, &inputs, &options)
+    of_law(py, Function::Distance, law.0, &inputs, &options)
 }
 
 /// Error of indication [m] of a device that converts echo times with a formula of its own.
@@ -199,7 +200,7 @@ pub fn distance<'py>(
 #[pyfunction]
 #[pyo3(
     signature = (distance, temperature, relative_humidity=None, pressure=None,
-        co2_mole_fraction=None, *, reading_speed=None, law="cramer", frequency=None, out=None,
+        co2_mole_fraction=None, *, reading_speed=None, law=LawText(DEFAULT_LAW), frequency=None, out=None,
         r#where=None, n_threads=None),
     text_signature = "(distance, temperature, relative_humidity=0.0, pressure=101325.0, \
         co2_mole_fraction=0.0004, *, reading_speed='linear', law='cramer', frequency=0.0, \
@@ -214,7 +215,7 @@ pub fn error<'py>(
     pressure: Argument<'_, 'py>,
     co2_mole_fraction: Argument<'_, 'py>,
     reading_speed: Argument<'_, 'py>,
-    law: &str,
+    law: LawText<'_>,
     frequency: Argument<'_, 'py>,
     out: Argument<'_, 'py>,
     r#where: Argument<'_, 'py>,
@@ -233,15 +234,11 @@ pub fn error<'py>(
         condition: r#where,
         n_threads,
     };
-    let reading = match reading_speed {
-        None => "linear".to_owned(),
-        Some(text) if text.is_instance_of::<PyString>() => text.extract()?,
-        Some(speed) => format!("{}", speed.extract::<f64>()?),
-    };
+    let reading = reading_speed.map_or_else(|| Ok("linear".to_owned()), speed_text)?;
     of_law(
         py,
         Function::Error,
-        &format!("{reading}|{law}"),
+        &format!("{reading}|{}", law.0),
         &inputs,
         &options,
     )

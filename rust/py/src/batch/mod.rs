@@ -4,8 +4,11 @@ mod cache;
 mod call;
 mod direct;
 mod documentation;
+mod explain;
 mod functions;
 mod module;
+mod output;
+mod precision;
 mod ufunc;
 
 pub use cache::Entry;

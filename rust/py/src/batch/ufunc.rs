@@ -10,10 +10,12 @@ use core::ffi::{c_char, c_int, c_void};
 use std::ffi::CString;
 use std::sync::Arc;
 
-use echocal_core::batch::{Column, Kernel};
+use echocal_core::batch::{Column, Kernel, copy_overlapping};
 use numpy::npyffi::{NPY_TYPES, PY_UFUNC_API, PyUFuncGenericFunction, PyUFuncObject, npy_intp};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
+
+use super::precision::Precision;
 
 /// More inputs than any kernel has.
 pub const MOST_INPUTS: usize = 32;
@@ -62,7 +64,7 @@ pub fn ufunc<'py>(
         .concat();
     let backing = Backing {
         kernel,
-        loops: [Some(single), Some(double)],
+        loops: [Some(run::<f32>), Some(run::<f64>)],
         data: [core::ptr::null_mut(); 2],
         types,
         name: CString::new(name)?,
@@ -98,43 +100,13 @@ pub fn ufunc<'py>(
 /// `PyUFunc_None` of NumPy's C API: there is nothing to reduce over.
 const NO_IDENTITY: c_int = -1;
 
-type Run = unsafe fn(&dyn Kernel, &[Column], Column, usize, usize);
-
-unsafe extern "C" fn single(
+/// NumPy's strided loop: without the GIL, on aligned memory. NumPy copies inputs that the output
+/// overlaps, but for those that a loop in order has read before it overwrites them.
+unsafe extern "C" fn run<T: Precision>(
     columns: *mut *mut c_char,
     rows: *mut npy_intp,
     strides: *mut npy_intp,
     kernel: *mut c_void,
-) {
-    // SAFETY: NumPy calls the loop with what it was registered with.
-    unsafe {
-        run(columns, rows, strides, kernel, |k, i, o, n, t| {
-            k.run_f32(i, o, n, t)
-        })
-    }
-}
-
-unsafe extern "C" fn double(
-    columns: *mut *mut c_char,
-    rows: *mut npy_intp,
-    strides: *mut npy_intp,
-    kernel: *mut c_void,
-) {
-    // SAFETY: NumPy calls the loop with what it was registered with.
-    unsafe {
-        run(columns, rows, strides, kernel, |k, i, o, n, t| {
-            k.run_f64(i, o, n, t)
-        })
-    }
-}
-
-/// NumPy's strided loop: without the GIL, on aligned memory that overlaps row by row or not at all.
-unsafe fn run(
-    columns: *mut *mut c_char,
-    rows: *mut npy_intp,
-    strides: *mut npy_intp,
-    kernel: *mut c_void,
-    run: Run,
 ) {
     let before = float_status();
     // SAFETY: `ufunc` registered the address of a shared kernel, and NumPy gives one address and one
@@ -149,9 +121,15 @@ unsafe fn run(
         for (index, input) in inputs.iter_mut().enumerate().take(kernel.arity()) {
             *input = column(index);
         }
-        let inputs = &inputs[..kernel.arity()];
+        let given = inputs;
+        let inputs = &mut inputs[..kernel.arity()];
+        let output = column(kernel.arity());
         let rows = usize::try_from(*rows).unwrap_or(0);
-        run(kernel, inputs, column(kernel.arity()), rows, THREADS.get());
+        match copy_overlapping::<T>(inputs, output, rows) {
+            Ok(_copies) => T::run(kernel, inputs, output, rows, THREADS.get()),
+            // no memory for copies: in order, as NumPy expects it
+            Err(_) => T::run(kernel, &given[..kernel.arity()], output, rows, 1),
+        }
     }
     // Comparisons with NaN raise "invalid" by definition; NaN in and NaN out is no news here.
     set_float_status(before);

@@ -1,0 +1,249 @@
+"""A valid call of everything in `echocal._core`, for `core_fuzz.py` to spoil."""
+
+import ctypes
+import mmap
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from echocal import _core
+
+ROWS = 48  # a multiple of every vector's width: blocks are read where they lie
+PAGE = mmap.PAGESIZE
+QUANTITIES = [facts["name"] for facts in _core.quantities()]
+
+
+def guard(array: Any) -> Any:
+    """Copy to memory that ends where a page begins that nobody may read."""
+    array = np.asarray(array)
+    pages = 1 + -(-array.nbytes // PAGE)
+    memory = mmap.mmap(-1, pages * PAGE)
+    start = ctypes.addressof(ctypes.c_char.from_buffer(memory))
+    ctypes.CDLL(None).mprotect(ctypes.c_void_p(start + (pages - 1) * PAGE), ctypes.c_size_t(PAGE), 0)
+    end = (pages - 1) * PAGE
+    view = np.frombuffer(memory, "u1")[end - array.nbytes : end].view(array.dtype).reshape(array.shape)
+    view[...] = array
+    return view
+
+
+@dataclass
+class Call:
+    """A call with valid arguments."""
+
+    function: Callable[..., Any]
+    arguments: list[Any]
+    columns: tuple[int, ...] = ()  # arguments that must agree in length
+    names: list[str] = field(default_factory=list)  # of the last arguments, by keyword
+
+    def __post_init__(self) -> None:
+        self.nested = [isinstance(argument, list) for argument in self.arguments]
+
+    def run(self) -> Any:
+        split = len(self.arguments) - len(self.names)
+        named = dict(zip(self.names, self.arguments[split:], strict=True))
+        return self.function(*self.arguments[:split], **named)
+
+    def lengths(self) -> set[int]:
+        """Rows of the columns that must agree."""
+        given = [(self.arguments[at], self.nested[at]) for at in self.columns]
+        lists = [value for value, nested in given if nested and isinstance(value, list | tuple)]
+        arrays = [value for value, nested in given if not nested] + [one for some in lists for one in some]
+        return {len(one) for one in arrays if isinstance(one, np.ndarray) and one.ndim == 1}
+
+    def restore(self) -> None:
+        """Undo what a call may have set for the whole process."""
+        if self.function is _core.set_instruction_set:
+            _core.set_instruction_set(None)
+
+
+def column(low: float = 0.5, high: float = 3.0, rows: int = ROWS) -> Any:
+    return guard(np.linspace(low, high, rows))
+
+
+def model() -> _core.Model:
+    return _core.Model("linear", [("fixed_delay", [("delay", 3e-5)])])
+
+
+def conditions() -> list[Any]:
+    return [column(5.0, 25.0) if name == "temperature" else None for name in QUANTITIES]
+
+
+def recorded() -> list[Any]:
+    return [column(5.0, 25.0) if name == "temperature" else 0.5 for name in QUANTITIES]
+
+
+def groups() -> Any:
+    return guard(np.repeat(np.arange(4, dtype=np.uint32), ROWS // 4))
+
+
+def columns() -> _core.Columns:
+    made = _core.Columns(model(), column(), recorded(), groups())
+    made.slope()
+    made.store(column(-1.0, 1.0))
+    made.tangent("zero_error", [], False, None, "offset", 1.0)
+    made.legendre(column(), 0.5, 3.0, 1, [1.0, 1.0])
+    made.settle()
+    return made
+
+
+def starts() -> Any:
+    return guard(np.arange(ROWS) % 12 == 0)
+
+
+def slips() -> list[Any]:
+    labels = [guard(np.arange(ROWS) // 12) for _ in range(2)]
+    return [column(), column(), *labels, [0.0, 1.0], 4.0, 1.0, column(), 0.1]
+
+
+def layout() -> list[Any]:
+    """First rows, blocks, cells, distance; block and group of each cell, series of each block; memories."""
+    blocks = guard(np.repeat(np.arange(2, dtype=np.uint32), ROWS // 2))
+    places, series = [(0, 0), (0, 1), (1, 2), (1, 3)], column(2.0, 2.0, rows=2)
+    return [starts(), blocks, groups(), column(), places, series, [None, 0.5, (0.6, 0.3)], True]
+
+
+def sums() -> _core.Sums:
+    return columns().products(*layout())
+
+
+def products() -> Any:
+    table = np.random.default_rng(1).normal(size=(3, ROWS, 6))
+    return guard(np.einsum("nri,nrj->nij", table, table))
+
+
+def form(cause: int | None, free: list[int]) -> Any:
+    return cause, [], free, [(-np.inf, np.inf)] * len(free), 1.0
+
+
+def wish() -> dict[str, Any]:
+    return {
+        "target": "c99",
+        "package": "c",
+        "prefer": "size",
+        "form": "polynomial",
+        "temperature": (10.0, 0.0, 20.0, 0.0),
+        "humidity": None,
+        "echo": (500.0, 0.0, 20_000.0),
+        "output_unit": "um",
+        "maximum_error": 0.01,
+        "maximum_distance": 2.0,
+        "maximum_table": 1024,
+        "threads": 1,
+        "accept": [],
+        "assumed": [20.0 if name == "temperature" else 0.0 for name in QUANTITIES],
+        "command": "echocal",
+        "model_hash": "0" * 64,
+    }
+
+
+_FIRMWARE = _core.design_firmware(model(), wish(), None)
+_TEXTS = ("core", "compiler", "options", "simulator")
+_COUNTS = ("flash_bytes", "own_flash_bytes", "ram_bytes", "stack_bytes")
+_STEPS = ("cycles", "fewest_cycles", "instructions", "fewest_instructions")
+MEASURED = {**dict.fromkeys(_TEXTS, "x"), **dict.fromkeys(_COUNTS, 100), **dict.fromkeys(_STEPS, 50)}
+
+
+def batch(name: str, inputs: int, *, law: bool = True) -> Callable[[], Call]:
+    def make() -> Call:
+        arguments: list[Any] = [column() for _ in range(inputs)]
+        names = [*(["law"] if law else []), "out", "where", "n_threads"]
+        options = [*(["cramer"] if law else []), column(), guard(np.ones(ROWS, bool)), 2]
+        return Call(getattr(_core, name), arguments + options, names=names)
+
+    return make
+
+
+def of_model(name: str) -> Callable[[], Call]:
+    return lambda: Call(getattr(model(), name), [column(), conditions(), column(), 2])
+
+
+def of_sums(name: str, *arguments: Any) -> Callable[[], Call]:
+    return lambda: Call(getattr(sums(), name), [argument() for argument in arguments])
+
+
+def of_columns(name: str, *arguments: Any, rows: tuple[int, ...] = ()) -> Callable[[], Call]:
+    return lambda: Call(
+        getattr(columns(), name), [a() if callable(a) else a for a in arguments], columns=rows
+    )
+
+
+def evidence(function: Any, *arguments: Any) -> Callable[[], Call]:
+    given = [50.0, 1e-12, *arguments]
+    return lambda: Call(function, [products(), column(-2.0, -1.0, rows=3), *given])
+
+
+FORMS = [form(0, [1]), form(1, [2]), form(2, [3]), form(None, [4])]
+OFFSET = [("offset", 1e-3)]
+LEVELS = [1.0, 1.5, 2.0, 2.5]
+CALLS: dict[str, Callable[[], Call]] = {
+    "speed_of_sound": batch("speed_of_sound", 4),
+    "time_of_flight": batch("time_of_flight", 5),
+    "distance": batch("distance", 5),
+    "error": batch("error", 5),
+    "absorption": batch("absorption", 4, law=False),
+    "__getattr__": lambda: Call(_core.__getattr__, ["distance:cramer"]),
+    "instruction_sets": lambda: Call(_core.instruction_sets, []),
+    "set_instruction_set": lambda: Call(_core.set_instruction_set, ["baseline"]),
+    "effects": lambda: Call(_core.effects, []),
+    "laws": lambda: Call(_core.laws, []),
+    "quantities": lambda: Call(_core.quantities, []),
+    "departure_names": lambda: Call(_core.departure_names, []),
+    "departure": lambda: Call(_core.departure, ["cramer", [20.0, 0.5, 1e5, 4e-4, 0.0]]),
+    "departures": lambda: Call(_core.departures, ["cramer", [column() for _ in range(5)]], columns=(1,)),
+    "Model": lambda: Call(_core.Model, ["linear", [("fixed_delay", [("delay", 3e-5)])]]),
+    **{f"Model.{name}": of_model(name) for name in ("indicate", "speed_of_sound", "time_of_flight")},
+    **{f"Model.{name}": of_model(name) for name in ("correct", "distance")},
+    "Model.jacobian": lambda: Call(
+        model().jacobian, [column(), [column() for _ in QUANTITIES]], columns=(0, 1)
+    ),
+    "Columns": lambda: Call(_core.Columns, [model(), column(), recorded(), groups()], columns=(1, 2, 3)),
+    "Columns.slope": of_columns("slope"),
+    "Columns.store": lambda: of_columns("store", column)(),
+    "Columns.shift": of_columns("shift", "zero_error", OFFSET, LEVELS),
+    "Columns.tangent": of_columns("tangent", "zero_error", OFFSET, True, LEVELS, "offset", 1.0),
+    "Columns.legendre": of_columns("legendre", column, 0.5, 3.0, 1, [1.0, 1.0]),
+    "Columns.waves": of_columns("waves", column, 1.0, [1.0, 1.0]),
+    "Columns.settle": of_columns("settle"),
+    "Columns.made": of_columns("made", [0, 4], lambda: guard(np.array([0, 5, 47], np.uintp))),
+    "Columns.combined": of_columns("combined", [(0, 1.0), (4, -2.0)]),
+    "Columns.gram": of_columns("gram"),
+    "Columns.products": lambda: Call(columns().products, layout(), columns=(0, 1, 2, 3)),
+    "Sums.whiten": of_sums(
+        "whiten", lambda: [(1, 0.5, 0.1, 0.7, -1.0)], lambda: [True, True], lambda: [0, 2, 4]
+    ),
+    "Sums.join": of_sums("join", sums),
+    "Sums.clear_infinite": of_sums("clear_infinite"),
+    "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED]]),
+    "Firmware.ranked_by": lambda: Call(_FIRMWARE.ranked_by, []),
+    "Firmware.steps": lambda: Call(_FIRMWARE.steps, []),
+    "Firmware.evaluate": lambda: Call(
+        _FIRMWARE.evaluate, [[guard(np.arange(ROWS)), guard(np.arange(ROWS) % 3)]], columns=(0,)
+    ),
+    "design_firmware": lambda: Call(_core.design_firmware, [model(), wish(), lambda *_: None]),
+    "echo_times": lambda: Call(_core.echo_times, [model(), wish(), [0.02, 4.0]]),
+    "weigh": evidence(_core.weigh, [FORMS, FORMS[:1]], False),
+    "posterior": evidence(_core.posterior, FORMS, [0.4, 0.3, 0.2, 0.1], 0.1, 25.0),
+    "left_over": lambda: Call(_core.left_over, [products()[0].copy(), 50.0, 1.0, 1e-12]),
+    "log_density": lambda: Call(_core.log_density, [column(), 4.0]),
+    "slips": lambda: Call(_core.slips, slips(), columns=(0, 1, 2, 3, 7)),
+    "whitened": lambda: Call(
+        _core.whitened, [0.5, 0.3, 0.9, column(), starts(), column()], columns=(3, 4, 5)
+    ),
+}
+
+
+def public_names() -> set[str]:
+    """Everything that the core offers, and what its classes do."""
+    names = {"__getattr__"}
+    for name in dir(_core):
+        if name.startswith("__"):
+            continue
+        thing = getattr(_core, name)
+        made = isinstance(thing, type)
+        if not made or name not in {"Firmware", "Sums"}:  # these come from other calls alone
+            names.add(name)
+        own = (method for method in vars(thing) if not method.startswith("_")) if made else ()
+        names |= {f"{name}.{method}" for method in own if callable(getattr(thing, method))}
+    return names

@@ -1,0 +1,215 @@
+"""What Python gives the core: wrong lengths, positions and labels are refused by name, never a panic."""
+
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import core_fuzz_calls as calls
+import numpy as np
+import pytest
+
+from echocal import _core
+
+SEED = int(os.environ.get("ECHOCAL_SEED", np.random.SeedSequence().entropy % 2**32))  # type: ignore[operator]
+HERE = Path(__file__).parent
+
+
+def test_everything_has_a_call() -> None:
+    """A function that is new to the core gets a call in core_fuzz_calls.py, or is not tried below."""
+    assert calls.public_names() == set(calls.CALLS)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="guards memory and time as Linux does")
+def test_wrong_arguments_of_everything(tmp_path: Path) -> None:
+    print(f"\narguments of the core: ECHOCAL_SEED={SEED}")
+    place = tmp_path / "under_way"
+    command = [sys.executable, str(HERE / "core_fuzz.py"), str(SEED), "8", str(place)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    except subprocess.TimeoutExpired:
+        pytest.fail(f"never ends: {place.read_text().strip()}")
+    under_way = place.read_text().strip() if place.exists() else "nothing"
+    assert done.returncode >= 0, f"signal {-done.returncode} at: {under_way}"
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr[-2000:]}"
+    assert int(done.stdout.split()[0]) > 4000
+
+
+def _departures() -> Any:
+    return _core.departures("linear", [np.zeros(3), *[np.zeros(4)] * 4])
+
+
+def _columns(groups: Any) -> _core.Columns:
+    recorded = [20.0] * len(calls.QUANTITIES)
+    return _core.Columns(calls.model(), np.ones(3), recorded, np.array(groups, np.uint32))
+
+
+def _changed_in_place() -> Any:
+    """Half the memory that a column had, with the length that it has now."""
+    distance = np.ones(calls.ROWS)
+    made = _core.Columns(calls.model(), distance, calls.recorded(), None)
+    made.slope()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        distance.dtype = np.float32
+    return made.gram()
+
+
+def _products(**other: Any) -> Any:
+    names = ("starts", "blocks", "cells", "distance", "places", "series", "memories", "flat_level")
+    return calls.columns().products(**{**dict(zip(names, calls.layout(), strict=True)), **other})
+
+
+def _whiten(noise: int = 0, used: int = 2, chosen: list[int] | None = None) -> Any:
+    return calls.sums().whiten([(noise, 0.0, 0.1, 1.0, 0.0)], [True] * used, chosen)
+
+
+def _joined() -> Any:
+    sums, others = calls.sums(), calls.sums()
+    sums.join(others)
+    return others.clear_infinite()
+
+
+def _other_cells() -> Any:
+    places = [(0, 0), (0, 1), (1, 2), (1, 2)]
+    return calls.sums().join(_products(places=places))
+
+
+def _evaluate(*codes: Any) -> Any:
+    return calls.CALLS["Firmware.evaluate"]().function([np.asarray(code) for code in codes])
+
+
+def _designed() -> Any:
+    return _core.design_firmware(calls.model(), {**calls.wish(), "assumed": [20.0]}, None)
+
+
+def _slips(**labels: Any) -> Any:
+    given = calls.slips()
+    given[2] = np.asarray(labels.get("cells", given[2]))
+    given[3] = np.asarray(labels.get("stretches", given[3]))
+    return _core.slips(*given)
+
+
+def _weigh(products: Any, forms: int = 3) -> Any:
+    return _core.weigh(products, np.zeros(3), 50.0, 1e-12, [[calls.form(0, [1])] * forms], False)
+
+
+_HUGE = np.full(calls.ROWS, 2**32 - 1, np.uint32)
+_LAST = np.where(np.arange(calls.ROWS) == 47, 2, 0)
+REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
+    "a shorter column of air": (_departures, ValueError, "temperature has 3 rows, relative_humidity has 4"),
+    "columns of a Jacobian": (
+        lambda: calls.model().jacobian(np.ones(3), [np.ones(2)] * len(calls.QUANTITIES)),
+        ValueError,
+        "distance has 3 rows, temperature has 2",
+    ),
+    "groups of other rows": (lambda: _columns([0, 1]), ValueError, "distance has 3 rows, groups has 2"),
+    "a group far away": (lambda: _columns([0, 0, 2**32 - 1]), ValueError, "groups has label 4294967295"),
+    "a column changed in place": (
+        _changed_in_place,
+        TypeError,
+        "expected a NumPy array of float64 of 1 dimensions",
+    ),
+    "a stored column": (
+        lambda: calls.columns().store(np.ones(5)),
+        ValueError,
+        "column has 5 rows, distance has 48",
+    ),
+    "levels of other groups": (
+        lambda: calls.columns().shift("zero_error", [], [1.0]),
+        ValueError,
+        "levels has 1 rows, groups has 4",
+    ),
+    "a polynomial for ever": (
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0]),
+        IndexError,
+        "there is no degree 9223372036854775809",
+    ),
+    "a column that is not there": (lambda: calls.columns().made([5]), IndexError, "no column 5: there are 5"),
+    "a row that is not there": (
+        lambda: calls.columns().made([0], np.array([48], np.uintp)),
+        IndexError,
+        "no row 48: there are 48",
+    ),
+    "rows that go back": (
+        lambda: calls.columns().made([0], np.array([9, 3], np.uintp)),
+        ValueError,
+        "rows must ascend, but 3 follows 9",
+    ),
+    "a block that is not there": (lambda: _products(blocks=_HUGE), IndexError, "no block 4294967295"),
+    "a cell that is not there": (lambda: _products(cells=_HUGE), IndexError, "no cell 4294967295"),
+    "a cell of another block": (
+        lambda: _products(cells=_LAST.astype(np.uint32)),
+        ValueError,
+        "row 24 is of block 1 and of cell 0, which lies in another",
+    ),
+    "no memories": (lambda: _products(memories=[]), ValueError, "no columns or no memories"),
+    "a memory that is not there": (lambda: _whiten(noise=3), IndexError, "no memory 3: there are 3"),
+    "blocks of other sums": (lambda: _whiten(used=3), ValueError, "used has 3 rows, series has 2"),
+    "columns turned round": (lambda: _whiten(chosen=[4, 3, 2, 1, 0]), ValueError, "columns must ascend"),
+    "a column twice": (lambda: _whiten(chosen=[0, 1, 1, 2, 3]), ValueError, "none twice"),
+    "without the first column": (lambda: _whiten(chosen=[1, 2]), ValueError, "the first among them"),
+    "sums that others have": (_joined, ValueError, "others have them now"),
+    "sums of other groups": (_other_cells, ValueError, "sums of other rows"),
+    "codes too few": (lambda: _evaluate([1, 2]), ValueError, "takes 2 codes, but got 1"),
+    "codes too many": (lambda: _evaluate([1], [1], [1]), ValueError, "takes 2 codes, but got 3"),
+    "codes too short": (
+        lambda: _evaluate([1, 2], [1]),
+        ValueError,
+        "echo has 2 rows, temperature_code has 1",
+    ),
+    "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
+    "air of one number": (_designed, TypeError, "Wish.assumed"),
+    "a cell far away": (lambda: _slips(cells=[2**63 - 1] * 48), ValueError, "cells has label 92233"),
+    "a stretch below nought": (lambda: _slips(stretches=[-1] * 48), ValueError, "stretches has label -1"),
+    "combinations for ever": (
+        lambda: _weigh(calls.products(), 40),
+        ValueError,
+        "a hypothesis has 40 forms",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_by_name(case: str) -> None:
+    call, error, message = REFUSED[case]
+    with pytest.raises(error, match=message):
+        call()
+
+
+def test_a_refused_column_leaves_the_others_alone() -> None:
+    columns = calls.columns()
+    before = columns.gram()
+    for call in (columns.store, lambda c: columns.legendre(c, 0.0, 1.0, 1, [1.0])):
+        with pytest.raises(ValueError, match="column has 5 rows"):
+            call(np.ones(5))
+    np.testing.assert_array_equal(columns.gram(), before)
+
+
+def test_labels_of_a_larger_table_keep_their_meaning() -> None:
+    """Of some rows of a table, groups keep the labels that they have in all of it."""
+    plain = _whiten()
+    far = _products(places=[(0, 2**40), (0, 2**50), (1, 2**60), (1, 2**63)])
+    moved = far.whiten([(0, 0.0, 0.1, 1.0, 0.0)], [True, True])
+    np.testing.assert_array_equal(moved[0], plain[0])
+
+
+def test_an_array_in_another_order_has_the_same_numbers() -> None:
+    """NumPy calls an array contiguous that lies in memory the other way round; it was read as it lay."""
+    products = calls.products()
+    found = (_weigh(products), _weigh(np.asfortranarray(products)))
+    np.testing.assert_array_equal(*(weighed[0][1] for weighed in found))
+    table = np.zeros(5, [("flag", "i1"), ("echo", "i8"), ("temperature", "i8")])
+    table["echo"], table["temperature"] = np.arange(5), [0, 1, 2, 1, 0]
+    expected = _evaluate(np.arange(5), np.array([0, 1, 2, 1, 0]))
+    np.testing.assert_array_equal(_evaluate(table["echo"], table["temperature"]), expected)
+
+
+def test_products_that_are_no_numbers_have_no_evidence() -> None:
+    for forms in (calls.FORMS[:1], calls.FORMS):
+        products = np.full((3, 6, 6), np.nan)
+        ((log_evidence, *_),) = _core.weigh(products, np.zeros(3), 50.0, 1e-12, [forms], False)
+        assert not np.isfinite(log_evidence)
