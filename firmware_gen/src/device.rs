@@ -29,11 +29,12 @@ pub struct Axis {
 const SLACK: f64 = 1e-9;
 
 impl Axis {
-    /// Echo times of 0 to `longest` \[us\], in ticks of `lsb` \[us\].
+    /// Echo times of `shortest` to `longest` \[us\], in ticks of `lsb` \[us\].
     ///
     /// # Errors
-    /// If the tick is not positive, or the longest time is not 1 ..= 65535 ticks.
-    pub fn echo(lsb: f64, longest: f64) -> Result<Self, Error> {
+    /// If the tick is not positive, the longest time is not 1 ..= 65535 ticks, or the shortest is below 0 or leaves no
+    /// two codes.
+    pub fn echo(lsb: f64, shortest: f64, longest: f64) -> Result<Self, Error> {
         if !(lsb.is_finite() && lsb > 0.0) {
             return Err(Error::Codes(format!(
                 "echo LSB {lsb} us is no tick of a timer: give a positive number [us]"
@@ -50,6 +51,13 @@ impl Axis {
                 "echo max {longest} us{code} is outside 1 .. 65535, what a uint16_t holds"
             )));
         }
+        let first = (shortest / lsb - SLACK).ceil() + 0.0; // no -0 in a message
+        // Not a number, and it is refused too: every comparison with one is false.
+        if !(0.0 <= first && first < last) {
+            return Err(Error::Codes(format!(
+                "echo times {shortest} .. {longest} us of LSB {lsb} us are codes {first} .. {last}: give an echo min of 0 or more, below the echo max"
+            )));
+        }
         let name = if lsb == 1.0 { "echo_us" } else { "echo_code" };
         Ok(Self {
             name: name.into(),
@@ -58,7 +66,7 @@ impl Axis {
             lsb: lsb * 1e-6,
             zero: 0.0,
             codes: Range {
-                minimum: 0,
+                minimum: first as i64,
                 maximum: last as i64,
             },
             ty: IntegerType::U16,

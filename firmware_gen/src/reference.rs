@@ -24,11 +24,13 @@ const MOST_SAMPLES: i64 = 64;
 /// The model at one combination of conditions: nearly a straight line in the echo time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Growth of the distance per echo code \[unit\], between echo code 0 and `reach`.
+    /// First echo code that is accepted.
+    pub first: i64,
+    /// Growth of the distance per echo code \[unit\], between `first` and `reach`.
     pub slope: f64,
-    /// Distance at echo code 0 \[unit\].
+    /// Where the line through both has echo code 0 \[unit\]: how the model bends before `first` is nobody's concern.
     pub start: f64,
-    /// Distance halfway \[unit\].
+    /// Distance halfway between them \[unit\].
     pub middle: f64,
     /// Last echo code whose distance is within the bounded domain.
     pub reach: i64,
@@ -38,25 +40,31 @@ impl Line {
     /// Distance at the end of the reach \[unit\].
     #[must_use]
     pub fn end(&self) -> f64 {
-        self.slope.mul_add(self.reach as f64, self.start)
+        self.at(self.reach)
+    }
+
+    /// Distance of the line at an echo code \[unit\].
+    fn at(&self, echo: i64) -> f64 {
+        self.slope.mul_add(echo as f64, self.start)
     }
 
     /// Echo codes and distances \[unit\] at the start, halfway, and the last few of the reach, where cut-off bits differ.
     pub fn samples(&self) -> impl Iterator<Item = (i64, f64)> {
         // As many codes as make a step of the output, at either end: somewhere among them it is cut off most.
         let step = (self.slope.recip().ceil() as i64).clamp(1, MOST_SAMPLES);
-        let first = (1..step.min(self.reach))
-            .map(|echo| (echo, self.slope.mul_add(echo as f64, self.start)));
-        let last = (0..step.max(4).min(self.reach)).map(|back| {
+        let within = self.reach - self.first;
+        let first = (1..step.min(within)).map(|on| (self.first + on, self.at(self.first + on)));
+        let last = (0..step.max(4).min(within)).map(|back| {
             (
                 self.reach - back,
                 self.slope.mul_add(-(back as f64), self.end()),
             )
         });
-        [(0, self.start), (self.reach / 2, self.middle)]
-            .into_iter()
-            .chain(first)
-            .chain(last)
+        let ends = [
+            (self.first, self.at(self.first)),
+            (i64::midpoint(self.first, self.reach), self.middle),
+        ];
+        ends.into_iter().chain(first).chain(last)
     }
 }
 
@@ -86,8 +94,8 @@ fn line(
         reference.distances(&conditions, &[device.echo.value(code)], &mut distance);
         distance[0] * device.output.per_meter
     };
-    let last = device.echo.codes.maximum;
-    let (start, end) = (at(0), at(last));
+    let (first, last) = (device.echo.codes.minimum, device.echo.codes.maximum);
+    let (start, end) = (at(first), at(last));
     if !start.is_finite() || !end.is_finite() {
         return Err(Error::Model(format!(
             "the model gives no distance at {}",
@@ -96,19 +104,20 @@ fn line(
     }
     if end <= start {
         return Err(Error::Model(format!(
-            "the model's distance does not grow with the echo time at {}: {start:.0} {unit} at echo code 0, {end:.0} {unit} at {last}",
+            "the model's distance does not grow with the echo time at {}: {start:.0} {unit} at echo code {first}, {end:.0} {unit} at {last}",
             place(device, row, last),
             unit = device.output.unit
         )));
     }
-    let chord = (end - start) / last as f64;
-    let reach = ((maximum_distance.mul_add(device.output.per_meter, -start) / chord).floor()
-        as i64)
-        .clamp(1, last);
+    let chord = (end - start) / (last - first) as f64;
+    let within = (maximum_distance.mul_add(device.output.per_meter, -start) / chord).floor() as i64;
+    let reach = first + within.clamp(1, last - first);
+    let slope = (at(reach) - start) / (reach - first) as f64;
     Ok(Line {
-        slope: (at(reach) - start) / reach as f64,
-        start,
-        middle: at(reach / 2),
+        first,
+        slope,
+        start: slope.mul_add(-(first as f64), start),
+        middle: at(i64::midpoint(first, reach)),
         reach,
     })
 }

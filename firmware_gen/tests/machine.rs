@@ -85,7 +85,7 @@ fn random(device: &Device, steps: &[Step], table: &[i64]) -> Option<Program> {
 fn device() -> Device {
     let temperature = Axis::temperature(0.5, -3.0, 4.0, 0.0).unwrap();
     Device {
-        echo: Axis::echo(1.0, 700.0).unwrap(),
+        echo: Axis::echo(1.0, 0.0, 700.0).unwrap(),
         conditions: vec![temperature],
         output: Output::MICROMETERS,
     }

@@ -8,7 +8,7 @@ use echocal_firmware::{Axis, Device, Error, Output};
 fn device() -> Device {
     let temperature = Axis::temperature(1.0, 0.0, 20.0, 0.0).unwrap();
     Device {
-        echo: Axis::echo(1.0, 5000.0).unwrap(),
+        echo: Axis::echo(1.0, 0.0, 5000.0).unwrap(),
         conditions: vec![temperature],
         output: Output::MICROMETERS,
     }
@@ -174,4 +174,46 @@ fn what_goes_beyond_the_claim_is_left_early() {
     };
     assert!((error - 29_410.0).abs() < 1e-6);
     assert!(checked < 21 * 5001, "the first row was enough");
+}
+
+#[test]
+fn what_is_nearer_than_the_first_echo_is_no_input() {
+    let device = Device {
+        echo: Axis::echo(1.0, 109.0, 5000.0).unwrap(),
+        ..device()
+    };
+    let mut builder = Builder::new(&device, 16);
+    let (echo, delay, factor) = (builder.echo(), builder.constant(100), builder.constant(170));
+    let flight = builder.subtract(echo, delay);
+    assert_eq!(builder.range(flight).minimum, 9);
+    let distance = builder.multiply(flight, factor);
+    let program = builder.finish(distance).unwrap();
+    // Nearer than that the model has no distance, and nobody asks it.
+    let near = |_: &[f64], time: f64| {
+        if time < 108.5e-6 {
+            f64::NAN
+        } else {
+            170.0 * (time - 100e-6)
+        }
+    };
+    let claim = Claim {
+        device: &device,
+        reference: &near,
+        maximum_distance: 0.5,
+        most: f64::INFINITY,
+        threads: 3,
+    };
+    let proof = prove(&program, claim, &mut |_| true).unwrap();
+    assert_eq!(proof.inputs, 21 * (5000 - 109 + 1));
+    assert!(proof.overall.error < 1e-9);
+}
+
+#[test]
+fn echo_times_that_leave_no_two_codes_are_refused() {
+    for (shortest, longest) in [(-1.0, 5000.0), (5000.0, 5000.0), (f64::NAN, 5000.0)] {
+        let message = Axis::echo(1.0, shortest, longest).unwrap_err().to_string();
+        assert!(message.contains("below the echo max"), "{message}");
+    }
+    let axis = Axis::echo(0.5, 54.75, 12_500.2).unwrap();
+    assert_eq!((axis.codes.minimum, axis.codes.maximum), (110, 25_000));
 }

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 from echocal.errors import UsageError
 
-__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of"]
+__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of", "count"]
 
 
 @dataclass(frozen=True)
@@ -17,12 +17,17 @@ class EchoCodes:
     ----------
     lsb : float
         Tick [us]; 0.5 for Timer1 of an Arduino UNO at an eighth of its clock.
-    longest : float
-        Longest echo time that the firmware accepts [us].
+    longest : float, optional
+        Longest echo time that the firmware accepts [us]; default: that of the largest distance asked for, in
+        the conditions where it is longest, and never the time-out pulse of a module without an echo.
+    shortest : float, optional
+        Shortest echo time that it accepts [us]; default: that of 20 mm, the least that an HC-SR04 measures,
+        in the conditions where it is shortest.
     """
 
     lsb: float = 1.0
-    longest: float = 38_000.0
+    longest: float | None = None
+    shortest: float | None = None
 
 
 @dataclass(frozen=True)
@@ -78,10 +83,29 @@ def codes_of(name: str, kind: type[Codes], wish: Any) -> Codes:
     """
     try:
         codes = wish if isinstance(wish, kind) else kind(*map(float, wish))
-        if all(isinstance(value, Real) for value in astuple(codes)):
+        open_ = {field.name for field in fields(kind) if field.default is None}
+        given = zip(fields(kind), astuple(codes), strict=True)
+        if all(isinstance(value, Real) or (value is None and one.name in open_) for one, value in given):
             return codes
     except (TypeError, ValueError):
         pass
     order = ", ".join(field.name for field in fields(kind))
     message = f"{name} is {wish!r}; give {kind.__name__}({order}), or the numbers as a tuple"
     raise UsageError(message)
+
+
+def count(name: str, value: float, most: int, *, least: int | None = None) -> int:
+    """Return a whole number.
+
+    Raises
+    ------
+    UsageError
+        If it is none, or outside `least` .. `most`.
+    """
+    whole = isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
+    if not whole or abs(value) > most or (least is not None and value < least):
+        message = f"{name} is {value!r}; give a whole number" + (
+            "" if least is None else f" of {least} .. {most}"
+        )
+        raise UsageError(message)
+    return int(value)

@@ -7,20 +7,20 @@ import shlex
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal import _core, silicon
-from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of
+from echocal import _core, echoes, silicon
+from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
 from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.model import Model
 from echocal.model.needs import assumed
+from echocal.outputs import CHECKSUMS, checksums, replace_all
 from echocal.registry import find_effect
 
 __all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
@@ -135,7 +135,7 @@ class Firmware:
         Returns
         -------
         list of Path
-            The files.
+            The files, with ``SHA256SUMS``, the list of their checksums.
 
         Raises
         ------
@@ -143,15 +143,7 @@ class Firmware:
             If the directory cannot be written.
         """
         folder = Path(directory)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            for name, text in self.files.items():
-                (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                (folder / name).write_text(text, encoding="utf-8", newline="\n")
-        except OSError as error:
-            message = f"cannot write firmware to {folder}: {error.strerror}"
-            raise UsageError(message) from None
-        return [folder / name for name in self.files]
+        return replace_all(folder, {**self.files, CHECKSUMS: checksums(self.files)})
 
 
 def generate(
@@ -160,7 +152,7 @@ def generate(
     *,
     temperature: TemperatureCodes | tuple[float, float, float] = _DS18B20,
     humidity: HumidityCodes | tuple[float, float, float] | None = None,
-    echo: float | EchoCodes | tuple[float, float] = 38_000,
+    echo: echoes.Echo = None,
     output_unit: str = "um",
     max_error: float = 0.5e-3,
     max_distance: float = 4.0,
@@ -188,8 +180,10 @@ def generate(
         Codes of the thermometer [degC].
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
         Codes of the hygrometer [1]; default: the device has none.
-    echo : float, EchoCodes or tuple of (lsb, longest)
-        Longest echo time that is accepted [us], in ticks of 1 us or of `lsb` [us].
+    echo : float, EchoCodes or tuple of (lsb, longest, shortest), optional
+        Longest and shortest echo time that are accepted [us], in ticks of 1 us or of `lsb` [us]. What is left
+        out follows from the model: no echo from nearer than 20 mm, none from beyond `max_distance`, in the
+        conditions where these come soonest and latest.
     output_unit : {"um", "mm", "cm"}
         What the function counts, and the end of its name: ``echocal_distance_um``.
     max_error : float
@@ -259,23 +253,24 @@ def generate(
         message = "relative_humidity is measured: it cannot be assumed as well"
         raise UsageError(message)
     air = _assumed(model, assume)
-    wish = {
+    wish: dict[str, Any] = {
         "target": target,
         "package": package,
         "prefer": prefer,
         "form": form,
         "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
         "humidity": None if damp is None else tuple(map(float, (damp.lsb, damp.low, damp.high, damp.zero))),
-        "echo": _echo(echo),
         "output_unit": output_unit,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
-        "maximum_table": _count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
+        "maximum_table": count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
         "threads": _threads(n_threads),
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
         "model_hash": model.hash,
+        "command": "",
     }
+    wish["echo"] = echoes.accepted(model._core, wish, echo)
     wish["command"] = _command(wish, model_name, assume) + (" --measure" if measure else "")
     try:
         core = _core.design_firmware(model._core, wish, progress)
@@ -284,6 +279,7 @@ def generate(
         message = f"{error}; that function takes {cost}"
         raise BoundError(message) from None
     _warn_outside(model, codes, damp, air)
+    echoes.warn_of_timeout(echo, wish["echo"][2], stacklevel=2)
     made = _firmware(core, [])
     if not measure:
         return made
@@ -345,31 +341,12 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     return [float(value[0]) for value in values]
 
 
-def _echo(wish: float | EchoCodes | tuple[float, float]) -> tuple[float, float]:
-    """Tick and longest echo time [us]; what range makes sense, the core says."""
-    if isinstance(wish, EchoCodes | tuple):
-        codes = codes_of("echo", EchoCodes, wish)
-        return float(codes.lsb), float(codes.longest)
-    return 1.0, float(_count("echo", wish, 2**31 - 1))
-
-
-def _count(name: str, value: float, most: int, *, least: int | None = None) -> int:
-    """Return a whole number."""
-    whole = isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
-    if not whole or abs(value) > most or (least is not None and value < least):
-        message = f"{name} is {value!r}; give a whole number" + (
-            "" if least is None else f" of {least} .. {most}"
-        )
-        raise UsageError(message)
-    return int(value)
-
-
 def _number(value: float) -> str:
     return f"{value:.12g}"
 
 
 def _threads(wanted: int | None) -> int:
-    return _count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
+    return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
 
 def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, float]) -> str:
@@ -382,9 +359,10 @@ def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, floa
         lsb, low, high, zero = wish["humidity"]
         words += ["--humidity-lsb", _number(lsb), f"--humidity-range={_number(low)}:{_number(high)}"]
         words += [f"--humidity-zero={_number(zero)}"] if zero else []
-    tick, longest = wish["echo"]
+    tick, shortest, longest = wish["echo"]
     words += ["--echo-lsb-us", _number(tick)] if tick != 1.0 else []
-    words += ["--echo-max-us", _number(longest), "--max-error-mm", _number(wish["maximum_error"] * 1e3)]
+    words += ["--echo-min-us", _number(shortest), "--echo-max-us", _number(longest)]
+    words += ["--max-error-mm", _number(wish["maximum_error"] * 1e3)]
     words += ["--output-unit", wish["output_unit"]] if wish["output_unit"] != "um" else []
     words += ["--max-distance-m", _number(wish["maximum_distance"]), "--prefer", wish["prefer"]]
     words += ["--form", wish["form"]] if wish["form"] else []

@@ -14,7 +14,10 @@ from echocal.firmware import Firmware
 Once = Callable[[str, Callable[[Path], None]], Path]
 SKETCH = "examples/HcSr04/HcSr04.ino"
 # Around the turns of Timer1 (32,768 us), at both ends of what is accepted, and past it.
-ECHOES = [150, 580, 11_690, 23_456, 32_767, 32_768, 32_769, 37_999, 38_000, 38_001, 50_000]
+ECHOES = [120, 150, 580, 11_690, 23_456, 25_090, 25_120, 32_767, 32_768, 32_769, 38_000, 50_000]
+# Without an echo: no pulse, a time-out of 36 to 38 ms, or a long one, in which a module heeds no trigger.
+NO_ECHO = [0, 36_000, 38_000, 130_000]
+REFUSED = ["no echo", "out of range", "out of range", "no echo", "no echo"]
 MILLIVOLTS = 713  # of a TMP36, 21.3 degC; the steps of 10 bits make it 20.8 degC
 
 
@@ -43,7 +46,16 @@ def test_the_example_prints_the_twins_distance(package: str, sketch: str, core: 
     packed = thermometer(package)
     lines = serial(core, link(packed, sketch, core, tmp_path), (MILLIVOLTS, 0), ECHOES)
     check(packed, lines, ECHOES, 333)
-    assert lines[-1].endswith("out of range")
+    refused = [line.endswith("out of range") for line in lines]
+    assert refused == [echo in {120, 25_120} or echo > 30_000 for echo in ECHOES]
+
+
+@pytest.mark.parametrize("flags", [(), ("-DECHOCAL_NO_INPUT_CAPTURE",)], ids=["capture", "pulseIn"])
+def test_without_an_echo_there_is_no_distance(flags: tuple[str, ...], core: Path, tmp_path: Path) -> None:
+    sketch = link(thermometer(), SKETCH, core, tmp_path, *flags)
+    lines = serial(core, sketch, (MILLIVOLTS, 0), [*NO_ECHO, 11_690])
+    assert [line[-12:].strip() for line in lines[:-1]] == REFUSED
+    assert int(lines[-1].split()[-1]) == pytest.approx(2_006_000, abs=3_000), "and the next echo is heard"
 
 
 def test_the_example_prints_the_twins_distance_with_humidity(core: Path, tmp_path: Path) -> None:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import yaml
 from boards.arduino import build_core, link, serial
+from boards.python import EnoughError, fakes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_arduino import Once
-from test_micropython import EnoughError, fakes
 from test_packages import ESPHOME
 from toolchain import build, hash_of_all, run
 
@@ -56,6 +56,7 @@ def truth(model: Model, report: dict[str, Any], *codes: np.ndarray) -> np.ndarra
     tick=st.sampled_from([0.125, 0.5, 1.0, 4.0, 10.0]),
     step=st.sampled_from([0.0625, -0.1, 0.5, -1.0, 175 / 65_535]),
     zero=st.sampled_from([0.0, -45.0, 100.0]),
+    first=st.integers(0, 200),
     low=st.floats(-20.0, 30.0),
     span=st.floats(0.5, 8.0),
     unit=st.sampled_from(sorted(METERS)),
@@ -66,6 +67,7 @@ def test_c_twin_and_model_agree_within_the_bound(
     tick: float,
     step: float,
     zero: float,
+    first: int,
     low: float,
     span: float,
     unit: str,
@@ -77,7 +79,12 @@ def test_c_twin_and_model_agree_within_the_bound(
     warm = TemperatureCodes(step, low, low + span, zero)
     try:
         made = firmware.generate(
-            MODEL, target, temperature=warm, echo=(tick, 900 * tick), output_unit=unit, max_error=bound
+            MODEL,
+            target,
+            temperature=warm,
+            echo=(tick, (first + 900) * tick, first * tick),
+            output_unit=unit,
+            max_error=bound,
         )
     except UsageError as error:
         assert "holds no code" in str(error) or "use a coarser LSB" in str(error)  # noqa: PT017
@@ -163,7 +170,7 @@ def test_micropython_counts_ticks_of_another_unit(
     for name in ("echocal_selftest.py", "main.py"):
         monkeypatch.delitem(sys.modules, "echocal_correction", raising=False)
         if name == "main.py":
-            fakes("micropython", monkeypatch)
+            fakes("micropython", monkeypatch, [11_690])
             with pytest.raises(EnoughError):
                 runpy.run_path(name)
         else:

@@ -44,7 +44,14 @@ def test_files_report_and_summary(
     assert report["flash_bytes"] is None, "not measured, so not stated"
     assert "mm at most, up to 4 m (asked for 0.5 mm)" in summary
     assert "relative_humidity 0.3" in summary
-    names = ["echocal_correction.c", "echocal_correction.h", "echocal_golden.csv", "report.json", "selftest"]
+    names = [
+        "SHA256SUMS",
+        "echocal_correction.c",
+        "echocal_correction.h",
+        "echocal_golden.csv",
+        "report.json",
+        "selftest",
+    ]
     assert sorted(path.name for path in Path("made").iterdir()) == names
 
 

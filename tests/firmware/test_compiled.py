@@ -20,9 +20,9 @@ def test_every_input_is_as_proven(case: Firmware, compiler: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("compiler", C_COMPILERS)
-def test_all_48_million_inputs_of_a_ds18b20(compiler: str, tmp_path: Path) -> None:
+def test_all_32_million_inputs_of_a_ds18b20(compiler: str, tmp_path: Path) -> None:
     made = firmware.generate(Model("cramer"), temperature=(0.0625, -20.0, 60.0))
-    assert made.report["inputs_checked"] == 1281 * 38_001
+    assert made.report["inputs_checked"] == 1281 * (25_072 - 109 + 1)
     assert hash_of_all(build(made, tmp_path, compiler)) == made.report["output_hash"]
 
 
@@ -47,10 +47,12 @@ def test_codes_out_of_range_never_give_a_distance(case: Firmware, tmp_path: Path
     (temperature,) = (axis["codes"] for axis in case.report["device"]["conditions"])
     some_codes = [-32_768, temperature["minimum"], 0, temperature["maximum"], 32_767]
     inputs = [(time, code) for time in range(65_536) for code in some_codes]
-    inputs += [(time, code) for time in (0, echo["maximum"], 65_535) for code in range(-32_768, 32_768)]
+    times = (0, echo["minimum"], echo["maximum"], 65_535)
+    inputs += [(time, code) for time in times for code in range(-32_768, 32_768)]
     found = answers(build(case, tmp_path), inputs)
     for (time, code), distance in zip(inputs, found, strict=True):
-        accepted = time <= echo["maximum"] and temperature["minimum"] <= code <= temperature["maximum"]
+        heard = echo["minimum"] <= time <= echo["maximum"]
+        accepted = heard and temperature["minimum"] <= code <= temperature["maximum"]
         assert accepted == (distance != OUT_OF_RANGE), (time, code, distance)
 
 

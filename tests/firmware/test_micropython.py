@@ -3,15 +3,16 @@
 import itertools
 import runpy
 import sys
-import types
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from boards.micro import execute
+from boards.python import BOARDS, EnoughError, fakes
 from conftest import CASES, made, with_humidity
 
+from echocal import Model, firmware
 from echocal.firmware import Firmware
 
 
@@ -78,7 +79,7 @@ def test_the_selftest_passes_and_can_fail(
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "echocal_correction", raising=False)
     assert not runpy.run_path("echocal_selftest.py")["WRONG"]
-    assert "passed, 362 lines" in capsys.readouterr().out
+    assert "passed, 401 lines" in capsys.readouterr().out
     monkeypatch.delitem(sys.modules, "echocal_correction")
     golden = Path("echocal_golden.csv")
     golden.write_text(golden.read_text() + "11690,40,1\n")
@@ -86,38 +87,7 @@ def test_the_selftest_passes_and_can_fail(
     assert "FAILED at 11690,40,1" in capsys.readouterr().out
 
 
-class EnoughError(Exception):
-    """Leaves the endless loop of an example."""
-
-
-def fakes(board: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a board brings: pins, and an echo of 11,690 us."""
-
-    def module(name: str, **names: object) -> None:
-        monkeypatch.setitem(sys.modules, name, types.SimpleNamespace(**names))  # type: ignore[arg-type]
-
-    sleeps: list[float] = []
-
-    def sleep(seconds: float) -> None:
-        sleeps.append(seconds)
-        if len(sleeps) > 4:
-            raise EnoughError
-
-    module("time", sleep=sleep, sleep_us=lambda _: None)
-    if board == "micropython":
-        pin = types.SimpleNamespace(value=lambda _: None)
-        kind = type("Pin", (), {"OUT": 1, "IN": 0, "__new__": lambda *_: pin})
-        module("machine", Pin=kind, time_pulse_us=lambda *_: 11_690)
-        return
-    pulse = type("PulseIn", (list,), {"__init__": lambda self, *_, **__: None})
-    pulse.clear = lambda self: self.__setitem__(slice(None), [11_690])  # type: ignore[attr-defined]
-    output = types.SimpleNamespace(switch_to_output=lambda _: None)
-    module("board", D7=7, D8=8)
-    module("digitalio", DigitalInOut=lambda _: output)
-    module("pulseio", PulseIn=pulse)
-
-
-@pytest.mark.parametrize("board", ["micropython", "circuitpython"])
+@pytest.mark.parametrize("board", BOARDS)
 @pytest.mark.parametrize("humid", [False, True])
 def test_the_example_prints_the_distance(
     board: str,
@@ -130,8 +100,51 @@ def test_the_example_prints_the_distance(
     packed.save(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "echocal_correction", raising=False)
-    fakes(board, monkeypatch)
+    fakes(board, monkeypatch, [11_690, 580])
     with pytest.raises(EnoughError):
         runpy.run_path(str(tmp_path / "main.py"))
-    codes = (11_690, 10, 5) if humid else (11_690, 40)
-    assert set(capsys.readouterr().out.split()) == {str(packed.distance_um(*codes))}
+    codes = [(echo, 10, 5) if humid else (echo, 40) for echo in (11_690, 580)]
+    told = [int(line) for line in capsys.readouterr().out.split()]
+    assert told == [int(packed.distance_um(*one)) for one in codes]
+
+
+@pytest.mark.parametrize("board", BOARDS)
+@pytest.mark.parametrize("ticks", [False, True])
+def test_without_an_echo_there_is_no_distance(
+    board: str,
+    ticks: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Not even where echo 0 is accepted, and -1 is nearer to tick 0 than to any other."""
+    request = {"echo": (4.0, 30_000, 0)} if ticks else {}
+    packed = firmware.generate(
+        Model("cramer"), package="micropython", temperature=(0.5, -20.0, 60.0), **request
+    )
+    packed.save(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "echocal_correction", raising=False)
+    fakes(board, monkeypatch, [0, 38_000, 130_000, 11_690])
+    with pytest.raises(EnoughError):
+        runpy.run_path(str(tmp_path / "main.py"))
+    *told, last = capsys.readouterr().out.splitlines()
+    assert told[:2] == ["no echo", "out of range"]
+    assert len(told) > 2, "the long pulse is told of, too"
+    assert set(told[2:]) <= {"no echo", "out of range"}
+    assert int(last) == packed.distance_um(2_922 if ticks else 11_690, 40), "and the next echo is heard"
+
+
+def test_what_micropython_gives_without_a_pulse_is_out_of_range() -> None:
+    """Its own time_pulse_us, on the core of a micro:bit: it says so with a negative length."""
+    ask = (
+        "from machine import time_pulse_us",
+        "from microbit import pin0",
+        "length = time_pulse_us(pin0, 1, 2000)",
+        "print(length, distance_um(length, 40) == OUT_OF_RANGE)",
+    )
+    module = made("degree_2", "micropython").files["echocal_correction.py"]
+    *_, said = execute(module, "\n".join(ask))
+    length, refused = said.split()
+    assert int(length) < 0
+    assert refused == "True"

@@ -79,6 +79,13 @@ fn outside(axis: &Axis) -> Vec<String> {
     let Range { minimum, maximum } = axis.codes;
     let suffix = if axis.ty.is_signed() { "" } else { "U" };
     let mut tests = Vec::new();
+    if wraps(axis) {
+        return vec![format!(
+            "(({} - {minimum}U) > {}U)",
+            axis.name,
+            maximum - minimum
+        )];
+    }
     if minimum > axis.ty.range().minimum {
         tests.push(format!("({} < {minimum}{suffix})", axis.name));
     }
@@ -86,6 +93,14 @@ fn outside(axis: &Axis) -> Vec<String> {
         tests.push(format!("({} > {maximum}{suffix})", axis.name));
     }
     tests
+}
+
+/// Whether one comparison tells codes on both sides of the accepted ones: below the first, the difference of natural
+/// numbers wraps to a large one, whatever the width of `int`. Compilers that compare twice, or join two comparisons
+/// themselves, take more.
+fn wraps(axis: &Axis) -> bool {
+    let (codes, held) = (axis.codes, axis.ty.range());
+    !axis.ty.is_signed() && codes.minimum > held.minimum && codes.maximum < held.maximum
 }
 
 /// A parameter as the templates see it.
@@ -173,6 +188,7 @@ fn function_text(design: &Design, device: &Device) -> minijinja::Value {
         middle => locals.iter().any(|local| local.expression.contains(&middle)),
         parameters => device.axes().map(parameter).collect::<Vec<_>>(),
         outside => device.axes().flat_map(outside).collect::<Vec<_>>(),
+        wraps => device.axes().any(wraps),
         unused => unused.collect::<Vec<_>>(),
         locals, result,
         tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),

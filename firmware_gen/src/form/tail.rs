@@ -142,11 +142,13 @@ impl Tail {
     }
 
     /// Whether 2^`scale_bits` codes are added to the echo time, and taken off again as one speed factor, which is
-    /// exact: the time less its delay is then never negative, and its product one of natural numbers of 16 bits.
+    /// exact: the time less its delay is then never negative, and its product one of natural numbers of 16 bits. Of no
+    /// use where every echo that is accepted is longer than the delay.
     fn is_turned(&self, device: &Device) -> bool {
         let turn = 1_i64 << self.scale_bits;
         let longest = device.echo.codes.maximum + turn - self.delay;
-        self.time_bits == 0 && (1..=turn).contains(&self.delay) && longest < 1 << 16
+        let short = device.echo.codes.minimum < self.delay && self.delay <= turn;
+        self.time_bits == 0 && short && longest < 1 << 16
     }
 
     fn flight(&self, builder: &mut Builder<'_>, echo: Value, turned: bool) -> Value {

@@ -2,6 +2,7 @@
 
 use super::Lowered;
 use crate::affine::Affine;
+use crate::device::Device;
 use crate::reference::Reference;
 use echocal_core::chain::Stage;
 use echocal_core::dual::Dual;
@@ -31,6 +32,17 @@ impl Reference for Lowered {
 }
 
 impl Lowered {
+    /// The least and the greatest echo time \[s\] at a distance \[m\], over all conditions that the device accepts.
+    #[must_use]
+    pub fn echo_times(&self, device: &Device, distance: f64) -> (f64, f64) {
+        let times =
+            (0..device.rows()).map(|row| self.time(distance, &self.at(&device.values(row))));
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        times.fold(none, |(least, greatest), time| {
+            (least.min(time), greatest.max(time))
+        })
+    }
+
     /// The echo time at a distance, in any number type.
     fn time<S: Scalar>(&self, distance: S, at: &Conditions<f64>) -> S {
         let at = Conditions::new(Quantity::ALL.map(|facts| S::constant(at.get(facts.quantity))));
@@ -61,7 +73,7 @@ impl Lowered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::{Axis, Device};
+    use crate::device::Axis;
     use crate::lower::lower;
     use crate::output::Output;
     use echocal_core::{Law, Model};
@@ -71,7 +83,7 @@ mod tests {
     fn newton_and_the_line_agree() {
         let temperature = Axis::temperature(1.0, -20.0, 60.0, 0.0).unwrap();
         let device = Device {
-            echo: Axis::echo(1.0, 30_000.0).unwrap(),
+            echo: Axis::echo(1.0, 0.0, 30_000.0).unwrap(),
             conditions: vec![temperature],
             output: Output::MICROMETERS,
         };

@@ -55,10 +55,11 @@ impl<'a> Checker<'a> {
     pub(super) fn row(&mut self, row: usize) -> Result<Row, Error> {
         let device = self.claim.device;
         let fault = |echo: i64, what: &str| format!("{what} {}", place(device, row, echo));
-        let overflow = |overflow: Overflow| Error::Proof(fault(0, &format!("{overflow}, near")));
+        let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
+        let overflow =
+            |overflow: Overflow| Error::Proof(fault(ends.0, &format!("{overflow}, near")));
         self.look_up(row);
         let codes = device.codes(row);
-        let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
         let straight = Straight::of(self.program, &codes, ends).map_err(overflow)?;
         if straight.is_none() {
             self.block.set_conditions(&codes).map_err(overflow)?;

@@ -1,8 +1,7 @@
 """``echocal firmware``: integer C from a model, proven over every input."""
 
-import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,11 +20,12 @@ from rich.progress import (
 from rich.table import Table
 
 from echocal import silicon
-from echocal.cli import _explore
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli import _explore, _made_by
+from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
+from echocal.outputs import CHECKSUMS
 
 Tell = Callable[[str, int, int], object]
 
@@ -48,7 +48,10 @@ def command(
     humidity_range: Annotated[str | None, option("LOW:HIGH accepted [1]; default 0:1.")] = None,
     humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
     echo_lsb_us: Annotated[float, option("Tick of the timer [us].")] = 1.0,
-    echo_max_us: Annotated[float, option("Longest echo time accepted [us].")] = 38_000,
+    echo_min_us: Annotated[float | None, option("Shortest echo accepted [us]; default: from 20 mm.")] = None,
+    echo_max_us: Annotated[
+        float | None, option("Longest echo accepted [us]; default: from --max-distance-m.")
+    ] = None,
     output_unit: Annotated[str, option("What the function counts: um, mm or cm.")] = "um",
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
@@ -61,6 +64,7 @@ def command(
     measure: Annotated[bool, option("Compile, run in a simulator, state the costs.", "--measure")] = False,
     explore: Annotated[bool, option("List what nothing beats, instead of one.", "--explore")] = False,
     threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
+    force: Force = False,
     json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
     quiet: Annotated[bool, option("Print nothing but errors.", "--quiet", "-q")] = False,
 ) -> None:
@@ -68,13 +72,13 @@ def command(
     console = Console(stderr=True, quiet=quiet)
     if explore:
         _refuse_one(prefer, form, measure, package)
-    refuse_unwritable(json, folder=out)
+    _refuse_outputs(model, json, out, _explore.FILES if explore else _generated(out), force=force)
     request: dict[str, Any] = {
         "temperature": TemperatureCodes(
             temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
         ),
         "humidity": _damp(humidity_lsb, humidity_range, humidity_zero),
-        "echo": echo_max_us if echo_lsb_us == 1.0 else EchoCodes(echo_lsb_us, echo_max_us),
+        "echo": EchoCodes(echo_lsb_us, echo_max_us, echo_min_us),
         "output_unit": output_unit,
         "max_error": max_error_mm * 1e-3,
         "max_distance": max_distance_m,
@@ -93,11 +97,12 @@ def command(
             saved = prefer or "size"
             made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
     if explore:
-        _pass_on(json, text)
+        pass_on(text, json)
         _explore.show(console, table, notes, out)
         return
+    _refuse_outputs(model, json, out, [*made.files, CHECKSUMS], force=force)
     files = made.save(out)
-    _pass_on(json, made.files["report.json"])
+    pass_on(made.files["report.json"], json)
     console.print(_summary(made, files, notes + (_unmeasured(target) if measure else [])))
 
 
@@ -146,20 +151,22 @@ def _bar(console: Console) -> Progress:
     return Progress(*columns, console=console, transient=True)
 
 
-def _pass_on(json: str | None, text: str) -> None:
-    """Write JSON where ``--json`` wants it."""
-    if json == "-":
-        sys.stdout.write(text)
-    elif json is not None:
-        _write(Path(json), text)
+def _refuse_outputs(model: Path, json: str | None, out: Path, names: Iterable[str], *, force: bool) -> None:
+    check_outputs(
+        Output("--json", json, _made_by.result("echocal.firmware", _explore.SCHEMA.rpartition("/")[0])),
+        *made_in(out, "--out", names, _made_by.firmware),
+        inputs=[model],
+        folder=out,
+        force=force,
+    )
 
 
-def _write(path: Path, text: str) -> None:
+def _generated(out: Path) -> list[str]:
+    """Files that the folder lists as generated: an edited one is told before the work, not after it."""
     try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        message = f"cannot write {path}: {error.strerror}"
-        raise UsageError(message) from None
+        return [line.partition("  ")[2] for line in (out / CHECKSUMS).read_text().splitlines()]
+    except (OSError, ValueError):
+        return []
 
 
 def _range(name: str, text: str, example: str) -> tuple[float, float]:

@@ -54,13 +54,13 @@ class Avr(Board):
     ) -> tuple[list[int], list[Calls]]:
         """Return the hashes of the rows, and for each process the cost of its calls."""
         driver, chip = self.driver(thing, function(made), *library)
-        (_, echo), (first, last), *damp = axes(made)
+        echo, (first, last), *damp = axes(made)
         length = ROWS_EACH * step
         spans = [(low, min(last, low + length - step)) for low in range(first, last + 1, length)]
         ends = [str(word) for axis in damp for word in (*axis, damp_step)]
 
         def part(span: tuple[int, int]) -> list[str]:
-            lines = run(driver, chip, *map(str, (echo, *span, step)), *ends).splitlines()
+            lines = run(driver, chip, *map(str, (*echo, *span, step)), *ends).splitlines()
             return [line for line in lines if not line.startswith("Loaded")]
 
         with ThreadPoolExecutor(PARALLEL) as pool:

@@ -1,7 +1,7 @@
 /*
  * Calls a generated function in a simulated ATmega328P, one call for each accepted input:
  *
- *     avr_driver FIRMWARE.elf ECHO_LAST FIRST LAST STEP [HUMIDITY_FIRST HUMIDITY_LAST HUMIDITY_STEP]
+ *     avr_driver FIRMWARE.elf ECHO_FIRST ECHO_LAST FIRST LAST STEP [HUMIDITY_FIRST HUMIDITY_LAST HUMIDITY_STEP]
  *
  * Prints, for every STEP-th temperature code in FIRST .. LAST, its hash over all echo codes; then the fewest and the
  * most cycles of a call, `call` and `ret` included, and the bytes of stack, return address included. The simulator is
@@ -58,10 +58,10 @@ static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watc
 }
 
 /* The hash of firmware_gen/src/prove/mod.rs over one row of echo codes. */
-static uint32_t row(unsigned last, int temperature, unsigned humidity, int watch_stack)
+static uint32_t row(unsigned first, unsigned last, int temperature, unsigned humidity, int watch_stack)
 {
     uint32_t hash = 2166136261u;
-    for (unsigned echo = 0; echo <= last; echo++) {
+    for (unsigned echo = first; echo <= last; echo++) {
         hash = (hash ^ call(echo, temperature, humidity, watch_stack)) * 16777619u;
     }
     return hash;
@@ -70,7 +70,7 @@ static uint32_t row(unsigned last, int temperature, unsigned humidity, int watch
 int main(int count, char **words)
 {
     elf_firmware_t firmware = {0};
-    if (count < 6 || elf_read_firmware(words[1], &firmware) != 0 || !(avr = avr_make_mcu_by_name("atmega328p"))) {
+    if (count < 7 || elf_read_firmware(words[1], &firmware) != 0 || !(avr = avr_make_mcu_by_name("atmega328p"))) {
         return 1;
     }
     avr_init(avr);
@@ -78,13 +78,13 @@ int main(int count, char **words)
     avr->log = LOG_NONE;
     /* What start-up code does: tables that are not in program memory are copied to the start of RAM. */
     memcpy(avr->data + 0x100, avr->flash + firmware.flashsize - firmware.datasize, firmware.datasize);
-    const unsigned echo_last = (unsigned)atoi(words[2]);
-    const int first = atoi(words[3]), last = atoi(words[4]), step = atoi(words[5]);
-    const unsigned dry = count > 8 ? (unsigned)atoi(words[6]) : 0, damp = count > 8 ? (unsigned)atoi(words[7]) : 0;
-    const unsigned apart = count > 8 ? (unsigned)atoi(words[8]) : 1;
+    const unsigned echo_first = (unsigned)atoi(words[2]), echo_last = (unsigned)atoi(words[3]);
+    const int first = atoi(words[4]), last = atoi(words[5]), step = atoi(words[6]);
+    const unsigned dry = count > 9 ? (unsigned)atoi(words[7]) : 0, damp = count > 9 ? (unsigned)atoi(words[8]) : 0;
+    const unsigned apart = count > 9 ? (unsigned)atoi(words[9]) : 1;
     for (int code = first; code <= last; code += step) {
         for (unsigned humidity = dry; humidity <= damp; humidity += apart) {
-            printf("%08x\n", row(echo_last, code, humidity, code == first && humidity == dry));
+            printf("%08x\n", row(echo_first, echo_last, code, humidity, code == first && humidity == dry));
         }
     }
     printf("%llu %llu %u\n", (unsigned long long)fewest, (unsigned long long)most, STACK_TOP - lowest);

@@ -3,8 +3,8 @@
  *
  *     uno SKETCH.elf MILLIVOLTS_A0 MILLIVOLTS_A1 ECHO_US...
  *
- * Each trigger pulse of at least 10 us gets the next echo; prints what the sketch sends over its serial port, until it
- * has answered the last. The simulator is GPL-3: a companion of the tests, never part of what is shipped.
+ * Each trigger pulse of at least 10 us gets the next echo, 0 for none at all; while an echo lasts a trigger is not heard.
+ * Prints what the sketch sends over its serial port, until it has answered the last. The simulator is GPL-3: a companion of the tests, never part of what is shipped.
  */
 #include <simavr/avr_adc.h>
 #include <simavr/avr_ioport.h>
@@ -15,18 +15,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { SILENCE_US = 450, PULSE_US = 10, LINE_US = 30000, PATIENCE = 160 /* cycles run at once: all calls far between */ };
+enum { SILENCE_US = 450, PULSE_US = 10, LINE_US = 30000, GIVEN_UP_US = 90000, PATIENCE = 160 /* cycles run at once: all calls far between */ };
 
 static avr_t *avr;
 static avr_irq_t *echo;
 static char **lengths;
-static int left;
+static int left, sounding;
 static avr_cycle_count_t triggered, finish;
 
 static avr_cycle_count_t fall(avr_t *chip, avr_cycle_count_t when, void *unused)
 {
     (void)chip, (void)unused;
     avr_raise_irq(echo, 0);
+    sounding = 0;
     if (left == 0) {
         finish = when + avr_usec_to_cycles(avr, LINE_US);
     }
@@ -36,10 +37,16 @@ static avr_cycle_count_t fall(avr_t *chip, avr_cycle_count_t when, void *unused)
 static avr_cycle_count_t rise(avr_t *chip, avr_cycle_count_t when, void *unused)
 {
     (void)unused;
-    avr_raise_irq(echo, 1);
-    /* From this edge on, to the cycle. */
-    avr_cycle_timer_register(chip, avr_usec_to_cycles(avr, (uint32_t)atoi(*lengths++)) - (chip->cycle - when), fall, NULL);
+    const uint32_t length = (uint32_t)atoi(*lengths++);
     left--;
+    if (length > 0) {
+        avr_raise_irq(echo, 1);
+        sounding = 1;
+        /* From this edge on, to the cycle. */
+        avr_cycle_timer_register(chip, avr_usec_to_cycles(avr, length) - (chip->cycle - when), fall, NULL);
+    } else if (left == 0) {
+        finish = when + avr_usec_to_cycles(avr, GIVEN_UP_US);
+    }
     return 0;
 }
 
@@ -48,7 +55,7 @@ static void trigger(avr_irq_t *irq, uint32_t value, void *unused)
     (void)irq, (void)unused;
     if (value) {
         triggered = avr->cycle;
-    } else if (left > 0 && avr->cycle - triggered >= avr_usec_to_cycles(avr, PULSE_US)) {
+    } else if (left > 0 && !sounding && avr->cycle - triggered >= avr_usec_to_cycles(avr, PULSE_US)) {
         avr_cycle_timer_register_usec(avr, SILENCE_US, rise, NULL);
     }
 }

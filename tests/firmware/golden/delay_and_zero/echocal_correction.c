@@ -8,7 +8,8 @@
 
 int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
 {
-    if ((echo_us > 38000U) || (temperature_code < -40) || (temperature_code > 120)) {
+    /* a code below the first gives a large difference, too */
+    if (((echo_us - 118U) > 24970U) || (temperature_code < -40) || (temperature_code > 120)) {
         return ECHOCAL_OUT_OF_RANGE;
     }
     /* codes above -20 degC */
@@ -19,9 +20,11 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     const uint16_t slope = (uint16_t)(41269U - (uint16_t)(((uint32_t)warmth * (uint32_t)bend) >> 11));
     /* half the speed of sound, 2^-8 um per echo code */
     const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)warmth * (uint32_t)slope) >> 10) + 40827U);
-    /* echo time less the delay, echo codes, 256 too long */
-    const uint16_t flight = (uint16_t)(echo_us + 225U);
-    /* [um], speed - 4000 too long */
+    /* echo time less the delay, echo codes */
+    const uint16_t flight = (uint16_t)(echo_us - 31U);
+    /* [um], -4000 too long */
     const uint32_t distance = ((uint32_t)flight * (uint32_t)speed) >> 8;
-    return (((int32_t)distance - (int32_t)speed) + 4000);
+    /* exact, before its conversion */
+    const uint32_t exact = distance + 4000U;
+    return (int32_t)exact;
 }

@@ -8,7 +8,8 @@
 
 int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
 {
-    if ((echo_us > 38000U) || (temperature_code < -40) || (temperature_code > 120)) {
+    /* a code below the first gives a large difference, too */
+    if (((echo_us - 109U) > 24963U) || (temperature_code < -40) || (temperature_code > 120)) {
         return ECHOCAL_OUT_OF_RANGE;
     }
     /* codes above -20 degC */

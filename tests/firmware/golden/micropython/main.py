@@ -1,6 +1,6 @@
 """Read an HC-SR04 and print the corrected distance, with MicroPython or CircuitPython.
 
-Pins are examples. Put your thermometer where a fixed value stands.
+Pins are examples. Run with stand-ins for the modules of both, not on a board. Put your thermometer where a fixed value stands.
 
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
@@ -20,29 +20,42 @@ except ImportError:  # CircuitPython
 
     trigger = digitalio.DigitalInOut(board.D7)
     trigger.switch_to_output(False)
-    echo = pulseio.PulseIn(board.D8, maxlen=1)
+    # The first pulse after resume() is the echo; what follows is the pause after it, which some ports report too.
+    pulses = pulseio.PulseIn(board.D8, maxlen=2)
 
     def echo_time():
         """Length of the echo pulse [us]; less than 0 if there is none."""
-        echo.clear()
+        pulses.pause()
+        pulses.clear()
+        pulses.resume()
         trigger.value = True
         time.sleep(0.00001)
         trigger.value = False
-        time.sleep(0.06)
-        return echo[0] if len(echo) else -1
+        # An ESP32 reports a pulse 65 ms after its end; without an echo a module may take 200 ms to end it.
+        for _ in range(30):
+            time.sleep(0.01)
+            if len(pulses):
+                return pulses[0]
+        return -1
 else:
     trigger, echo = Pin(4, Pin.OUT), Pin(5, Pin.IN)
 
     def echo_time():
         """Length of the echo pulse [us]; less than 0 if there is none."""
+        if echo.value():  # a long time-out, whose rest would be taken for an echo
+            return -1
         trigger.value(1)
         time.sleep_us(10)
         trigger.value(0)
-        return time_pulse_us(echo, 1, 60000)
+        return time_pulse_us(echo, 1, 60000)  # -1 or -2 where it gives up
 
 
 while True:
-    codes = [echo_time(), round((TEMPERATURE - 0.0) / 0.5)]
-    distance = distance_um(*codes)
-    print("out of range" if distance == OUT_OF_RANGE else distance)
+    length = echo_time()
+    if length < 0:
+        print("no echo")
+    else:
+        codes = [length, round((TEMPERATURE - 0.0) / 0.5)]
+        distance = distance_um(*codes)
+        print("out of range" if distance == OUT_OF_RANGE else distance)
     time.sleep(0.06)

@@ -16,27 +16,27 @@
 #endif
 
 /** How many vectors there are. */
-#define VECTORS (25U)
+#define VECTORS (26U)
 
 /** echo_us of each vector */
 static const uint16_t vector_echo_us[VECTORS] PROGMEM = {
-    0U, 0U, 0U, 0U, 0U, 12666U, 12666U, 12666U, 12666U, 19000U, 19000U, 19000U,
-    19000U, 24279U, 25333U, 25333U, 25333U, 25333U, 37974U, 38000U, 38000U, 38000U, 38000U, 38001U,
-    65535U
+    0U, 108U, 109U, 109U, 109U, 109U, 8430U, 8430U, 8430U, 8430U, 12590U, 12590U,
+    12590U, 12590U, 16751U, 16751U, 16751U, 16751U, 24279U, 25047U, 25072U, 25072U, 25072U, 25072U,
+    25073U, 65535U
 };
 
 /** temperature_code of each vector */
 static const int16_t vector_temperature_code[VECTORS] PROGMEM = {
-    -40, 13, 40, 66, 120, -40, 13, 66, 120, -32768, -41, 121,
-    32767, -8, -40, 13, 66, 120, -8, -40, 13, 66, 120, 40,
-    40
+    40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
+    121, 32767, -40, 13, 66, 120, -8, -8, -40, 13, 66, 120,
+    40, 40
 };
 
 /** distance of each vector */
 static const int32_t vector_distance[VECTORS] PROGMEM = {
-    0, 0, 0, 0, 0, 2020820, 2123830, 2221992, 2316937, INT32_MIN, INT32_MIN, INT32_MIN,
-    INT32_MIN, 3994180, 4041800, 4247829, 4444160, 4634058, 6247168, 6062781, 6371828, 6666328, 6951179, INT32_MIN,
-    INT32_MIN
+    INT32_MIN, INT32_MIN, 17390, 18277, 19121, 19938, 1344980, 1413539, 1478872, 1542064, INT32_MIN, INT32_MIN,
+    INT32_MIN, INT32_MIN, 2672569, 2808802, 2938622, 3064189, 3994180, 4120525, 4000159, 4204065, 4398373, 4586315,
+    INT32_MIN, INT32_MIN
 };
 
 uint16_t echocal_selftest(void)
@@ -68,7 +68,7 @@ static uint32_t row(int16_t temperature_code)
 {
     uint32_t hash = SEED;
     uint32_t echo_us;
-    for (echo_us = 0U; echo_us <= 38000U; echo_us++) {
+    for (echo_us = 109U; echo_us <= 25072U; echo_us++) {
         hash = fold(hash, (uint32_t)echocal_distance_um((uint16_t)echo_us, temperature_code));
     }
     return hash;

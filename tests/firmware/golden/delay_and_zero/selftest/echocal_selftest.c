@@ -12,22 +12,22 @@
 
 /** echo_us of each vector */
 static const uint16_t vector_echo_us[VECTORS] = {
-    0U, 0U, 0U, 0U, 0U, 12666U, 12666U, 12666U, 12666U, 19000U, 19000U, 19000U,
-    19000U, 25067U, 25333U, 25333U, 25333U, 25333U, 37994U, 38000U, 38000U, 38000U, 38000U, 38001U,
+    0U, 117U, 118U, 118U, 118U, 118U, 8441U, 8441U, 8441U, 8441U, 12603U, 12603U,
+    12603U, 12603U, 16764U, 16764U, 16764U, 16764U, 25067U, 25088U, 25088U, 25088U, 25088U, 25089U,
     65535U
 };
 
 /** temperature_code of each vector */
 static const int16_t vector_temperature_code[VECTORS] = {
-    -40, 13, 40, 66, 120, -40, 13, 66, 120, -32768, -41, 121,
-    32767, -40, -40, 13, 66, 120, -40, -40, 13, 66, 120, 40,
+    40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
+    121, 32767, -40, 13, 66, 120, -40, -40, 13, 66, 120, 40,
     40
 };
 
 /** distance of each vector */
 static const int32_t vector_distance[VECTORS] = {
-    -944, -1197, -1321, -1437, -1672, 2019035, 2121843, 2219912, 2315563, INT32_MIN, INT32_MIN, INT32_MIN,
-    INT32_MIN, 3996753, 4039174, 4245050, 4441437, 4632981, 6058357, 6059313, 6368256, 6662961, 6950398, INT32_MIN,
+    INT32_MIN, INT32_MIN, 17874, 18582, 19257, 19916, 1345230, 1413660, 1478936, 1542602, INT32_MIN, INT32_MIN,
+    INT32_MIN, INT32_MIN, 2672586, 2808738, 2938615, 3065289, 3996753, 4000102, 4203983, 4398469, 4588158, INT32_MIN,
     INT32_MIN
 };
 
@@ -60,7 +60,7 @@ static uint32_t row(int16_t temperature_code)
 {
     uint32_t hash = SEED;
     uint32_t echo_us;
-    for (echo_us = 0U; echo_us <= 38000U; echo_us++) {
+    for (echo_us = 118U; echo_us <= 25088U; echo_us++) {
         hash = fold(hash, (uint32_t)echocal_distance_um((uint16_t)echo_us, temperature_code));
     }
     return hash;

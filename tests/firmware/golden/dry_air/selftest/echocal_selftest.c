@@ -8,27 +8,27 @@
 #include "echocal_correction.h"
 
 /** How many vectors there are. */
-#define VECTORS (25U)
+#define VECTORS (26U)
 
 /** echo_us of each vector */
 static const uint16_t vector_echo_us[VECTORS] = {
-    0U, 0U, 0U, 0U, 0U, 12666U, 12666U, 12666U, 12666U, 19000U, 19000U, 19000U,
-    19000U, 22272U, 25333U, 25333U, 25333U, 25333U, 37953U, 38000U, 38000U, 38000U, 38000U, 38001U,
-    65535U
+    0U, 108U, 109U, 109U, 109U, 109U, 8430U, 8430U, 8430U, 8430U, 12590U, 12590U,
+    12590U, 12590U, 16751U, 16751U, 16751U, 16751U, 22272U, 25025U, 25072U, 25072U, 25072U, 25072U,
+    25073U, 65535U
 };
 
 /** temperature_code of each vector */
 static const int16_t vector_temperature_code[VECTORS] = {
-    -40, 13, 40, 66, 120, -40, 13, 66, 120, -32768, -41, 121,
-    32767, 95, -40, 13, 66, 120, 95, -40, 13, 66, 120, 40,
-    40
+    40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
+    121, 32767, -40, 13, 66, 120, 95, 95, -40, 13, 66, 120,
+    40, 40
 };
 
 /** distance of each vector */
 static const int32_t vector_distance[VECTORS] = {
-    0, 0, 0, 0, 0, 2020820, 2123880, 2221992, 2316888, INT32_MIN, INT32_MIN, INT32_MIN,
-    INT32_MIN, 3997998, 4041800, 4247928, 4444160, 4633959, 6812860, 6062781, 6371976, 6666328, 6951031, INT32_MIN,
-    INT32_MIN
+    INT32_MIN, INT32_MIN, 17390, 18277, 19121, 19938, 1344980, 1413572, 1478872, 1542031, INT32_MIN, INT32_MIN,
+    INT32_MIN, INT32_MIN, 2672569, 2808867, 2938622, 3064124, 3997998, 4492183, 4000159, 4204163, 4398373, 4586217,
+    INT32_MIN, INT32_MIN
 };
 
 uint16_t echocal_selftest(void)
@@ -60,7 +60,7 @@ static uint32_t row(int16_t temperature_code)
 {
     uint32_t hash = SEED;
     uint32_t echo_us;
-    for (echo_us = 0U; echo_us <= 38000U; echo_us++) {
+    for (echo_us = 109U; echo_us <= 25072U; echo_us++) {
         hash = fold(hash, (uint32_t)echocal_distance_um((uint16_t)echo_us, temperature_code));
     }
     return hash;

@@ -2,14 +2,21 @@
  * Reads an HC-SR04 and prints the corrected distance.
  *
  * Wiring: TRIG to pin 7, ECHO to pin 8 (on an UNO or Nano this is ICP1, the input capture pin of Timer1; on a Leonardo
- * ICP1 is pin 4, see below), a TMP36 thermometer to A0.
+ * ICP1 is pin 4; on an ESP32 TRIG to GPIO4, ECHO to GPIO5), a TMP36 thermometer to A0.
+ * The module gives 5 V: an input that takes no more than 3.3 V, as those of an ESP32, needs a divider at ECHO.
  *
- * Why input capture and not pulseIn(): pulseIn() counts the turns of a loop, and the timer interrupt that keeps
- * millis() steals turns. With interrupts on, it reads about 0.6 % short: 12 mm at 2 m, and no correction of the air
- * can know. Timer1 notes the time of an edge in hardware, to 0.5 us, whatever else the processor does.
- * On a board without it the sketch holds the interrupts while it counts; millis() then loses the length of the echo.
+ * How the echo is timed, for each kind of board:
+ * - Timer1 of an ATmega328P, 168 or 32U4 notes the time of an edge in hardware, to 0.5 us, whatever else the processor does.
+ * - On other AVR boards, and with ECHOCAL_NO_INPUT_CAPTURE, pulseIn() counts the turns of a loop. The timer interrupt that
+ *   keeps millis() steals turns: with interrupts on it reads about 0.6 % short, 12 mm at 2 m, and no correction of the air
+ *   can know. So the sketch holds the interrupts while it counts; millis() then loses the length of the echo.
+ * - Elsewhere micros() tells the time of each edge, with interrupts on. Its clock needs them: an STM32 counts milliseconds
+ *   in an interrupt, and without it every echo would end up as 0. An edge that falls into an interrupt is told later.
  *
- * Every line of output: the codes, then the distance [um].
+ * The first two were run on a simulated ATmega328P. The third was run on simulated cores (Cortex-M0, M3, M4 and RV32) with a
+ * stand-in for the board's own library; on an STM32 and an ESP32 themselves it was not run.
+ *
+ * Every line of output: the codes, then the distance [um]; or "out of range", or "no echo".
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -17,19 +24,26 @@
 
 #include <echocal_correction.h>
 
+#if defined(ARDUINO_ARCH_ESP32)
+static const uint8_t TRIGGER_PIN = 4;
+static const uint8_t ECHO_PIN = 5;
+#elif defined(__AVR_ATmega32U4__) && !defined(ECHOCAL_NO_INPUT_CAPTURE)
 static const uint8_t TRIGGER_PIN = 7;
+static const uint8_t ECHO_PIN = 4; /* ICP1 */
+#else
+static const uint8_t TRIGGER_PIN = 7;
+static const uint8_t ECHO_PIN = 8; /* of an UNO: ICP1 */
+#endif
 static const uint32_t PATIENCE = 60000UL; /* us */
-static const int32_t SUPPLY = 5000; /* of the converter [mV] */
+#if defined(__AVR__)
+static const int32_t SUPPLY = 5000; /* of the converter [mV]; an AVR board of 3.3 V: 3300 */
+#else
+static const int32_t SUPPLY = 3300;
+#endif
 
 /* Define ECHOCAL_NO_INPUT_CAPTURE where Timer1 serves something else. */
 #if !defined(ECHOCAL_NO_INPUT_CAPTURE) \
     && (defined(__AVR_ATmega328P__) || defined(__AVR_ATmega168__) || defined(__AVR_ATmega32U4__))
-#ifdef __AVR_ATmega32U4__
-static const uint8_t ECHO_PIN = 4; /* ICP1 */
-#else
-static const uint8_t ECHO_PIN = 8; /* ICP1 */
-#endif
-
 /* Timer1 counts an eighth of the processor's clock. */
 static uint32_t nanoseconds(uint32_t ticks)
 {
@@ -73,9 +87,7 @@ static bool echo_pulse(uint32_t &length)
     length = nanoseconds(ticks);
     return true;
 }
-#else
-static const uint8_t ECHO_PIN = 8;
-
+#elif defined(__AVR__)
 /* Length of the echo pulse [ns]; false if there was none. */
 static bool echo_pulse(uint32_t &length)
 {
@@ -83,6 +95,33 @@ static bool echo_pulse(uint32_t &length)
     length = 1000UL * pulseIn(ECHO_PIN, HIGH, PATIENCE);
     interrupts();
     return length != 0;
+}
+#else
+/* Wait until the echo pin has a level; false if that takes too long. */
+static bool reaches(uint8_t level, uint32_t since)
+{
+    while (digitalRead(ECHO_PIN) != level) {
+        if (micros() - since > PATIENCE) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Length of the echo pulse [ns]; false if there was none. Interrupts stay on: micros() needs them. */
+static bool echo_pulse(uint32_t &length)
+{
+    const uint32_t start = micros();
+    /* First low: a pulse that is still there is the rest of another, or of a time-out. */
+    if (!reaches(LOW, start) || !reaches(HIGH, start)) {
+        return false;
+    }
+    const uint32_t risen = micros();
+    if (!reaches(LOW, risen)) {
+        return false;
+    }
+    length = 1000UL * (micros() - risen);
+    return true;
 }
 #endif
 
@@ -102,7 +141,11 @@ static bool echo_time(uint16_t &echo_us)
 
 static int32_t millivolts(uint8_t pin)
 {
+#if defined(ARDUINO_ARCH_ESP32)
+    return (int32_t)analogReadMilliVolts(pin);
+#else
     return analogRead(pin) * SUPPLY / 1024;
+#endif
 }
 
 /* Of a TMP36: 500 mV at 0 degC, 10 mV for each degree. Put your thermometer here: temperature = temperature_code * 0.5 degC. */
@@ -110,7 +153,9 @@ static int16_t temperature_code()
 {
     const int32_t lsb = 500000; /* 1e-6 degC */
     const int32_t above = (millivolts(A0) - 500) * 100000 - (0);
-    return (int16_t)((above + (above < 0 ? -abs(lsb) : abs(lsb)) / 2) / lsb);
+    const int32_t code = (above + (above < 0 ? -abs(lsb) : abs(lsb)) / 2) / lsb;
+    /* What is too much for the type must not come out as another temperature. */
+    return (int16_t)constrain(code, INT16_MIN, INT16_MAX);
 }
 
 void setup()

@@ -1,0 +1,71 @@
+"""The example on cores of 32 bits that QEMU plays, with a stand-in for the boards' own Arduino core."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from boards.standin import CLOCKS, play
+from test_arduino import NO_ECHO, REFUSED
+from test_codes import FALLING
+
+from echocal import Model, firmware
+from echocal.firmware import EchoCodes, Firmware
+
+SKETCHES = {"arduino": "examples/HcSr04/HcSr04.ino", "platformio": "src/main.cpp"}
+MODEL = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
+MILLIVOLTS = 713  # of a TMP36, 21.3 degC
+ECHOES = [150, 580, 11_690, 23_456, 25_080]
+NOISE = 6  # us; two edges, each seen a turn of the loop late
+
+
+def packed(core: str, package: str = "arduino") -> Firmware:
+    return firmware.generate(MODEL, core, temperature=(0.0625, -20.0, 60.0), package=package)
+
+
+@pytest.mark.parametrize("core", CLOCKS)
+@pytest.mark.parametrize("package", SKETCHES)
+def test_the_example_measures(package: str, core: str, tmp_path: Path) -> None:
+    made = packed(core, package)
+    lines = play(made, SKETCHES[package], core, tmp_path, MILLIVOLTS, ECHOES)
+    for line, sent in zip(lines, ECHOES, strict=True):
+        echo, warm, distance = map(int, line.split())
+        assert abs(echo - sent) <= NOISE
+        assert abs(warm * 0.0625 - 21.3) <= 0.3, "the converter's supply is 3.3 V"
+        assert distance == made.distance_um(echo, warm)
+
+
+@pytest.mark.parametrize("core", CLOCKS)
+def test_without_an_echo_there_is_no_distance(core: str, tmp_path: Path) -> None:
+    lines = play(packed(core), SKETCHES["arduino"], core, tmp_path, MILLIVOLTS, [*NO_ECHO, 11_690])
+    assert [line[-12:].strip() for line in lines[:-1]] == REFUSED
+    assert int(lines[-1].split()[-1]) == pytest.approx(2_006_000, abs=3_000), "and the next echo is heard"
+
+
+def test_a_clock_that_needs_interrupts_stops_without_them(tmp_path: Path) -> None:
+    """What the sketch did on an STM32 once: it held the interrupts, and heard no echo longer than 1 ms."""
+    made = packed("cortex-m3")
+    call = "    const bool heard = echo_pulse(length);\n"
+    assert made.files[SKETCHES["arduino"]].count(call) == 1
+    held = f"    noInterrupts();\n{call}    interrupts();\n"
+    made.files[SKETCHES["arduino"]] = made.files[SKETCHES["arduino"]].replace(call, held)
+    lines = play(made, SKETCHES["arduino"], "cortex-m3", tmp_path, MILLIVOLTS, ECHOES[2:])
+    assert lines == ["no echo"] * 3
+
+
+def test_ticks_of_another_unit_and_a_thermometer_that_falls(tmp_path: Path) -> None:
+    made = firmware.generate(
+        MODEL,
+        "cortex-m0",
+        temperature=FALLING,
+        humidity=(0.1, 0.0, 1.0),
+        echo=EchoCodes(0.5),
+        output_unit="mm",
+        max_error=1e-3,
+        package="arduino",
+    )
+    lines = play(made, SKETCHES["arduino"], "cortex-m0", tmp_path, 1_000, [11_690, 38_000])
+    echo, warm, damp, distance = map(int, lines[0].split())
+    assert abs(echo - 2 * 11_690) <= 2 * NOISE
+    assert (warm, damp) == (100, 2)  # 50 degC; 0.303 of the supply of a HIH-5030: 23.8 %
+    assert distance == np.asarray(made.outputs(echo, warm, damp))
+    assert lines[1] == "no echo", "76,000 ticks are more than a code holds"
