@@ -9,7 +9,9 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from echocal.errors import EchocalError
+from echocal._core import __version__
+from echocal.cli._terminal import write_what_can_be_written
+from echocal.errors import DataError, EchocalError
 
 __all__ = ["COMMANDS", "app", "main"]
 
@@ -51,9 +53,7 @@ app = typer.Typer(
 
 def _tell_version(asked: bool) -> None:
     if asked:
-        from importlib.metadata import version
-
-        typer.echo(f"echocal {version('echocal')}")
+        typer.echo(f"echocal {__version__}")
         raise typer.Exit
 
 
@@ -68,8 +68,14 @@ def _all_commands(
 
 def main() -> None:
     """Run the command line; a user's mistake is one line on stderr and an exit code."""
+    write_what_can_be_written()
     try:
         app()
     except EchocalError as error:
         sys.stderr.write(f"echocal: {error}\n")
         sys.exit(error.exit_code)
+    except MemoryError as error:
+        told = f" ({error})" if str(error) else ""
+        less = 'fewer rows (--since, --until), fewer columns (--column "A=ignore") or a coarser grid'
+        sys.stderr.write(f"echocal: memory ran out{told}; ask for less: {less}\n")
+        sys.exit(DataError.exit_code)

@@ -8,11 +8,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from echocal.errors import UsageError
+from echocal.errors import writing
 from echocal.explore import Choice, Progress, explore
 from echocal.model import Model
+from echocal.outputs import replace_text
 
 SCHEMA = "echocal.firmware_choices/1"
+FILES = ("choices.json", "choices.png")
 
 
 def run(model: Model, target: str, out: Path, progress: Progress, **request: Any) -> tuple[str, Table]:
@@ -20,13 +22,11 @@ def run(model: Model, target: str, out: Path, progress: Progress, **request: Any
     choices = explore(model, target, progress=progress, **request)
     rows = [choice.to_dict() for choice in choices]
     text = json.dumps({"schema": SCHEMA, "target": target, "choices": rows}, indent=2) + "\n"
-    try:
+    with writing(out):
         out.mkdir(parents=True, exist_ok=True)
-        (out / "choices.json").write_text(text, encoding="utf-8")
-        _draw(rows, out / "choices.png")
-    except OSError as error:
-        message = f"cannot write to {out}: {error.strerror}"
-        raise UsageError(message) from None
+    listed, drawn = (out / name for name in FILES)
+    replace_text(listed, text)
+    _draw(rows, drawn)
     return text, _table(choices)
 
 
@@ -34,10 +34,11 @@ def _draw(rows: list[dict[str, Any]], path: Path) -> None:
     from matplotlib.figure import Figure
 
     from echocal.plots.choices import plot_choices
+    from echocal.plots.files import save_figure
 
     figure = Figure(figsize=(8.0, 5.0), layout="constrained")
     plot_choices(rows, figure.add_subplot())
-    figure.savefig(path, dpi=150)
+    save_figure(figure, path, "firmware")
 
 
 def _table(choices: list[Choice]) -> Table:

@@ -1,37 +1,133 @@
 """Whether all outputs of a command can be written, asked before it works for minutes and writes some."""
 
 import os
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, TypeAlias
 
-from echocal.errors import UsageError
+import typer
 
-__all__ = ["refuse_unwritable"]
+from echocal.cli._made_by import Recognize
+from echocal.errors import UsageError, writing
+from echocal.outputs import refuse_name, replace_text
+
+__all__ = ["Force", "Output", "check_outputs", "made_in", "pass_on"]
+
+Force: TypeAlias = Annotated[
+    bool, typer.Option("--force", help="Replace existing files that this command did not make.")
+]
 
 
-def refuse_unwritable(*files: Path | str | None, folder: Path | None = None) -> None:
-    """Refuse outputs that cannot be written.
+@dataclass(frozen=True)
+class Output:
+    """A file that a command writes.
+
+    Attributes
+    ----------
+    option : str
+        Option that names it.
+    path : path or str or None
+        None and ``-``, which is stdout, need nothing.
+    recognize : callable
+        Whether an existing file is a former output of the same kind, which may be replaced.
+    """
+
+    option: str
+    path: Path | str | None
+    recognize: Recognize
+
+
+def check_outputs(
+    *outputs: Output,
+    inputs: Iterable[Path | str | None] = (),
+    folder: Path | None = None,
+    force: bool = False,
+) -> None:
+    """Refuse outputs that cannot be written, or that would destroy a file of the user's.
 
     Parameters
     ----------
-    *files : path or str or None
-        Files, whose folders must be there; None and ``-``, which is stdout, need nothing.
+    *outputs : Output
+        Files to write, those in the folder too as far as they are known.
+    inputs : iterable of path or None
+        Files and folders that the command reads.
     folder : path, optional
-        A folder, which the command makes if absent.
+        A folder that the command makes if absent.
+    force : bool
+        Whether files that the command did not make may be replaced; an input never.
 
     Raises
     ------
     UsageError
-        If one of them cannot be written, with the reason.
+        With the option, the file and the way out.
     """
     if folder is not None:
         _refuse_folder(folder)
-    for file in files:
-        if file is not None and str(file) != "-":
-            _refuse_file(Path(file), folder)
+    files = [(o, Path(o.path)) for o in outputs if o.path is not None and str(o.path) != "-"]
+    for _, file in files:
+        refuse_name(file)
+        with writing(file):
+            _refuse_file(file, folder)
+    seen: dict[str, str] = {}
+    for output, file in files:
+        _refuse_input(output.option, file, inputs)
+        first = seen.setdefault(os.path.realpath(file), output.option)
+        if first != output.option:
+            message = f"{first} and {output.option} both name {file}; choose two names"
+            raise UsageError(message)
+    if not force:
+        for output, file in files:
+            if file.is_file() and not output.recognize(file):
+                _refuse_replacing(output.option, file)
+
+
+def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: Recognize) -> list[Output]:
+    """Outputs in a folder; none where there is no folder."""
+    return [] if folder is None else [Output(option, folder / name, recognize) for name in names]
+
+
+def _refuse_replacing(option: str, file: Path) -> None:
+    message = (
+        f"{option} {file} exists, and is not what this command made from the same input: choose another "
+        "name, or replace it with --force"
+    )
+    raise UsageError(message)
+
+
+def pass_on(text: str, target: Path | str | None) -> None:
+    """Write a text to a file, or to stdout for ``-``; nowhere for None."""
+    if target is None:
+        return
+    if str(target) == "-":
+        sys.stdout.write(text)
+    else:
+        replace_text(target, text)
+
+
+def _refuse_input(option: str, file: Path, inputs: Iterable[Path | str | None]) -> None:
+    for source in (Path(path) for path in inputs if path is not None):
+        if _is_part(file, source):
+            told = f"{source}" if str(source) == str(file) else f"{source}, by another name"
+            message = f"{option} {file} is an input of this command ({told}); choose another name"
+            raise UsageError(message)
+
+
+def _is_part(file: Path, source: Path) -> bool:
+    """Whether a file is the source, by whatever path or link, or lies in that folder."""
+    try:
+        if not file.is_file() or not source.exists():
+            return False
+    except OSError:  # a name that no file can have: the reader tells
+        return False
+    return file.samefile(source) or (source.is_dir() and source.resolve() in file.resolve().parents)
 
 
 def _refuse_folder(folder: Path) -> None:
-    nearest = _nearest(folder.absolute())
+    refuse_name(folder)
+    with writing(folder):
+        nearest = _nearest(folder.absolute())
     if not nearest.is_dir():
         _refuse(folder, f"{nearest} is a file; name a folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
@@ -42,12 +138,15 @@ def _refuse_file(file: Path, coming: Path | None) -> None:
     parent = file.absolute().parent
     if file.is_dir():
         _refuse(file, "it is a folder; name a file in it")
-    if not parent.exists() and (coming is None or parent != coming.absolute()):
+    is_coming = coming is not None and coming.absolute() in (parent, *parent.parents)
+    if not parent.exists() and not is_coming:
         _refuse(file, f"there is no folder {file.parent}; make it first")
     if parent.exists() and not parent.is_dir():
         _refuse(file, f"{file.parent} is a file; name a folder")
-    if not os.access(file if file.exists() else _nearest(parent), os.W_OK):
+    if file.exists() and not os.access(file, os.W_OK):
         _refuse(file, "no permission to write")
+    if (file.is_file() or not file.exists()) and not os.access(_nearest(parent), os.W_OK | os.X_OK):
+        _refuse(file, f"no permission to write into {_nearest(parent)}")
 
 
 def _nearest(folder: Path) -> Path:

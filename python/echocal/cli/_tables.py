@@ -2,22 +2,22 @@
 
 import json
 import math
-import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import typer
 from rich.console import Console
 
-from echocal.errors import DataWarning, DomainWarning, UsageError, writing
+from echocal.cli._outputs import pass_on
+from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.plan import read_columns
 
 __all__ = ["Columns", "Json", "Missing", "Quiet", "ReadingSpeed", "SkipLines", "TimeZone", "Trust"]
-__all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read", "write_json"]
+__all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read"]
+__all__ += ["toml_files", "write_json"]
 
 _OURS = (DataWarning, DomainWarning)
 
@@ -64,6 +64,11 @@ def column_requests(texts: Sequence[str] | None) -> dict[str, str]:
             message = f'--column "{text}" is neither a pair ("SR_U=reading_m") nor a TOML file'
             raise UsageError(message)
     return requests
+
+
+def toml_files(texts: Sequence[str] | None) -> list[str]:
+    """Files among the requests: inputs of the command, as the table is."""
+    return [text for text in texts or () if "=" not in text and text.endswith(".toml")]
 
 
 def error_codes(texts: Sequence[str] | None) -> dict[str, list[str]]:
@@ -115,14 +120,8 @@ def notes(texts: Sequence[str], quiet: bool) -> None:
 
 def write_json(document: dict[str, Any], target: str | None) -> None:
     """Write a document to a file, or to stdout for ``-``; not a number is null."""
-    if target is None:
-        return
-    text = json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
-    if target == "-":
-        sys.stdout.write(text)
-        return
-    with writing(target):
-        Path(target).write_text(text, encoding="utf-8")
+    if target is not None:
+        pass_on(json.dumps(_finite(document), indent=2, allow_nan=False) + "\n", target)
 
 
 def _finite(value: Any) -> Any:

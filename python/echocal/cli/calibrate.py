@@ -8,8 +8,9 @@ from rich.console import Console
 from rich.table import Table
 
 from echocal.calibrate import Calibration, calibrate
+from echocal.cli import _made_by
 from echocal.cli._models import Effects, model_of
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -24,6 +25,7 @@ from echocal.cli._tables import (
     noted,
     options_of,
     read,
+    toml_files,
     write_json,
 )
 
@@ -53,16 +55,23 @@ def command(
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
     ] = None,
     json: Json = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Estimate parameters by least squares, with standard uncertainties and correlations."""
-    refuse_unwritable(out, json)
+    check_outputs(
+        Output("--out", out, _made_by.model("calibrate", data)),
+        Output("--json", json, _made_by.result("echocal.calibration")),
+        inputs=[data, model, *toml_files(column)],
+        force=force,
+    )
     start = model_of(law, model, effect)
     with noted(quiet):
         layout = {"time_zone": time_zone, "skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
         options = options_of(column, missing, trust, reading_speed=reading_speed or start.law, **layout)
         found = calibrate(read(data, quiet, **options), start, fit, loss=loss)
     if out is not None:
+        found.model.provenance |= _made_by.provenance("calibrate", data)
         found.model.save(out)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":

@@ -7,8 +7,9 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
+from echocal.cli import _made_by
 from echocal.cli._models import Effects, model_of
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -23,10 +24,12 @@ from echocal.cli._tables import (
     noted,
     notes,
     options_of,
+    toml_files,
     write_json,
 )
 from echocal.correct import Corrected, correct_file, correct_folder
 from echocal.model import Model
+from echocal.observations.source import is_folder
 from echocal.observations.text import Layout
 
 
@@ -55,11 +58,20 @@ def command(
     decimal: Decimal = ".",
     encoding: Encoding = "utf-8-sig",
     json: Json = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Append corrected_distance_m and a reason code; same rows, same order."""
-    folder = data.is_dir()
-    refuse_unwritable(json, None if folder else out, folder=out if folder else None)
+    folder = is_folder(data)
+    made = [file.relative_to(data) for file in data.rglob("*.parquet")] if folder else []
+    check_outputs(
+        Output("--json", json, _made_by.result("echocal.correct")),
+        Output("--out", None if folder else out, _made_by.table("correct")),
+        *made_in(out if folder else None, "--out", map(str, made), _made_by.table("correct")),
+        inputs=[data, model, *toml_files(column)],
+        folder=out if folder else None,
+        force=force,
+    )
     options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
     correction = model_of(law, model, effect)
     if transferable:

@@ -7,7 +7,8 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli import _made_by
+from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -21,6 +22,7 @@ from echocal.cli._tables import (
     Trust,
     noted,
     options_of,
+    toml_files,
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
@@ -74,12 +76,20 @@ def command(
     ] = None,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
     if with_shape and model is None:
         raise UsageError("--with-shape says what the model has: give --model OUT.json, too")
-    refuse_unwritable(model, json, folder=plots)
+    check_outputs(
+        Output("--model", model, _made_by.model("diagnose", data)),
+        Output("--json", json, _made_by.result("echocal.diagnosis")),
+        *_pictures(plots),
+        inputs=[data, base if base.endswith(".json") else None, *toml_files(column)],
+        folder=plots,
+        force=force,
+    )
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
     with _bar(quiet) as bar, noted(quiet, DomainWarning):  # what a DataWarning would say is among the notes
         task = bar.add_task("reading", total=None)
@@ -98,10 +108,19 @@ def command(
             ),
             **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
         )
+    diagnosis.model.provenance |= _made_by.provenance("diagnose", data)
     _write(diagnosis, model, plots, with_shape=with_shape)
     write_json(diagnosis.to_dict(), json)
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
+
+
+def _pictures(folder: Path | None) -> list[Output]:
+    if folder is None:
+        return []
+    from echocal.plots.diagnosis import PICTURES  # matplotlib takes a second to import
+
+    return made_in(folder, "--plots", PICTURES, _made_by.picture("diagnose"))
 
 
 def _bar(quiet: bool) -> Progress:

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -12,9 +11,10 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from echocal.cli import _made_by
+from echocal.cli._outputs import Force, Output, check_outputs, pass_on
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
 from echocal.diagnose.terms.facts import CauseFacts
-from echocal.errors import writing
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, effects
 
@@ -30,16 +30,16 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing.")]
 
 
 @command.callback(invoke_without_command=True)
-def default(context: typer.Context, json_: Json = None, quiet: Quiet = False) -> None:
+def default(context: typer.Context, json_: Json = None, quiet: Quiet = False, force: Force = False) -> None:
     """List the causes that echocal knows: effects in the order of the chain, then faults and noises."""
     if context.invoked_subcommand is None:
-        list_(json_, quiet)
+        list_(json_, quiet, force)
 
 
 @command.command("list")
-def list_(json_: Json = None, quiet: Quiet = False) -> None:
+def list_(json_: Json = None, quiet: Quiet = False, force: Force = False) -> None:
     """List the causes that echocal knows: effects in the order of the chain, then faults and noises."""
-    _write([cause.to_dict() for cause in causes()], json_)
+    _write([cause.to_dict() for cause in causes()], json_, force=force)
     if not quiet and json_ != "-":
         hint = Text("echocal effects show ID tells all about one of these.", style="dim")
         Console().print(_overview(), _others(), hint)
@@ -52,21 +52,18 @@ def show(
     ],
     json_: Json = None,
     quiet: Quiet = False,
+    force: Force = False,
 ) -> None:
     """Tell all about one cause: formula or signature, parameters, typical size, how to check it."""
     found = find_cause(cause)
-    _write(found.to_dict(), json_)
+    _write(found.to_dict(), json_, force=force)
     if not quiet and json_ != "-":
         Console().print(_portrait(found) if isinstance(found, Effect) else _irregularity(found))
 
 
-def _write(content: Any, target: str | None) -> None:
-    text = json.dumps(content, indent=2, allow_nan=False) + "\n"
-    if target == "-":
-        typer.echo(text, nl=False)
-    elif target is not None:
-        with writing(target):
-            Path(target).write_text(text, encoding="utf-8")
+def _write(content: Any, target: str | None, *, force: bool) -> None:
+    check_outputs(Output("--json", target, _made_by.causes), force=force)
+    pass_on(json.dumps(content, indent=2, allow_nan=False) + "\n", target)
 
 
 def _overview() -> Table:

@@ -6,12 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli import _made_by
+from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import Json, write_json
 from echocal.errors import writing
+from echocal.outputs import replace_text
 
 if TYPE_CHECKING:
     from echocal.study import Study
+
+
+PAGES = ("study.md", "study-diagnosis.md")
 
 
 def command(
@@ -22,11 +27,19 @@ def command(
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print the count of each verdict only.")
     ] = False,
+    force: Force = False,
 ) -> None:
     """Recompute every number of the study: reproduced, not reproduced or physically wrong."""
-    refuse_unwritable(json, folder=out)
     from echocal import study
-    from echocal.study import report
+    from echocal.study import figures, report
+
+    check_outputs(
+        Output("--json", json, _made_by.result("echocal.study")),
+        *made_in(out, "--out", figures.FIGURES, _made_by.picture("study")),
+        *made_in(out, "--out", PAGES, _made_by.page("study")),
+        folder=out,
+        force=force,
+    )
 
     found = study.run()
     console = Console(stderr=json == "-")
@@ -44,12 +57,9 @@ def _write(found: "Study", out: Path, console: Console, *, quiet: bool) -> None:
 
     with writing(out):
         paths = figures.save(found, out)
-        pages = {
-            "study.md": document.render(found),
-            "study-diagnosis.md": diagnosed.render(diagnosed.ask(found.tables)),
-        }
-        for name, text in pages.items():
-            (out / name).write_text(text, encoding="utf-8")
-            paths.append(out / name)
+    texts = (document.render(found), diagnosed.render(diagnosed.ask(found.tables)))
+    for name, text in zip(PAGES, texts, strict=True):
+        replace_text(out / name, text)
+        paths.append(out / name)
     if not quiet:
         console.print(f"wrote {', '.join(str(path) for path in paths)}", markup=False)

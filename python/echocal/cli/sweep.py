@@ -8,10 +8,11 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
+from echocal.cli import _made_by
 from echocal.cli._models import Effects, model_of
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import Json, Quiet, noted, write_json
-from echocal.errors import UsageError, writing
+from echocal.errors import UsageError
 from echocal.sweep import Range, parse, parse_named, sweep
 from echocal.sweep.files import refuse_ending, write
 
@@ -41,10 +42,17 @@ def command(
     ] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a plot: .png, .svg, .pdf.")] = None,
     json: Json = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Simulate a device over every combination of conditions."""
-    refuse_unwritable(out, plot, json)
+    check_outputs(
+        Output("--out", out, _made_by.table("sweep")),
+        Output("--plot", plot, _made_by.picture("sweep")),
+        Output("--json", json, _made_by.result("echocal.sweep")),
+        inputs=[model],
+        force=force,
+    )
     if out is not None:
         refuse_ending(out)
     if plot is not None:
@@ -81,13 +89,13 @@ def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
 
 
 def _plot(grid: xr.Dataset, path: Path) -> None:
-    from echocal.plots.sweep import sweep_figure  # matplotlib takes a second to import
+    from echocal.plots.files import save_figure  # matplotlib takes a second to import
+    from echocal.plots.sweep import sweep_figure
 
     if not grid.sizes:
         message = "a single point makes no plot; give a range, such as --temperature 0:50:2"
         raise UsageError(message)
-    with writing(path):
-        sweep_figure(grid).savefig(path, dpi=150)
+    save_figure(sweep_figure(grid), path, "sweep")
 
 
 def _refuse_plot(path: Path) -> None:

@@ -7,7 +7,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from echocal.cli._outputs import refuse_unwritable
+from echocal.cli._made_by import result
+from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -22,6 +23,7 @@ from echocal.cli._tables import (
     noted,
     options_of,
     read,
+    toml_files,
     write_json,
 )
 from echocal.diagnose.terms.sentences import quantity_text
@@ -55,10 +57,15 @@ def command(
     decimal: Decimal = ".",
     encoding: Encoding = "utf-8-sig",
     json: Json = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Examine errors of indication against a bound; exit 1 where one exceeds it."""
-    refuse_unwritable(json)
+    check_outputs(
+        Output("--json", json, result("echocal.verification")),
+        inputs=[subject, model, *toml_files(column)],
+        force=force,
+    )
     bound = maximum_permissible_error_mm * 1e-3
     if not bound > 0.0:
         message = f"the maximum permissible error must be a positive length [mm], got {1e3 * bound:g}"
@@ -69,18 +76,18 @@ def command(
                 name: parse(name, text)
                 for name, text in (("temperature", temperature), ("distance", distance))
             }
-            result = verify_model(Model.load(subject), maximum_permissible_error=bound, **ranges)
+            found = verify_model(Model.load(subject), maximum_permissible_error=bound, **ranges)
         else:
             correction = None if model is None else Model.load(model)
             speed = reading_speed or (correction.law if correction else None)
             layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
             options = options_of(column, missing, trust, reading_speed=speed, time_zone=time_zone, **layout)
             observations = read(subject, quiet, **options)
-            result = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
-    write_json(result.to_dict(), json)
+            found = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
+    write_json(found.to_dict(), json)
     if not quiet and json != "-":
-        _print(result)
-    if not result.passed:
+        _print(found)
+    if not found.passed:
         raise typer.Exit(1)
 
 

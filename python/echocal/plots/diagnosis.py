@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.terms.sentences import Recorded, shown, telling_column
 from echocal.errors import writing
+from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
 
-__all__ = ["plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "telling"]
+__all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "telling"]
+
+PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png")
+"""Names of the files that `save_diagnosis` may write."""
 
 _BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark: apart without color, too
 _BINS = 30
@@ -61,8 +65,8 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
         paths = {folder / f"{name}.png": figure for name, figure in figures.items()}
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-            for path, figure in paths.items():
-                figure.savefig(path, dpi=150)
+        for path, figure in paths.items():
+            save_figure(figure, path, "diagnose")
     return list(paths)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from echocal.plots.files import save_figure
 from echocal.study import Study
 from echocal.study.sensor import error
 from echocal.study.tables import DISTANCE
@@ -216,7 +217,7 @@ def _draw_difference(study: Study, axes: Axes, away: np.ndarray) -> None:
 def _saved(path: Path, height: float) -> Iterator[Figure]:
     figure = Figure(figsize=(8.6, height), layout="constrained")
     yield figure
-    figure.savefig(path, dpi=150, facecolor="white", metadata={"Software": None})
+    save_figure(figure, path, "study", facecolor="white")
 
 
 FIGURES = ("study-figure-3.png", "study-figure-4.png", "study-figure-6.png")

@@ -2,12 +2,12 @@
 
 import json
 import warnings
-from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal._core import __version__
 from echocal.conditions import QUANTITIES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
@@ -99,7 +99,7 @@ def sweep(
         {
             "Conventions": "CF-1.11",
             "title": "Simulated ultrasonic distance measurements",
-            "source": f"echocal {version('echocal')}, effects {json.dumps(model.effects)}",
+            "source": f"echocal {__version__}, effects {json.dumps(model.effects)}",
             "model": " + ".join([f"law {model.law}", *model.effects]),
         },
     )

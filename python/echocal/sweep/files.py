@@ -6,7 +6,8 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from echocal.errors import UsageError, writing
+from echocal.errors import UsageError
+from echocal.outputs import replacing
 
 __all__ = ["table", "write"]
 
@@ -57,9 +58,8 @@ def write(grid: xr.Dataset, path: Path) -> None:
         If the ending is another, Parquet lacks its library, or the file cannot be written.
     """
     refuse_ending(path)
-    unfinished = path.with_name(f"{path.name}.tmp")
     try:
-        with writing(path):
+        with replacing(path) as unfinished:
             match path.suffix:
                 case ".csv":
                     table(grid).to_csv(unfinished, index=False)
@@ -67,12 +67,9 @@ def write(grid: xr.Dataset, path: Path) -> None:
                     table(grid).to_parquet(unfinished, index=False)
                 case _:
                     grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
-            unfinished.replace(path)
     except ImportError:
         message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
         raise UsageError(message) from None
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def _scalars(grid: xr.Dataset) -> dict[str, float]:

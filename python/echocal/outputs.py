@@ -1,0 +1,144 @@
+"""Files that are complete or not there: written beside their place, then renamed."""
+
+import hashlib
+import os
+import secrets
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from echocal.errors import UsageError, writing
+
+__all__ = ["CHECKSUMS", "checksums", "refuse_name", "replace_all", "replace_text", "replacing"]
+
+CHECKSUMS = "SHA256SUMS"
+"""File beside generated ones that tells whether somebody has edited them since."""
+
+_TOLD = 50  # characters of the file's name that its unfinished copy shows
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Give a path to write to, and put that file in place when it is complete.
+
+    What was there stays until then, whatever ends the work: an error, a full disk, Ctrl-C. Two processes
+    that write one file never write into each other's; the last one that is done has it. A link stays a
+    link: the file that it points to is replaced. A device or a pipe is written to as it stands.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to make or to replace.
+
+    Yields
+    ------
+    Path
+        File to write, in the same folder; its name has another ending, so name the format.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from echocal.outputs import replacing
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "a.txt"
+    >>> with replacing(path) as unfinished:
+    ...     _ = unfinished.write_text("whole")
+    >>> path.read_text(), [file.name for file in path.parent.iterdir()]
+    ('whole', ['a.txt'])
+    """
+    path = Path(path)
+    refuse_name(path)
+    with writing(path):
+        if path.exists() and not path.is_file():
+            yield path  # nothing to rename; a folder refuses by itself
+            return
+        target = Path(os.path.realpath(path))
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(None, "no permission to replace it")
+        unfinished = target.with_name(f".{target.name[:_TOLD]}.{secrets.token_hex(8)}.unfinished")
+        os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _mode(target)))
+        try:
+            yield unfinished
+            _keep(unfinished)
+            unfinished.replace(target)
+        finally:
+            unfinished.unlink(missing_ok=True)
+
+
+def replace_text(path: str | Path, text: str, *, newline: str | None = None) -> None:
+    """Write a text in UTF-8, complete or not at all.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written.
+    """
+    with replacing(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8", newline=newline)
+
+
+def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
+    """Write texts that belong together into a folder, which is made if absent: all of them or none.
+
+    Parameters
+    ----------
+    folder : Path
+    texts : mapping of str to str
+        Text by path in the folder.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    UsageError
+        If one cannot be written.
+    """
+    paths = {folder / name: text for name, text in texts.items()}
+    with ExitStack() as together, writing(folder):
+        for path, text in paths.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            unfinished = together.enter_context(replacing(path))
+            unfinished.write_text(text, encoding="utf-8", newline="\n")
+    return list(paths)
+
+
+def checksums(texts: Mapping[str, str]) -> str:
+    """Return the lines that ``sha256sum --check`` reads, for texts by path."""
+    return "".join(f"{hashlib.sha256(text.encode()).hexdigest()}  {name}\n" for name, text in texts.items())
+
+
+def refuse_name(path: Path) -> None:
+    """Refuse a name that no file can have.
+
+    Raises
+    ------
+    UsageError
+        If it holds a zero byte or half a character.
+    """
+    try:
+        possible = b"\0" not in os.fsencode(path)
+    except UnicodeEncodeError:
+        possible = False
+    if not possible:
+        message = f"{str(path)!r} cannot be written: no file can have this name"
+        raise UsageError(message)
+
+
+def _mode(target: Path) -> int:
+    """Permissions of the file that is replaced, else what is usual here."""
+    return target.stat().st_mode & 0o7777 if target.exists() else 0o666
+
+
+def _keep(file: Path) -> None:
+    """Wait until the disk has it: else a crash could leave the new name without its content."""
+    descriptor = os.open(file, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

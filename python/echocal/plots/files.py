@@ -1,0 +1,36 @@
+"""Figures as files."""
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from echocal.outputs import replacing
+
+__all__ = ["save_figure"]
+
+_MAKER = {"png": "Software", "svg": "Creator", "pdf": "Creator", "ps": "Creator", "eps": "Creator"}
+"""Under which name each format tells what made it."""
+
+
+def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
+    """Write a figure, complete or not at all, in the format of its ending.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : Path
+    command : str
+        Command that made it, which the file tells where its format allows.
+    **options
+        As for `Figure.savefig`.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written.
+    """
+    ending = path.suffix.lower().removeprefix(".")
+    metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None
+    with replacing(path) as unfinished:
+        figure.savefig(unfinished, format=ending, dpi=150, metadata=metadata, **options)

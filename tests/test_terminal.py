@@ -1,0 +1,41 @@
+"""The commands in terminals that cannot show every sign, and on machines with little memory."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii"])
+@pytest.mark.parametrize("command", ["study", "effects", f"diagnose {EXAMPLE}"])
+def test_a_narrow_encoding_is_no_error(command: str, encoding: str) -> None:
+    environment = {**os.environ, "PYTHONIOENCODING": encoding}
+    words = [sys.executable, "-m", "echocal", *command.split()]
+    run = subprocess.run(words, env=environment, capture_output=True, check=False)
+    assert (run.returncode, run.stderr) == (0, b"")
+    shown = run.stdout.decode(encoding)
+    if command == "study":
+        assert "331.300 x" in shown
+        assert "\\u" not in shown
+
+
+def test_a_file_name_that_no_encoding_has_can_be_told(tmp_path: Path) -> None:
+    name = os.fsdecode(b"caf\xe9.csv")
+    words = [sys.executable, "-m", "echocal", "correct", str(EXAMPLE), "--law", "linear", "-o", name]
+    run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert (tmp_path / name).is_file()
+
+
+def test_memory_that_runs_out_is_one_line() -> None:
+    limited = "import resource; resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30)); import sys; "
+    limited += "sys.argv = ['echocal', *sys.argv[1:]]; from echocal.cli import main; main()"
+    words = ["sweep", "--temperature", "0:50:0.001", "--distance", "0.01:4:0.0025"]  # 8e7 points
+    run = subprocess.run([sys.executable, "-c", limited, *words], capture_output=True, text=True, check=False)
+    assert run.returncode == 3
+    assert run.stderr.startswith("echocal: memory ran out")
+    assert run.stderr.count("\n") == 1
