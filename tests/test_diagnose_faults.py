@@ -236,6 +236,21 @@ def test_fahrenheit_is_undone() -> None:
     assert celsius(np.array([32.0, 212.0])).tolist() == [0.0, 100.0]
 
 
+@pytest.mark.parametrize("as_recorded", [True, False])
+def test_echo_times_say_whether_a_hot_column_is_fahrenheit(as_recorded: bool) -> None:
+    """A warm chamber and a room logged in Fahrenheit have the same numbers, and other echoes."""
+    random = np.random.default_rng()
+    numbers = random.uniform(46.0, 59.5, 200)
+    celsius_there = numbers if as_recorded else celsius(numbers)
+    echo = 2.0 / (331.4 + 0.6 * celsius_there) + random.normal(0.0, 1e-6, 200)
+    table = {"echo_us": 1e6 * echo, "temperature_C": numbers, "distance_m": np.ones(200)}
+    diagnosis = echocal.diagnose(table)
+    named = [cause.id for cause in diagnosis.causes]
+    assert named == ([] if as_recorded else ["fahrenheit_celsius"]), diagnosis.explain()
+    assert diagnosis.gain is not None
+    assert diagnosis.gain.rms_before_m < 1e-3  # the base of the table as it was made
+
+
 def test_facts_are_complete() -> None:
     ids = [facts.id for facts in irregularities()]
     assert len(ids) == len(set(ids))

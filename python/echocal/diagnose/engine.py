@@ -132,7 +132,8 @@ def diagnose(
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
         work.begin("looking for faults")
         faults = find_faults(observations, simulated, reference_distance, constant_distance)
-        if strange is not None and not any(f.facts.kind == "gross" for f in faults.accepted):
+        explained = any(f.facts.kind == "gross" for f in faults.accepted)
+        if strange is not None and not (explained and faults.observations.usable.any()):
             raise strange
         observations = faults.observations
         ranges = None if can_vary is None else checked_ranges(can_vary, list(observations.conditions))

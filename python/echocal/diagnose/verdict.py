@@ -2,7 +2,6 @@
 
 import time
 import warnings
-from collections.abc import Container
 from typing import Any
 
 import numpy as np
@@ -51,13 +50,13 @@ def conclude(
     possible = members(case, belief.ranking, belief.listed, judgment, belief.carried)
     kept = [claim.cause for claim in judgment.kept]
     remainder = belief.remainder
-    verdict = _verdict(judgment, belief.varying, remainder is not None, joint)
+    verdict = _verdict(judgment, belief, joint)
     return Diagnosis(
         verdict=verdict,
         causes=_causes(case, belief, judgment, joint, verdict),
         posterior=tuple(joint.sets.items()),
         credible_set=_credible(joint),
-        unexplained=remainder and with_its_shape(case, remainder, judgment.model, belief.noise),
+        unexplained=remainder and with_its_shape(case, remainder, judgment, belief.noise),
         refuted=judgment.refuted,
         gain=judgment.gain,
         next_measurements=propose(case, possible, kept, belief.noise, belief.best.variance, can_vary),
@@ -121,16 +120,27 @@ def _noise(belief: Belief) -> dict[str, float]:
     }
 
 
-def _verdict(judgment: Judgment, varying: Container[str], remainder: bool, joint: Joint) -> Verdict:
-    steady = [c.probability for c in judgment.kept if c.cause not in varying]
+def _verdict(judgment: Judgment, belief: Belief, joint: Joint) -> Verdict:
+    """What is to be said first.
+
+    A noise or a fault of rows is no answer where something shifts the readings and no cause of that
+    is claimed, or none that has one size: then it is listed, and the shift stays open. Nor is that
+    nothing, whatever rows never fitted say of the causes that were tried.
+    """
+    steady = [c.probability for c in judgment.kept if c.cause not in belief.varying]
     if any(probability >= NAMED for probability in steady):
         return "named"
-    unsteady_claims = len(steady) < len(judgment.kept)
-    if not unsteady_claims and any(f.probability >= NAMED for f in joint.telling):
+    is_open = len(steady) < len(judgment.kept) or (not judgment.kept and _shifted(belief))
+    if not is_open and any(f.probability >= NAMED for f in joint.telling):
         return "named"
-    if remainder:
+    if belief.remainder is not None:
         return "unknown"
-    return "ambiguous" if judgment.kept or joint.telling else "nothing"
+    return "ambiguous" if is_open or judgment.kept or joint.telling else "nothing"
+
+
+def _shifted(belief: Belief) -> bool:
+    """Whether the rows that were fitted leave no doubt that something shifts the readings."""
+    return sum(p for ids, p in belief.ranking.sets if not ids) < 1 - NAMED
 
 
 def _credible(joint: Joint) -> tuple[tuple[str, ...], ...]:

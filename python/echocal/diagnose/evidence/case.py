@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.evidence.alias import Geometry
 from echocal.diagnose.evidence.memories import at_first, that_may_be_there
 from echocal.diagnose.evidence.noise import FINEST, WHITE, Convection, Noise, noises
+from echocal.diagnose.evidence.shortlist import set_aside
 from echocal.diagnose.evidence.sums import Sums
 from echocal.diagnose.evidence.weigh import Stack, Weighed
 from echocal.diagnose.signals.candidates import UNKNOWN, Candidates, Scene, Variant, effect_candidates
@@ -111,13 +112,15 @@ def examine(table: Table, base: Base, folds: Folds, seed: int) -> Case:
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
-    scene = Scene(base, distance, table.conditions, table.distance, groups, residual)
+    scene = Scene(base, distance, table.conditions, table.distance, groups, residual, table.echoes)
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds
     effect_candidates(found, scene)
-    shape_candidates(found, table.against(), known_distance=groups is None)
+    order, rows = _order(table), np.flatnonzero(folds.fit[folds.blocks])
+    found.aside = set_aside(scene, order, table.known(), table.extra, rows, len(found.columns))
+    against = {name: column for name, column in table.against().items() if name not in found.aside}
+    shape_candidates(found, against, known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
-    order = _order(table)
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order))
     _drop_infinite(found, sums)
     _drop_invisible(found, sums, residual)

@@ -55,7 +55,7 @@ def detect(view: View) -> Finding | None:
             return None
         rows, why = known, "the whole column"
         evidence = _whole(recorded[known])
-        if evidence < 0.0:
+        if evidence < 0.0 or _contradicted(view):
             return None
     low, high = (float(np.quantile(recorded[rows], q)) for q in (0.0, 1.0))
     because = (
@@ -82,6 +82,16 @@ def _whole(recorded: Column) -> float:
         return float(3.0 * np.log1p(((values - center) / spread) ** 2 / 4).sum())
 
     return surprise(ends) - surprise(celsius(ends)) - (0.0 if ends[1] > _HOTTEST else 30.0)
+
+
+def _contradicted(view: View) -> bool:
+    """Whether recorded echo times are further from the reference with every row taken for Fahrenheit."""
+    reference, good = view.reference, view.good
+    if reference is None or view.observations.reading is not None or not good.any():
+        return False  # a reading tells no air: the device knew it
+    looks = (view, view.after(_converted(view, good)))
+    as_it_is, converted = (np.median(np.abs(look.indication - reference)[good]) for look in looks)
+    return bool(converted >= as_it_is)
 
 
 def _single(recorded: Column, known: Mask) -> Mask:

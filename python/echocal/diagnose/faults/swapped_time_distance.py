@@ -39,7 +39,7 @@ FACTS = CauseFacts(
 def detect(view: View) -> Finding | None:
     """Read each column as the other and ask whether they then agree."""
     observations = view.observations
-    reference = observations.reference_distance
+    reference = view.reference
     if reference is None or observations.reading is not None or view.given is not None:
         return None
     low, high = view.ratios

@@ -1,6 +1,6 @@
 """Claims before the rows that no fit saw."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -33,6 +33,8 @@ class Judgment:
     model : Model
         Base extended by the kept causes, with the median of the recorded air.
     gain : Gain
+    fitted : callable
+        ``fitted(blocks)`` is the same model, fitted on these blocks alone.
     unheard : tuple of str
         Kept causes that no held-out row could speak for or against.
     """
@@ -42,43 +44,89 @@ class Judgment:
     weighed: Weighed
     model: Model
     gain: Gain
+    fitted: Callable[[Mask], Model]
     unheard: tuple[str, ...] = ()
 
 
 def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> Judgment:
-    """Drop, one by one, causes that make rows never fitted worse; measure what remains.
+    """Drop causes that make rows never fitted worse; measure what remains.
 
     A cause may fit rows by chance or stand in for something else; rows that it was not fitted to
-    tell. This can only take claims back, never add one.
+    tell. They are asked about each cause beside the others, then about the whole beside the bare
+    base. This can only take claims back, never add one.
     """
-    hypothesis, kept, refuted = best.hypothesis, list(claimed), []
-    before = measure(case.table, case.folds, lambda _: case.base.model())
     trials = _Trials(case, noise)
-    after = trials.of(hypothesis, kept)
-    unheard = []
-    for claim in sorted(claimed, key=lambda c: c.probability):
-        fewer = [c for c in kept if c is not claim]
-        lesser = without(hypothesis, claim.cause)
-        spared = trials.of(lesser, fewer)
-        if silent(after, spared, case.signal(claim.variant, claim.mean)):
-            unheard.append(claim.cause)
-        elif worse(after, spared):
-            refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
-            hypothesis, kept, after = lesser, fewer, spared
-    weighed = _fit(case, hypothesis, case.folds.fit, noise)
-    fixed = any(c.cause == "fixed_speed" for c in kept) or case.base.device_speed is not None
+    before = measure(case.table, case.folds, lambda _: case.base.model())
+    left = _against_the_base(trials, _one_by_one(trials, best.hypothesis, claimed), before)
+    weighed = _fit(case, left.hypothesis, case.folds.fit, noise)
+    fixed = any(c.cause == "fixed_speed" for c in left.kept) or case.base.device_speed is not None
     gain = summarize(
         None if fixed else fixed_speed_rms(case.table, case.folds, _speed(case)),
-        _ladder(trials, hypothesis, kept, before),
+        _ladder(trials, left, before),
         before,
-        after,
+        left.after,
         floor(case.sums, case.folds.judged, weighed.variance),
         case.folds,
         case.seed,
     )
-    gain = replace(gain, shifted=shifted(case, hypothesis, [c.cause for c in kept], noise))
-    model = _extended(case, weighed, kept, gain)
-    return Judgment(tuple(kept), tuple(refuted), weighed, model, gain, tuple(unheard))
+    gain = replace(gain, shifted=shifted(case, left.hypothesis, [c.cause for c in left.kept], noise))
+    model = _extended(case, weighed, left.kept, gain)
+    fitted = trials.fitted(left.hypothesis, left.kept)
+    return Judgment(left.kept, left.refuted, weighed, model, gain, fitted, left.unheard)
+
+
+@dataclass(frozen=True)
+class _Left:
+    """What is left of the claims, the hypothesis that they are fitted in, and the error with them."""
+
+    hypothesis: Hypothesis
+    kept: tuple[Claim, ...]
+    after: HeldOut
+    refuted: tuple[Refuted, ...]
+    unheard: tuple[str, ...]
+
+
+def _one_by_one(trials: "_Trials", hypothesis: Hypothesis, claimed: Sequence[Claim]) -> _Left:
+    """Drop, the least probable first, causes without which rows never fitted are less far off."""
+    kept, refuted, unheard = tuple(claimed), [], []
+    after = trials.of(hypothesis, kept)
+    for claim in sorted(claimed, key=lambda c: c.probability):
+        fewer = tuple(c for c in kept if c is not claim)
+        lesser = without(hypothesis, claim.cause)
+        spared = trials.of(lesser, fewer)
+        if silent(after, spared, trials.case.signal(claim.variant, claim.mean)):
+            unheard.append(claim.cause)
+        elif worse(after, spared):
+            refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
+            hypothesis, kept, after = lesser, fewer, spared
+    return _Left(hypothesis, kept, after, tuple(refuted), tuple(unheard))
+
+
+def _against_the_base(trials: "_Trials", left: _Left, before: HeldOut) -> _Left:
+    """Take all back if the whole is no better than the bare base on rows never fitted.
+
+    Causes that undo each other pass the look at each beside the others: either alone may be still
+    worse than both. A cause that none of these rows can judge is no matter of theirs and stays;
+    what it changes in them by chance is not counted.
+    """
+    if not left.kept or not left.after.rms >= before.rms:
+        return left
+    quiet = tuple(claim for claim in left.kept if claim.cause in left.unheard)
+    hypothesis = left.hypothesis
+    for claim in left.kept:
+        hypothesis = hypothesis if claim in quiet else without(hypothesis, claim.cause)
+    signal = sum(trials.case.signal(claim.variant, claim.mean) for claim in quiet)
+    if quiet and not silent(trials.of(hypothesis, quiet), before, np.asarray(signal)):
+        for claim in quiet:  # only beside the others was nothing to be heard of them
+            hypothesis = without(hypothesis, claim.cause)
+        quiet = ()
+    gone = [claim for claim in left.kept if claim not in quiet]
+    ids = tuple(claim.cause for claim in gone)
+    refuted = tuple(
+        Refuted(c.cause, c.probability, left.after.rms, before.rms, c.rivals, together=ids) for c in gone
+    )
+    unheard = tuple(claim.cause for claim in quiet)
+    return _Left(hypothesis, quiet, before, (*left.refuted, *refuted), unheard)
 
 
 def _extended(case: Case, weighed: Weighed, kept: Sequence[Claim], gain: Gain) -> Model:
@@ -93,7 +141,7 @@ def _extended(case: Case, weighed: Weighed, kept: Sequence[Claim], gain: Gain) -
     )
 
 
-def _ladder(trials: "_Trials", hypothesis: Hypothesis, kept: Sequence[Claim], before: HeldOut) -> Ladder:
+def _ladder(trials: "_Trials", left: _Left, before: HeldOut) -> Ladder:
     """Error as the causes join, the largest first."""
 
     def size(claim: Claim) -> float:
@@ -101,14 +149,15 @@ def _ladder(trials: "_Trials", hypothesis: Hypothesis, kept: Sequence[Claim], be
         mean = 0.0 if trials.case.table.reference is not None else signal.mean()  # a level has it
         return float(np.mean((signal - mean) ** 2))
 
-    joined = sorted(kept, key=size, reverse=True)
+    joined = sorted(left.kept, key=size, reverse=True)
     steps: list[tuple[tuple[str, ...], float]] = [((), before.rms)]
     for count in range(1, len(joined) + 1):
         some = joined[:count]
-        part = hypothesis
+        part = left.hypothesis
         for claim in joined[count:]:
             part = without(part, claim.cause)
-        steps.append((tuple(c.cause for c in some), trials.of(part, some).rms))
+        after = before if left.after is before else trials.of(part, some)
+        steps.append((tuple(c.cause for c in some), after.rms))
     return tuple(steps)
 
 
@@ -122,16 +171,21 @@ class _Trials:
 
     def of(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> HeldOut:
         """Errors with the kept causes, fitted beside all of a hypothesis, part of the best one."""
-        causes = [claim.cause for claim in kept]
-        key = frozenset(hypothesis.causes), frozenset(causes)
+        key = frozenset(hypothesis.causes), frozenset(claim.cause for claim in kept)
         if key not in self.known:
-
-            def fitted(blocks: Mask) -> Model:
-                fit = _fit(self.case, hypothesis, blocks, self.noise)
-                return self.case.base.model(effects_of(fit, causes))
-
+            fitted = self.fitted(hypothesis, kept)
             self.known[key] = measure(self.case.table, self.case.folds, fitted)
         return self.known[key]
+
+    def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
+        """The model with the kept causes, as a function of the blocks that it is fitted on."""
+        causes = [claim.cause for claim in kept]
+
+        def fitted(blocks: Mask) -> Model:
+            fit = _fit(self.case, hypothesis, blocks, self.noise)
+            return self.case.base.model(effects_of(fit, causes))
+
+        return fitted
 
 
 def _fit(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> Weighed:

@@ -79,6 +79,7 @@ def believe(case: Case, faults: Faults, work: Steps) -> Belief:
     weighed, carried = posterior(case.found, stack)
     if drifting := convections(case, weighed, carried):
         case.sums.remember(case.found.columns, drifting)
+        del stack, weighed, carried  # of a wide table these are large: not beside what takes their place
         stack = case.stack(case.folds.fit)
         weighed, carried = posterior(case.found, stack)
     steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.evidence.case import Case
 from echocal.diagnose.evidence.hypotheses import preferred
-from echocal.diagnose.evidence.weigh import Stack, Weighed, weigh
+from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.judging.gain import errors
 from echocal.diagnose.judging.judge import Judgment
 from echocal.diagnose.naming.claims import Claim, Ranking, covariance_of, effects_of, without
 from echocal.diagnose.planning.average import Member
@@ -31,7 +32,7 @@ def members(
 
     A shape without a cause says nothing about conditions that nobody measured, so it stands in
     no model: sets that differ in it alone are one. Neither does a cause that rows never fitted
-    speak against.
+    speak against, nor a set that needs a shape, or a refuted cause, to explain the rows.
     """
     refuted = {id_ for r in judgment.refuted for id_ in (r.id, *r.indistinguishable_from)}
     left_out = {UNKNOWN, *refuted}
@@ -41,14 +42,15 @@ def members(
         named = _named(ids, left_out)
         shares[named] = shares.get(named, 0.0) + p
         alone[named] = alone.get(named, 0.0) + p * (UNKNOWN not in ids)
-    chosen = _chosen(shares, claimed)
     forms: dict[Ids, list[Weighed]] = {}
     for weighed in ranking.weighed:
         forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
-    weights = np.array([max(shares[named], _LEAST) for named in chosen])
+    best = {named: _best(forms[named], left_out, stack) for named in _chosen(shares, claimed)}
+    models = _models(case, best, stack, doubtful=bool(refuted))
+    weights = np.array([max(shares.get(named, 0.0), _LEAST) for named in models])
     return tuple(
-        Member(named, weight, _model(case, _best(forms[named], left_out, stack)), max(alone[named], _LEAST))
-        for named, weight in zip(chosen, (weights / weights.sum()).tolist(), strict=True)
+        Member(named, weight, models[named], max(alone.get(named, 0.0), _LEAST))
+        for named, weight in zip(models, (weights / weights.sum()).tolist(), strict=True)
     )
 
 
@@ -87,6 +89,33 @@ def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack) -> Weighed:
     for cause in left_out - {UNKNOWN}:
         hypothesis = without(hypothesis, cause)
     return best if hypothesis.causes == best.hypothesis.causes else weigh(hypothesis, stack)
+
+
+def _models(case: Case, best: Mapping[Ids, Weighed], stack: Stack, *, doubtful: bool) -> dict[Ids, Model]:
+    """Model of each set of causes, but of those that leave the fitted rows further off than the base.
+
+    Beside a shape sizes may be anything that the shape makes up for, and no model has the shape:
+    then they are those without it. Where causes were refuted it is doubtful that what was weighed
+    beside them stands without them.
+    """
+    models: dict[Ids, Model] = {}
+    base: float | None = None
+    for named, weighed in best.items():
+        model, shaped = _model(case, weighed), UNKNOWN in weighed.hypothesis.causes
+        if shaped or doubtful:
+            base = _off(case, case.base.plain) if base is None else base
+            if shaped and _off(case, model) > base:
+                model = _model(case, weigh(without(weighed.hypothesis, UNKNOWN), stack))
+            if _off(case, model) > base:
+                continue
+        models[named] = model
+    return models or {(): _model(case, weigh(Hypothesis((), 1.0), stack))}
+
+
+def _off(case: Case, model: Model) -> float:
+    """Mean square error of the rows that a fit may see [m^2]."""
+    fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
+    return float(np.nanmean(errors(case.table, model, fit)[fit] ** 2))
 
 
 def _model(case: Case, weighed: Weighed) -> Model:

@@ -71,13 +71,17 @@ class Variant:
 
 @dataclass
 class Candidates:
-    """Columns so far, the variants that use them, and what was left out and why."""
+    """Columns so far, the variants that use them, and what was left out and why.
+
+    `aside` are further columns of the table that no shape is tried against, for there are many.
+    """
 
     columns: Columns
     variants: list[Variant] = field(default_factory=list)
     size_tangents: dict[str, tuple[int, float]] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
     line: Variant | None = None
+    aside: tuple[str, ...] = ()
 
     @property
     def competing(self) -> int:
@@ -109,6 +113,8 @@ class Scene:
         Stretch of each row where the level is unknown; None where the distance is.
     residual : ndarray, shape (n,)
         Reading less what the base simulation predicts [m].
+    echoes : bool
+        Whether the readings come from recorded echo times.
     """
 
     base: Base
@@ -117,6 +123,7 @@ class Scene:
     relevel: Callable[[Model], Column]
     groups: NDArray[np.int64] | None
     residual: Column
+    echoes: bool = False
 
     @cached_property
     def leftover(self) -> Column:
@@ -189,6 +196,9 @@ def _why_not(effect: Effect, scene: Scene) -> str:
     assumed = [name for name in effect.excludes if name in scene.base.air]
     if not scene.base.allows(effect):
         return "the base accounts for it"
+    asked = effect.id == "fixed_speed" and scene.base.device_speed is not None
+    if scene.echoes and effect.stage == "firmware" and not asked:  # the device's own arithmetic comes after
+        return "echo times were recorded"
     if missing:
         return f"not recorded: {', '.join(missing)}"
     if superseded:

@@ -9,18 +9,20 @@ from numpy.typing import NDArray
 from echocal.diagnose.signals.candidates import UNKNOWN, Candidates, Variant
 from echocal.observations.quantiles import quantiles, spread
 
-__all__ = ["HOUR", "Basis", "column_of", "shape_candidates"]
+__all__ = ["DEGREES", "HOUR", "Basis", "column_of", "degrees_of", "shape_candidates"]
 
 Column = NDArray[np.float64]
 
 HOUR = "hour of day"
 """Name of the periodic shape that is tried where a table spans days."""
 
-_DEGREES = (4, 16)  # of the polynomials: a bend or a hump, cheaply; and waves or a narrow hump
+DEGREES = (4, 16)
+"""Of the polynomials: a bend or a hump, cheaply; and waves or a narrow hump."""
+
 _VALUES = 2  # distinct values of the column per degree: freer, a shape would be an error of each value
 _HARMONICS = 2
 _SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
-_SCALES = tuple(_SIZE / degree for degree in range(1, max(_DEGREES) + 1))
+_SCALES = tuple(_SIZE / degree for degree in range(1, max(DEGREES) + 1))
 _WAVES = tuple(_SIZE / multiple for multiple in range(1, _HARMONICS + 1))
 _DAY = 86400.0
 _NEARLY_ALL = (0.005, 0.995)
@@ -56,9 +58,8 @@ class Basis:
             phase = 2 * np.pi * values / 24.0
             return [size * wave(k * phase) for k, size in enumerate(_WAVES, 1) for wave in (np.sin, np.cos)]
         scaled = (2 * values - self.low - self.high) / max(self.high - self.low, 1e-300)
-        legendre = np.polynomial.legendre.Legendre.basis
-        scaled = np.clip(scaled, -1.5, 1.5)
-        return [scale * legendre(n)(scaled) for n, scale in enumerate(_SCALES, 1)]
+        legendre = np.polynomial.legendre.legvander(np.clip(scaled, -1.5, 1.5), len(_SCALES)).T[1:]
+        return [scale * function for scale, function in zip(_SCALES, legendre, strict=True)]
 
 
 def column_of(name: str, against: Mapping[str, Column]) -> Column:
@@ -88,9 +89,7 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
     mean = [found.columns.store(constant)] if known_distance else []
     line = list(mean)
     for name, column in against.items():
-        values = _distinct(column) if np.isfinite(column).all() else 0
-        if values >= _LEVELS:
-            most = min(max(_DEGREES), values // _VALUES)
+        if most := degrees_of(column):
             basis = Basis.of(name, column)
             own, first = mean, 1
             if name == "distance":
@@ -99,7 +98,7 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
             shapes = found.columns.legendre(
                 column, basis.low, basis.high, _SCALES[first - 1 : most], first=first
             )
-            for degree in sorted({min(degree, most) for degree in _DEGREES}):
+            for degree in sorted({min(degree, most) for degree in DEGREES}):
                 found.variants.append(_shape([*own, *shapes[: degree + 1 - first]], name))
     if line:
         found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
@@ -109,10 +108,16 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
         found.variants.append(_shape([*mean, *waves], HOUR))
 
 
+def degrees_of(column: Column) -> int:
+    """Highest degree of a shape against a column; 0 where it has gaps or too few values to show one."""
+    values = _distinct(column) if np.isfinite(column).all() else 0
+    return min(max(DEGREES), values // _VALUES) if values >= _LEVELS else 0
+
+
 def _distinct(column: Column) -> int:
     """Number of distinct values, or more than any shape asks for."""
     few = len(np.unique(column[:1000]))
-    return few if few >= _VALUES * max(_DEGREES) else len(np.unique(column[: 10**5]))
+    return few if few >= _VALUES * max(DEGREES) else len(np.unique(column[: 10**5]))
 
 
 def _shape(columns: Sequence[int], name: str) -> Variant:

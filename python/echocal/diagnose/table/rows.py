@@ -177,7 +177,7 @@ def level_steps(indication: Column, elapsed: Column | None, temperature: Column 
     for gap in np.flatnonzero(_gaps(elapsed)).tolist() if elapsed is not None else ():
         near = slice(max(0, gap - size), gap + size)
         height[near] = np.where(height[near] > air[near], height[near], 0.0)
-    quiet = np.ones(len(jump), dtype=bool)  # away from steps: these must not widen what is usual
+    quiet = ~np.isnan(jump)  # and away from steps, which must not widen what is usual
     steps: list[int] = []
     while quiet.any() and (usual := _robust(jump[quiet])[1]) > 0.0:
         clear = height > usual * np.where(height > air, _STEP_OF_NO_AIR, _STEP)

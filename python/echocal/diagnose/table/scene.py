@@ -55,6 +55,9 @@ class Table:
         Source rows at which the level jumps.
     unusable : mapping of str to int
         Rows left out, by reason.
+    echoes : bool
+        Whether the indication comes from recorded echo times, which the device's own arithmetic has
+        not touched; also where the readings stand beside them.
     """
 
     row: Labels
@@ -66,6 +69,7 @@ class Table:
     starts: NDArray[np.bool_]
     steps: Labels
     unusable: Mapping[str, int]
+    echoes: bool = False
 
     def __len__(self) -> int:
         return len(self.row)
@@ -90,12 +94,20 @@ class Table:
         self, model: Model, rows: NDArray[Any] | slice | None = None, out: Column | None = None
     ) -> Column:
         """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
-        reads = model.reads
+        reads = model.reads if model.shape is None else {*model.reads, model.shape.against}
         needed = {name: column for name, column in self.conditions.items() if name in reads}
-        if rows is None:
-            return np.asarray(model.correct(self.indication, **needed, out=out))
-        some = {name: column[rows] for name, column in needed.items()}
-        return np.asarray(model.correct(self.indication[rows], **some, out=out))
+        indication = self.indication
+        if rows is not None:
+            indication, needed = indication[rows], {name: column[rows] for name, column in needed.items()}
+        if model.shape is None:
+            return np.asarray(model.correct(indication, **needed, out=out))
+        further = self.extra.get(model.shape.against) if model.shape.is_extra else None
+        if further is not None:
+            needed[model.shape.against] = further if rows is None else further[rows]
+        corrected = np.asarray(model.correct(indication, **needed))
+        if out is not None:
+            out[:] = corrected
+        return corrected
 
     def air(self) -> dict[str, float]:
         """Median of each recorded quantity of the air but the temperature, which every device has."""
@@ -105,13 +117,17 @@ class Table:
 
     def against(self) -> dict[str, Column]:
         """Columns that a remainder may be a function of, by the name a person knows."""
+        return {**self.known(), **self.extra}
+
+    def known(self) -> dict[str, Column]:
+        """Those that are no further columns: influence quantities, distance, and time or row."""
         recorded = {n: c for n, c in self.conditions.items() if QUANTITIES[n].derived_from is None}
         columns = {"time" if name == "elapsed_time" else name: c for name, c in recorded.items()}
         if "time" not in columns:
             columns["row"] = (self.row + 1).astype(float)  # as messages count
         if self.reference is not None:
             columns["distance"] = self.reference
-        return {**columns, **self.extra}
+        return columns
 
 
 def levels(values: Column, groups: Labels, rows: NDArray[np.bool_], center: object) -> Column:
@@ -216,6 +232,7 @@ def _arrange(
         starts=series_starts(elapsed, breaks),
         steps=kept[steps],
         unusable=unusable,
+        echoes=observations.reading is None or "echo_time" in observations.source_names,
     )
 
 
@@ -235,7 +252,7 @@ def _without_wild(
         left_out[FAR] += int(far.sum())
         kept, indication = kept[~far], indication[~far]
     stands = None
-    if reference is not None:
+    if reference is not None and len(kept):
         temperature = observations.conditions.get("temperature")
         stands = _stands(observations, reference, kept)
         far = far_from_stand(indication, stands, None if temperature is None else some(temperature, kept))

@@ -189,7 +189,7 @@ class _Shape:
     @classmethod
     def of(cls, distance: Column, temperature: Column | None) -> "_Shape":
         finite = np.isfinite(distance)
-        bends = bool(np.ptp(distance if finite.all() else distance[finite]) > 0)
+        bends = bool(finite.any() and np.ptp(distance if finite.all() else distance[finite]) > 0)
         varies = temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature)
         return cls(distance, temperature if varies else None, bends)
 

@@ -1,16 +1,14 @@
 """A diagnosis in plain sentences."""
 
-from collections.abc import Sequence
-
 from echocal.diagnose.catalogue import find_cause
+from echocal.diagnose.naming.joint import NAMED
 from echocal.diagnose.signals.candidates import UNKNOWN
 from echocal.diagnose.telling.result import Diagnosis
 from echocal.diagnose.terms.parts import Cause, Gain, NextMeasurement
-from echocal.diagnose.terms.sentences import parameter_text, quantity_text, shifted_text
+from echocal.diagnose.terms.sentences import enumerated, parameter_text, quantity_text, shifted_text
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 
-_NAMED = 0.9  # probability from which on a cause is named
 _GUARD = "correlated_noise"  # every table is guarded against it: told, but never the news
 _SHOWN = 6  # causes named in one proposal
 
@@ -37,22 +35,28 @@ def lead(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "unknown":
         return "Something is there that no cause of the catalogue explains"
     if diagnosis.verdict == "ambiguous":
-        return "Something is wrong, and the data leave open which of several causes it is"
-    named = [c for c in diagnosis.causes if c.probability >= _NAMED and not c.doubt and c.id != _GUARD]
+        return f"Something is wrong, and {_left_open(diagnosis)}"
+    named = [c for c in diagnosis.causes if c.probability >= NAMED and not c.doubt and c.id != _GUARD]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
     faults = [cause.id for cause in named if cause.kind == "gross"]
     others = [cause.id for cause in named if cause.kind not in {"effect", "gross"}]
     elsewhere = (("in the table itself", faults), ("in single rows or in the scatter", others))
-    said = [(place, _listed(ids)) for place, ids in elsewhere if ids]
+    said = [(place, enumerated(ids)) for place, ids in elsewhere if ids]
     if effects:
         text = "; and ".join(
-            [f"The data name {_listed(effects)}", *(f"{place} {ids}" for place, ids in said)]
+            [f"The data name {enumerated(effects)}", *(f"{place} {ids}" for place, ids in said)]
         )
     else:
         text = (
             f"The data name, {'; and '.join(f'{place}, {ids}' for place, ids in said)}; no cause of a shift"
         )
     return f"{text}; beside it something that no cause explains" if diagnosis.unexplained else text
+
+
+def _left_open(diagnosis: Diagnosis) -> str:
+    if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
+        return "what fits it makes rows never fitted no better: no cause of a shift is claimed"
+    return "the data leave open which of several causes it is"
 
 
 def rivals_of(cause: Cause) -> list[str]:
@@ -65,11 +69,6 @@ def _class(cause: Cause) -> str:
     if not rivals:
         return cause.id
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} that look the same'})"
-
-
-def _listed(names: Sequence[str]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _rows(diagnosis: Diagnosis) -> str:
@@ -156,7 +155,7 @@ def _pair(separates: tuple[str, ...]) -> str:
         names.append(f"{len(causes) - _SHOWN} others")
     if len(names) == 1:
         return f"to tell whether {names[0]} is at work"
-    apart = f"to tell {names[0]} from {names[1]}" if len(names) == 2 else f"to tell {_listed(names)} apart"
+    apart = f"to tell {names[0]} from {names[1]}" if len(names) == 2 else f"to tell {enumerated(names)} apart"
     return apart if len(causes) == len(separates) else f"{apart}, and from nothing"
 
 

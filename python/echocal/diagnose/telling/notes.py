@@ -5,17 +5,20 @@ from functools import reduce
 import numpy as np
 
 from echocal.diagnose.evidence.case import INVISIBLE, Case
+from echocal.diagnose.evidence.shortlist import MEASURE
 from echocal.diagnose.evidence.weigh import Hypothesis, Stack
 from echocal.diagnose.judging.judge import Judgment
 from echocal.diagnose.naming.claims import Claim, free_size, without
 from echocal.diagnose.naming.tension import reconciled
 from echocal.diagnose.telling.level_steps import steps_of
-from echocal.diagnose.terms.sentences import first_against_others, tendency
+from echocal.diagnose.terms.parts import Refuted
+from echocal.diagnose.terms.sentences import enumerated, first_against_others, tendency
 from echocal.observations import Observations
 from echocal.registry import find_effect
 
 __all__ = ["because", "notes"]
 
+_SHOWN = 8  # columns, or steps of the level, that are listed
 _TENSION = 3.0  # standard uncertainties between a size found and the size that theory fixes
 
 
@@ -37,17 +40,13 @@ def notes(case: Case, observations: Observations, judgment: Judgment, stack: Sta
     hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
     if hidden:
         said.append(f"whatever their size, these causes {INVISIBLE}: {', '.join(hidden)}")
-    for refuted in judgment.refuted:
-        said.append(
-            f"{refuted.id} fits the rows it was fitted to (probability {refuted.probability:.2f}) but makes "
-            f"rows never fitted worse ({1e3 * refuted.rms_without_m:.2f} mm without it, "
-            f"{1e3 * refuted.rms_with_m:.2f} mm with it): not claimed"
-        )
+    said += list(dict.fromkeys(_refuted(refuted) for refuted in judgment.refuted))
     for cause in judgment.unheard:
         said.append(
             f"{cause} shows in too few stands or stretches to be learned from the others: the gain on rows "
             "never fitted says nothing about it"
         )
+    said += [*_both(case, observations), *_aside(case)]
     if passing := ", ".join(judgment.model.campaign_effects):
         said.append(
             f"{passing} belongs to this campaign: for another, leave it out (Model.transferable, echocal "
@@ -55,8 +54,8 @@ def notes(case: Case, observations: Observations, judgment: Judgment, stack: Sta
         )
     if len(case.table.steps):
         steps = steps_of(case.table, observations)
-        at = "; ".join(str(step) for step in steps[:8])
-        more = f"; and {len(steps) - 8} more" if len(steps) > 8 else ""
+        at = "; ".join(str(step) for step in steps[:_SHOWN])
+        more = f"; and {len(steps) - _SHOWN} more" if len(steps) > _SHOWN else ""
         said.append(
             f"the level jumps ({at}{more}): each stretch has its own level, and a jump is not "
             "blamed on the air"
@@ -73,6 +72,47 @@ def notes(case: Case, observations: Observations, judgment: Judgment, stack: Sta
             "nothing in these data guards against it"
         )
     return tuple(text for text in said if text)
+
+
+def _both(case: Case, observations: Observations) -> list[str]:
+    """Which of readings and echo times the diagnosis is of, where both are recorded."""
+    if not case.table.echoes or observations.reading is None:
+        return []
+    echo = observations.source_names.get("echo_time", "echo_s")
+    return [
+        "readings and echo times are both recorded: the diagnosis is of the echo times, which the device's "
+        f'own arithmetic has not touched; to diagnose the readings: --column "{echo}=ignore"'
+    ]
+
+
+def _aside(case: Case) -> list[str]:
+    """Which further columns nothing unknown was sought against."""
+    aside = case.found.aside
+    if not aside:
+        return []
+    tried = sum(name in case.table.extra for name in case.found.shapes)
+    more = f" and {len(aside) - _SHOWN} more" if len(aside) > _SHOWN else ""
+    return [
+        f"something unknown was sought against {tried} of the {tried + len(aside)} further columns that vary "
+        f"and have no gaps, chosen by {MEASURE}; left aside: {', '.join(aside[:_SHOWN])}{more}; to have one "
+        'of these tried, take others out: --column "NAME=ignore"'
+    ]
+
+
+def _refuted(refuted: Refuted) -> str:
+    """Why a cause that fits is not claimed; the same of all that were refuted together."""
+    before, after = 1e3 * refuted.rms_without_m, 1e3 * refuted.rms_with_m
+    if refuted.together:
+        fit = "fits" if len(refuted.together) == 1 else "together fit"
+        return (
+            f"{enumerated(refuted.together)} {fit} the rows of the fit, but the extended model is no better "
+            f"than the base on rows never fitted ({before:.2f} mm with the base, {after:.2f} mm with the "
+            "extended model): not claimed"
+        )
+    return (
+        f"{refuted.id} fits the rows it was fitted to (probability {refuted.probability:.2f}) but makes "
+        f"rows never fitted worse ({before:.2f} mm without it, {after:.2f} mm with it): not claimed"
+    )
 
 
 def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:

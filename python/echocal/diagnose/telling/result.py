@@ -11,15 +11,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.diagnose.planning.average import Estimate, Member, averaged
-from echocal.diagnose.terms.parts import Cause, Gain, NextMeasurement, Refuted, Traces, Unexplained, Verdict
-from echocal.errors import UsageError, writing
+from echocal.diagnose.terms.parts import (
+    OF_THIS_TABLE,
+    Cause,
+    Gain,
+    NextMeasurement,
+    Refuted,
+    Traces,
+    Unexplained,
+    Verdict,
+)
+from echocal.errors import UsageError
 from echocal.model import Model
+from echocal.outputs import replace_text
 
 __all__ = ["Diagnosis"]
 
 SCHEMA = "echocal.diagnosis/1"
 Column = NDArray[np.float64]
-_OF_THIS_TABLE = frozenset({"row", "time", "hour of day"})
 
 
 @dataclass(frozen=True)
@@ -109,8 +118,7 @@ class Diagnosis:
     def to_json(self, path: str | Path) -> None:
         """Write `to_dict` to a file."""
         text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
-        with writing(path):
-            Path(path).write_text(text, encoding="utf-8")
+        replace_text(path, text)
 
     def predict(self, distance: ArrayLike, **conditions: ArrayLike) -> Estimate:
         """Reading that the device would give at a true distance, all possible causes averaged.
@@ -169,7 +177,8 @@ class Diagnosis:
         Raises
         ------
         UsageError
-            If nothing is unexplained, or it follows the clock or the rows, which no later reading has.
+            If nothing is unexplained, or it follows the clock or the rows, which no later reading has,
+            or rows never fitted are no better with it.
 
         Examples
         --------
@@ -187,10 +196,18 @@ class Diagnosis:
         if found is None or found.shape is None:
             message = "nothing is unexplained in these data: there is no shape to add"
             raise UsageError(message)
-        if found.against in _OF_THIS_TABLE:
+        if found.against in OF_THIS_TABLE:
             message = (
                 f"the shape that nobody explains follows the {found.against} of this table, which no later "
                 "reading has: it cannot extend a model"
+            )
+            raise UsageError(message)
+        if not found.extends:
+            without, with_it = (1e3 * (rms or 0.0) for rms in (found.rms_without_m, found.rms_with_m))
+            message = (
+                f"the shape against {found.against} that nobody explains makes rows never fitted no better "
+                f"({without:.2f} mm without it, {with_it:.2f} mm with it): it cannot extend the model; use "
+                "the model without it (on the command line: leave --with-shape out)"
             )
             raise UsageError(message)
         return self.model.with_shape(found.shape)

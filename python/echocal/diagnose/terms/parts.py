@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from echocal.model import Shape
 
 __all__ = [
+    "OF_THIS_TABLE",
     "Cause",
     "Gain",
     "Ladder",
@@ -25,6 +26,9 @@ __all__ = [
 Verdict = Literal["named", "ambiguous", "unknown", "nothing"]
 Column = NDArray[np.float64]
 Ladder = tuple[tuple[tuple[str, ...], float], ...]
+
+OF_THIS_TABLE = frozenset({"row", "time", "hour of day"})
+"""Columns that no later reading has: what follows them cannot extend a model."""
 
 
 @dataclass(frozen=True)
@@ -73,13 +77,27 @@ class Cause:
 
 @dataclass(frozen=True)
 class Refuted:
-    """A cause that the fitted rows speak for and the rows never fitted speak against."""
+    """A cause that the fitted rows speak for and the rows never fitted speak against.
+
+    Attributes
+    ----------
+    id : str
+    probability : float
+        By the fitted rows.
+    rms_with_m, rms_without_m : float
+        Error on rows never fitted with the cause and without it [m].
+    indistinguishable_from : tuple of str
+    together : tuple of str
+        Where causes were refuted together, all of them: the errors are then those of the model
+        with all of them and of the base. Empty where the cause was refuted beside others.
+    """
 
     id: str
     probability: float
     rms_with_m: float
     rms_without_m: float
     indistinguishable_from: tuple[str, ...] = ()
+    together: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -96,6 +114,9 @@ class Unexplained:
     description : str
     shape : Shape or None
         The function, with its band.
+    rms_without_m, rms_with_m : float or None
+        Error of the model on rows never fitted without the shape and with it [m]; None where no
+        later reading has the column, so that it cannot extend a model.
     """
 
     against: str
@@ -103,6 +124,15 @@ class Unexplained:
     probability: float
     description: str
     shape: Shape | None = None
+    rms_without_m: float | None = None
+    rms_with_m: float | None = None
+
+    @property
+    def extends(self) -> bool:
+        """Whether rows never fitted let the shape extend the model."""
+        if self.rms_without_m is None or self.rms_with_m is None:
+            return self.against not in OF_THIS_TABLE
+        return not self.rms_with_m >= self.rms_without_m
 
 
 @dataclass(frozen=True)

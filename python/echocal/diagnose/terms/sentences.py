@@ -1,6 +1,6 @@
 """Sentences that a user can check in the data."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,7 @@ from echocal.observations.quantiles import median, quantiles
 
 __all__ = [
     "Recorded",
+    "enumerated",
     "first_against_others",
     "parameter_text",
     "quantity_text",
@@ -44,6 +45,12 @@ _READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
 _EVEN = 0.1  # spread over mean below which what varies is not the point
 _ENOUGH = 10_000  # rows that tell what follows what
 _SAME = 1e-6  # m, far below what any sensor of this kind resolves
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """``a, b and c``."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def quantity_text(name: str, value: float) -> str:
