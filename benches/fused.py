@@ -12,7 +12,9 @@ import echocal
 CODES = np.arange(-320, 961)
 DAMP = 100  # whole percents
 CHECK = (
-    "if ((echo_us > 38000U) || (code < -320) || (code > 960)%s) { return INT32_MIN; }"
+    "if (((echo_us - (uint32_t)ECHOCAL_ECHO_US_FIRST)"
+    " > (uint32_t)(ECHOCAL_ECHO_US_LAST - ECHOCAL_ECHO_US_FIRST))"
+    " || (code < -320) || (code > 960)%s) { return INT32_MIN; }"
     " const float e = (float)echo_us, t = (float)code%s; return (int32_t)(e * %s);"
 )
 

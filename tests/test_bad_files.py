@@ -2,6 +2,8 @@
 
 import gzip
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,8 @@ import pytest
 
 import echocal
 from echocal import DataError, UsageError
+from echocal.cli import main
+from echocal.observations.source import load
 
 FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
     "empty": (b"", {}, DataError, "is empty"),
@@ -105,13 +109,105 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
     ),
     "broken Parquet": (b"PAR1 and no more", {}, DataError, "begins like Parquet and cannot be read"),
     "broken gzip": (gzip.compress(b"echo_us\n1\n")[:15], {}, DataError, "cannot be unpacked"),
+    "a stray quote that ends at another one": (
+        b'echo_us,x\n11660,1\n11660,"2\n11660,3\n11660,4\n11660,5"\n11660,6\n',
+        {},
+        DataError,
+        "the quotation mark of line 3 would make one field of lines 3 to 6, and line 4 looks like a row "
+        "(11660,3); remove it, or within a quoted field write it twice",
+    ),
+    "a stray quote that ends at a quoted field": (
+        b'echo_us,x,remark\n11660,1,"a"\n11660,"2,\n11660,3,\n11660,4,"calm, dry"\n11660,5,\n',
+        {},
+        DataError,
+        'line 5 has a quotation mark within a field, as if it closed the one of line 3 (11660,4,"calm, dry")',
+    ),
+    "a stray quote in a table of one column": (
+        b'echo_us\n11660\n"11660\n11660\n11660"\n11660\n',
+        {},
+        DataError,
+        "would make one field of lines 3 to 5, and line 4 looks like a row",
+    ),
+    "a stray quote in the last line": (
+        b'echo_us,x\n11660,1\n11660,"2',
+        {},
+        DataError,
+        "nothing closes the quotation mark of line 3",
+    ),
+    "a stray quote in the header": (
+        b'echo_us,"x\n11660,1\n11660,2"\n11660,3\n',
+        {},
+        DataError,
+        'nothing closes the quotation mark of line 1 (echo_us,"x)',
+    ),
+    "a quote within a quoted field": (
+        b'echo_us,x\n11660,"5" pipe"\n11660,2\n',
+        {},
+        DataError,
+        'line 2 has a quotation mark within a field (11660,"5" pipe"); remove it, or within a quoted field '
+        'write it twice ("")',
+    ),
+    "too many fields, far below a logger's own lines": (
+        b"logger 7\n# more\necho_us,x\n11660,1\n11660,2,3\n",
+        {"skip_lines": 1},
+        DataError,
+        "cannot be read as rows of 2 fields like its header: Expected 2 fields in line 5, saw 3",
+    ),
     "unclosed quote": (
         b'echo_us,x\n1,"2\n3,4\n',
         {},
         DataError,
-        "cannot be read as rows of 2 fields like its header: EOF inside",
+        'nothing closes the quotation mark of line 2 (1,"2); remove it, or within a quoted field',
     ),
 }
+
+
+LEGAL = {
+    "a remark of several lines": ('11660,1,"warm,\ncalm"', "warm,\ncalm"),
+    "a remark with a number in it": ('11660,1,"moved to\n2, 5 and 7\n"', "moved to\n2, 5 and 7\n"),
+    "a quote twice": ('11660,1,"a 5"" pipe"', 'a 5" pipe'),
+    "a quote within a bare field": ('11660,1,5" pipe', '5" pipe'),
+    "a blank beside a quote": ('11660,1, "a, b"', "a, b"),
+    "nothing in quotes": ('11660,1,""', ""),
+}
+
+
+@pytest.mark.parametrize("ending", [b"\n", b"\r\n"])
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("case", LEGAL)
+def test_quotes_that_are_right_lose_nothing(case: str, packed: bool, ending: bytes, tmp_path: Path) -> None:
+    written, remark = LEGAL[case]
+    lines = ["echo_us,x,remark", "11660,0,", written, "11660,2,end"]
+    content = b"".join(line.encode() + ending for line in lines)
+    (tmp_path / "log").write_bytes(gzip.compress(content) if packed else content)
+    assert echocal.read_observations(tmp_path / "log").extra["x"].tolist() == [0.0, 1.0, 2.0]
+    fields = load(tmp_path / "log", verbatim=True)
+    assert fields["remark"].tolist() == ["", remark, "end"]
+
+
+@pytest.mark.parametrize("name", ["log.tsv", "log.tsv.gz"])
+@pytest.mark.parametrize("command", ["correct", "diagnose"])
+def test_ten_rows_that_a_stray_quote_would_swallow(
+    command: str, name: str, tmp_path: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    rows = [f"{11660 + n}\t20.1\tdry" for n in range(30)]
+    rows[12] = '11672\t"20.1\tdry'
+    rows[22] = '11682\t20.1"\tdry'
+    content = "\n".join(["echo_us\ttemperature_C\tremark", *rows]).encode()
+    (tmp_path / name).write_bytes(gzip.compress(content) if name.endswith("gz") else content)
+    out = ["-o", str(tmp_path / "out.csv")] if command == "correct" else []
+    monkeypatch.setattr(sys, "argv", ["echocal", command, str(tmp_path / name), *out])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    told = capsys.readouterr().err
+    assert (ended.value.code, told.count("\n")) == (3, 1)
+    assert "the quotation mark of line 14 would make one field of lines 14 to 24, and line 15 looks" in told
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_quote_in_a_line_above_the_header_hides_no_row(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text('"logger\n# 5" pipe\necho_us,x\n11660,1\n11661,2\n')
+    assert len(echocal.read_observations(tmp_path / "log.csv", skip_lines=1)) == 2
 
 
 @pytest.mark.parametrize("case", FILES)
@@ -152,3 +248,39 @@ def test_column_files(text: str | None, message: str, tmp_path: Path) -> None:
         path.write_text(text)
     with pytest.raises(UsageError, match=re.escape(message)):
         echocal.read_observations({"SR_U": [2.0]}, path)
+
+
+WITHOUT_PYARROW = """
+import sys
+
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "pyarrow":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Absent())
+from echocal.cli import main
+
+for command in (
+    "correct log.csv -o out.csv --quiet",
+    "correct log.csv -o out.parquet",
+    "correct log.parquet -o out2.csv",
+    "diagnose log.parquet",
+    "verify log.parquet --maximum-permissible-error-mm 5",
+    "sweep --temperature 0:50:10 -o sweep.parquet",
+):
+    sys.argv = ["echocal", *command.split()]
+    try:
+        main()
+    except SystemExit as end:
+        sys.stderr.write(f"{end.code or 0}\\n")
+"""
+
+
+def test_what_needs_pyarrow_says_so(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("reading_m,temperature_C\n1.5,20\n1.6,21\n")
+    (tmp_path / "log.parquet").write_bytes(b"PAR1")
+    run = [sys.executable, "-c", WITHOUT_PYARROW]
+    told = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=300).stderr.splitlines()
+    assert told == ["0", *["echocal: Parquet needs pyarrow: pip install 'echocal[batch]'", "2"] * 5]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "log.parquet", "out.csv"]

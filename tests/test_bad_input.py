@@ -1,6 +1,7 @@
 """Tables and requests that a user gets wrong, and the one line that says so."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -248,6 +249,22 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
     ),
     "trust in a column that is not there": (ECHO, {"trust": ["echo"]}, UsageError, "no column 'echo'"),
 }
+
+
+OPTIONS: dict[str, tuple[dict[str, Any], str]] = {
+    "lines that are no number": ({"skip_lines": 1.5}, "skip_lines is 1.5; give the number of lines"),
+    "an encoding that is no text": ({"encoding": "zlib"}, "unknown encoding 'zlib'"),
+    "an encoding with a NUL": ({"encoding": "a\0"}, "unknown encoding"),
+    "trust in a number": ({"trust": [3]}, "trust lists names of columns"),
+}
+
+
+@pytest.mark.parametrize("case", OPTIONS)
+def test_options_that_make_no_sense(case: str, tmp_path: Path) -> None:
+    options, message = OPTIONS[case]
+    (tmp_path / "log.csv").write_text("echo_us\n11660\n")
+    with pytest.raises(UsageError, match=re.escape(message)):
+        echocal.read_observations(tmp_path / "log.csv", **options)
 
 
 @pytest.mark.parametrize("case", TABLES)

@@ -88,7 +88,7 @@ def test_text_stays_letter_for_letter(tmp_path: Path) -> None:
     assert lines[1].startswith('11660.50,20.10,"a, b",1.99')
     assert lines[2] == "-9999,20,NA,,echo_us missing"
     assert corrected.rows == 2
-    assert not list(tmp_path.glob("*.tmp"))
+    assert set(tmp_path.iterdir()) == {source, out}
 
 
 @pytest.mark.parametrize("ending", [".csv", ".csv.gz", ".tsv", ".parquet"])

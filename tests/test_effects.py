@@ -171,4 +171,5 @@ def test_a_file_that_cannot_be_written_is_one_line(
     with pytest.raises(SystemExit) as stopped:
         main()
     assert stopped.value.code == 2
-    assert capsys.readouterr().err == f"echocal: {target} cannot be written: No such file or directory\n"
+    told = f"echocal: {target} cannot be written: there is no folder {target.parent}; make it first\n"
+    assert capsys.readouterr().err == told

@@ -13,12 +13,12 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "errors"},
-    {"domain", "codes"},
+    {"domain", "codes", "outputs"},
     {"conditions", "air", "registry"},
     {"model"},
     {"observations"},
     {"sweep", "calibrate"},
-    {"diagnose", "silicon"},
+    {"diagnose", "silicon", "echoes"},
     {"plots", "report", "verify", "firmware", "batch", "correct"},
     {"study", "explore"},
     {"cli"},

@@ -26,6 +26,56 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         UsageError,
         r"the first argument must be real numbers, but has dtype datetime64\[D\]",
     ),
+    "rows of several lengths": (
+        lambda: Model("linear").indicate([[1.0, 2.0], [3.0]], temperature=20.0),  # type: ignore[list-item]
+        UsageError,
+        "the first argument is no array of numbers: .* inhomogeneous shape",
+    ),
+    "air in rows of several lengths": (
+        lambda: echocal.departures([20.0], [[0.1, 0.2], [0.3]]),  # type: ignore[list-item]
+        UsageError,
+        "relative_humidity must be real numbers, but is not: .* inhomogeneous shape",
+    ),
+    "air with an imaginary part": (
+        lambda: echocal.departures([20.0 + 1j]),
+        UsageError,
+        "temperature must be real numbers, but is not: dtype complex128",
+    ),
+    "an integer that no float holds": (
+        lambda: Model("linear").indicate([10**400], temperature=20.0),
+        UsageError,
+        "the first argument must be real numbers, but has dtype object",
+    ),
+    "a law that is no text": (
+        lambda: echocal.departures([20.0], law="\ud800"),
+        ModelError,
+        r"the law is '\\ud800'; give a name",
+    ),
+    "two laws in one": (
+        lambda: echocal.distance(0.01, 20.0, law="cramer|linear"),
+        ModelError,
+        r"unknown law 'cramer\|linear'",
+    ),
+    "no law for a batch": (
+        lambda: echocal.distance(0.01, 20.0, law=None),  # type: ignore[arg-type]
+        ModelError,
+        "the law is None; give a name",
+    ),
+    "a condition in words": (
+        lambda: echocal.distance([0.01], 20.0, where="yes"),
+        UsageError,
+        "where must be true or false in each row, but has dtype <U3",
+    ),
+    "a condition in numbers": (
+        lambda: echocal.distance([0.01], 20.0, where=[1]),
+        UsageError,
+        "where must be true or false in each row, but has dtype int64",
+    ),
+    "a speed in words": (
+        lambda: echocal.error([1.0], 20.0, reading_speed=[343.0]),  # type: ignore[arg-type]
+        UsageError,
+        r"reading_speed is \[343.0\]; give a speed in m/s",
+    ),
     "text for a temperature": (
         lambda: Model("linear").indicate([2.0], temperature="warm"),
         UsageError,
@@ -157,9 +207,9 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         r"temperature is 'fine'; give TemperatureCodes\(lsb, low, high, zero\), or the numbers as a tuple",
     ),
     "too many numbers of an echo": (
-        lambda: echocal.firmware.generate(Model("linear"), echo=(1, 2, 3)),  # type: ignore[arg-type]
+        lambda: echocal.firmware.generate(Model("linear"), echo=(1, 2, 3, 4)),
         UsageError,
-        r"echo is \(1, 2, 3\); give EchoCodes\(lsb, longest\), or the numbers as a tuple",
+        r"echo is \(1, 2, 3, 4\); give EchoCodes\(lsb, longest, shortest\), or the numbers as a tuple",
     ),
     "assumptions as a list": (
         lambda: echocal.firmware.generate(Model("linear"), assume=["pressure"]),  # type: ignore[arg-type]

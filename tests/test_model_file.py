@@ -1,6 +1,8 @@
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from copy import deepcopy
 from pathlib import Path
+from random import Random, randrange
 from typing import Any
 
 import numpy as np
@@ -122,6 +124,37 @@ BROKEN = {
 }
 
 
+def uncertain(value: Any) -> Callable[[dict[str, Any]], object]:
+    return lambda d: d["effects"][1]["parameters"]["delay"].update(standard_uncertainty=value)
+
+
+BROKEN |= {
+    "a ragged covariance": (
+        lambda d: d.update(covariance=[[0.04, 3e-8], [3e-8]]),
+        "covariance is no table of 2 rows of 2 numbers each: temperature_offset.offset, fixed_delay.delay",
+    ),
+    "a covariance of long integers": (
+        lambda d: d.update(covariance=[[10**400, 0], [0, 1]]),
+        "covariance",
+    ),
+    "half a character for a law": (lambda d: d.update(law="\ud800"), "the law is"),
+    "half a character for an effect": (lambda d: d["effects"][1].update(id="\ud800"), "unknown effect"),
+    "a wide uncertainty": (
+        uncertain(1e200),
+        "fixed_delay.delay has standard_uncertainty 1e+200; give 1e+150",
+    ),
+    "an uncertainty below zero": (
+        uncertain(-1),
+        "standard_uncertainty: Input should be greater than or equal",
+    ),
+    "an uncertainty that is true": (uncertain(True), "standard_uncertainty: Input should be a valid number"),
+    "a schema of many digits": (
+        lambda d: d.update(schema=f"echocal.model/{'9' * 5000}"),
+        "expected 'echocal.model/1'",
+    ),
+}
+
+
 @pytest.mark.parametrize("case", BROKEN)
 def test_a_broken_file_is_named_with_its_fault(saved: Path, case: str) -> None:
     change, message = BROKEN[case]
@@ -160,7 +193,7 @@ def test_files_that_cannot_be_read_or_written(tmp_path: Path) -> None:
         echocal.Model.load(tmp_path / "absent.json")
     with pytest.raises(echocal.ModelError, match="directory"):
         echocal.Model.load(tmp_path)
-    with pytest.raises(echocal.ModelError, match="cannot write"):
+    with pytest.raises(echocal.ModelError, match="cannot be written"):
         echocal.Model().save(tmp_path / "absent" / "model.json")
     unplain = echocal.Model(provenance={"mean": float("nan")})
     with pytest.raises(echocal.ModelError, match="provenance"):
@@ -179,3 +212,71 @@ def test_files_that_cannot_be_read_or_written(tmp_path: Path) -> None:
 def test_a_covariance_that_cannot_be(covariance: list[list[float]], message: str) -> None:
     with pytest.raises(echocal.ModelError, match=message):
         echocal.Model("linear", EFFECTS, covariance=covariance)
+
+
+def nested(depth: int) -> list[Any]:
+    whole: list[Any] = []
+    for _ in range(depth):
+        whole = [whole]
+    return whole
+
+
+STRANGE: tuple[Any, ...] = (
+    *(None, True, False, 0, -1, 1e200, -1e308, 10**30, 10**400, 5e-324, float("nan"), float("inf")),
+    *("", "x", "\ud800", "\0", "343", "1e400", "9" * 400, "(((((", "1/0", "T*T", "cramer", "a" * 10_000),
+    *([], {}, [[]], [[1.0]], [1, 2], {"a": 1}, {"id": "drift"}, {"value": 1.0}, nested(50), nested(400)),
+)
+NAMES = ("x", "", "\ud800", "value", "unit", "id", "shape", "covariance", "parameters", "delay")
+
+
+def places(document: Any) -> Iterator[tuple[Any, Any]]:
+    """Every container of a document, with every key or position in it."""
+    inside = document.items() if isinstance(document, dict) else enumerate(document)
+    for key, value in list(inside):
+        yield document, key
+        if isinstance(value, dict | list):
+            yield from places(value)
+
+
+def mutate(document: dict[str, Any], random: Random) -> None:
+    """Replace, remove, repeat or rename what stands at some place of a document."""
+    container, key = random.choice(list(places(document)))
+    match random.randrange(8):
+        case 0:
+            del container[key]
+        case 1 if isinstance(container, list):
+            container.insert(key, deepcopy(container[key]))
+        case 1:
+            container[random.choice(NAMES)] = deepcopy(container[key])
+        case _:
+            container[key] = deepcopy(random.choice(STRANGE))
+
+
+def test_any_file_is_a_model_or_told_why_not(saved: Path) -> None:
+    seed = randrange(2**32)
+    print(f"seed {seed}")  # pytest shows it where this fails
+    random = Random(seed)
+    whole = json.loads(saved.read_text())
+    del whole["hash"]
+    shape = {"against": "temperature", "at": [0.0, 20.0], "shift": [0.0, 2e-3], "unit": "m"}
+    whole["shape"] = {**shape, "standard_uncertainty": [1e-4, 1e-4]}
+    outcomes = {True: 0, False: 0}
+    for _ in range(1000):
+        document = deepcopy(whole)
+        for _ in range(random.choice((1, 1, 1, 2, 3))):
+            mutate(document, random)
+        text = json.dumps(document)
+        if random.random() < 0.1:
+            place = random.randrange(len(text))
+            text = (
+                text[:place] + random.choice(('"', "{", "}", ",", "-", "\0", "9" * 5000)) + text[place + 1 :]
+            )
+        saved.write_text(text)
+        try:
+            model = echocal.Model.load(saved)
+        except echocal.ModelError:
+            outcomes[False] += 1
+        else:
+            assert echocal.Model(model.law, model.effects).effects == model.effects
+            outcomes[True] += 1
+    assert min(outcomes.values()) > 0

@@ -124,7 +124,7 @@ def test_tables_are_read_back_as_observations(ending: str, tmp_path: Path) -> No
     np.testing.assert_array_equal(data.echo_time, grid.time_of_flight.to_numpy().ravel())
     np.testing.assert_array_equal(data.reference_distance, np.tile([0.5, 2.0], 6))
     np.testing.assert_array_equal(data.conditions["relative_humidity"], 0.5)
-    assert not list(tmp_path.glob("*.tmp"))
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_netcdf_keeps_units_and_values(tmp_path: Path) -> None:

@@ -45,7 +45,8 @@ def test_an_index_of_times_is_mapped_and_corrected(tmp_path: Path) -> None:
     table.to_parquet(tmp_path / "in.parquet")
     for out in ("out.parquet", "out.csv"):
         correct_file(tmp_path / "in.parquet", tmp_path / out, Model("linear"), reading_speed="linear")
-    assert pd.read_parquet(tmp_path / "out.parquet")["logged"].tolist() == TIMES.tolist()
+    written = pd.read_parquet(tmp_path / "out.parquet")
+    pd.testing.assert_frame_equal(written[list(TABLE.columns)], pd.read_parquet(tmp_path / "in.parquet"))
     assert pd.read_csv(tmp_path / "out.csv")["logged"].tolist() == TIMES.astype(str).tolist()
 
 

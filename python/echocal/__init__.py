@@ -2,7 +2,7 @@
 
 from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
 from echocal import firmware
-from echocal._core import absorption, distance, error, speed_of_sound, time_of_flight
+from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
 from echocal.diagnose import Diagnosis, diagnose, gross_faults, noises, row_faults
 from echocal.domain import DEPARTURES, departures
@@ -38,6 +38,7 @@ __all__ = [
     "Regression",
     "UsageError",
     "Verification",
+    "__version__",
     "absorption",
     "calibrate",
     "departures",

@@ -95,11 +95,15 @@ def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
     """Array of real numbers, NaN where masked or None; raises `UsageError` for anything else."""
     if isinstance(given, float | int):
         return np.asarray(given, dtype=np.float64)  # the common case is fast
-    values = unmasked(given)
+    try:
+        values = unmasked(given)
+    except ValueError as error:  # rows of several lengths
+        message = f"{name} is no array of numbers: {error}"
+        raise UsageError(message) from None
     try:
         if values.dtype.kind not in "biufO":  # NumPy would take a date for a number
             raise TypeError
         return values.astype(np.float64, copy=False)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         message = f"{name} must be real numbers, but has dtype {values.dtype}"
         raise UsageError(message) from None

@@ -14,8 +14,22 @@ DEPARTURES: tuple[str, ...] = tuple(_core.departure_names())
 """What each code of `departures` says lies outside; empty for inside."""
 
 
+_NAMES = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction", "frequency")
+
+
 def _arrays(*values: ArrayLike) -> list[NDArray[np.float64]]:
-    return [np.asarray(value, dtype=np.float64) for value in values]
+    return [_numbers(name, value) for name, value in zip(_NAMES, values, strict=True)]
+
+
+def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    try:
+        values = np.asarray(given)
+        if values.dtype.kind not in "biufO":  # NumPy would take a date, or the half of a complex number
+            raise TypeError(f"dtype {values.dtype}")
+        return values.astype(np.float64, copy=False)
+    except (TypeError, ValueError, OverflowError) as error:
+        message = f"{name} must be real numbers, but is not: {error}"
+        raise UsageError(message) from None
 
 
 def departures(
@@ -55,7 +69,7 @@ def departures(
     ModelError
         If there is no such law.
     UsageError
-        If the shapes do not broadcast.
+        If an input does not hold numbers, or the shapes do not broadcast.
 
     References
     ----------

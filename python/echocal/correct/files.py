@@ -8,15 +8,20 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from echocal.correct.columns import as_text, from_text, with_results
 from echocal.correct.tables import RESULTS, Corrected, correct_table
 from echocal.errors import DataError, UsageError, writing
 from echocal.model import Model
-from echocal.observations.source import load
+from echocal.observations.arrow import Table, arrow, read_parquet
+from echocal.observations.source import is_folder, is_parquet, load
 from echocal.observations.text import Layout
+from echocal.outputs import replacing
 
 __all__ = ["correct_file", "correct_folder"]
 
 _TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
+_COMPRESSIONS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
+"""Names for writing, where files call them differently."""
 
 
 def correct_file(
@@ -51,18 +56,29 @@ def correct_file(
         If the ending of `out` is unknown, or `out` is `source`.
     """
     ending = _ending(out)
-    if out.exists() and out.samefile(source):
+    parquet = is_parquet(source)
+    with writing(out):
+        same = out.exists() and out.samefile(source)
+    if same:
         message = f"{out} is the input itself; choose another output"
         raise UsageError(message)
     layout = layout or Layout()
-    corrected = correct_table(load(source, layout), model, columns, **options)
-    results = corrected.table[list(RESULTS)]
     if ending == ".parquet":
-        _replace(out, lambda path: _write_parquet(corrected.table, path))
+        arrow()  # asked for first
+    stored, compression = read_parquet(source) if parquet else (None, "SNAPPY")
+    corrected = correct_table(load(source if stored is None else stored, layout), model, columns, **options)
+    results = corrected.table[list(RESULTS)]
+    notes: list[str] = []
+    if ending == ".parquet":
+        if stored is None:
+            kept = [name for name in corrected.table.columns if name not in RESULTS]
+            stored = from_text(load(source, layout, verbatim=True)[kept], layout.decimal)
+        whole = with_results(stored, results)
+        _replace(out, lambda path: _write_parquet(whole, path, compression))
     else:
-        verbatim = load(source, layout, verbatim=True)
-        _replace(out, lambda path: _write_text(verbatim.join(results), path, ending, layout.decimal))
-    return corrected
+        fields, notes = as_text(stored) if parquet else (load(source, layout, verbatim=True), [])
+        _replace(out, lambda path: _write_text(fields.join(results), path, ending, layout.decimal))
+    return replace(corrected, notes=(*corrected.notes, *notes))
 
 
 def correct_folder(
@@ -86,7 +102,7 @@ def correct_folder(
     dict of Path to Corrected
         By output file, without the tables.
     """
-    files = sorted(source.rglob("*.parquet"))
+    files = sorted(source.rglob("*.parquet")) if is_folder(source) else []
     if not files:
         message = f"{source} has no .parquet file"
         raise DataError(message)
@@ -117,18 +133,12 @@ def _ending(path: Path) -> str:
 
 
 def _replace(out: Path, write: Callable[[Path], None]) -> None:
-    """Write beside the file, then put it in place: a reader never sees half a file."""
-    unfinished = out.with_name(f"{out.name}.tmp")
-    try:
-        with writing(out):
-            write(unfinished)
-            unfinished.replace(out)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with replacing(out) as unfinished:
+        write(unfinished)
 
 
-def _write_parquet(table: pd.DataFrame, path: Path) -> None:
-    table.astype({RESULTS[1]: "category"}).to_parquet(path, index=False)
+def _write_parquet(table: Table, path: Path, compression: str) -> None:
+    arrow().parquet.write_table(table, path, compression=_COMPRESSIONS.get(compression, compression))
 
 
 def _write_text(table: pd.DataFrame, path: Path, ending: str, decimal: str) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from echocal.errors import DataError, DataWarning
+from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import read_observations
 from echocal.observations.correction import corrected_distance
@@ -89,6 +89,9 @@ def correct_table(
     >>> correct_table(echoes, device).table["corrected_distance_m"].round(6).tolist()
     [2.000305, 1.001011]
     """
+    if not isinstance(table, pd.DataFrame):
+        message = f"correct_table corrects a pandas table, got {type(table).__name__}"
+        raise UsageError(message)
     taken = [name for name in RESULTS if name in table.columns]
     if taken:
         message = f"the table already has a column '{taken[0]}': it was corrected before; rename or remove it"

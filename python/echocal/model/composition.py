@@ -121,14 +121,30 @@ class Model:
         if not isinstance(law, str):
             message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
             raise ModelError(message)
-        self._core = _core.Model(law, _terms(effects or {}))
+        self._build(law, effects or {})
         _refuse_standstill(self._core.law)
-        self._needs = needs.of(self._core)
         self.air = needs.assumed(air or {})
         self.effects = {id_: _by_name(id_, values) for id_, values in self._core.terms}
         self.covariance = covariances.checked(covariance, self.parameter_names)
         self.provenance = dict(provenance or {})
         self.shape = shape
+
+    def _build(self, law: str, effects: Mapping[str, Mapping[str, float]]) -> None:
+        try:
+            self._core = _core.Model(law, _terms(effects))
+        except UnicodeEncodeError:
+            message = f"the law {law!r}, or the name of an effect or a parameter, holds half a character"
+            raise ModelError(message) from None
+        self._needs = needs.of(self._core)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy is made of, here or in another process: the compiled parts are built anew."""
+        built = {"_core", "_needs"}
+        return {"law": self.law, **{name: own for name, own in vars(self).items() if name not in built}}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update({name: own for name, own in state.items() if name != "law"})
+        self._build(state["law"], self.effects)
 
     @property
     def law(self) -> str:
@@ -166,7 +182,7 @@ class Model:
         Parameters
         ----------
         path : str or Path
-            File to write; an existing one is replaced.
+            File to write; an existing one is replaced when the new one is complete.
 
         Raises
         ------

@@ -15,7 +15,11 @@ def checked(given: ArrayLike | None, names: tuple[str, ...]) -> NDArray[np.float
     if given is None:
         return None
     count = len(names)
-    matrix = np.array(given, dtype=np.float64)
+    try:
+        matrix = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        message = f"covariance is no table of {count} rows of {count} numbers each: {', '.join(names)}"
+        raise ModelError(message) from None
     if matrix.size == count == 0:
         return np.zeros((0, 0))
     if matrix.shape != (count, count):
@@ -28,7 +32,9 @@ def checked(given: ArrayLike | None, names: tuple[str, ...]) -> NDArray[np.float
         message = f"covariance gives {names[int(np.argmin(variances))]} the variance {variances.min():g} < 0"
         raise ModelError(message)
     scale = np.sqrt(variances)
-    if (np.abs(matrix - matrix.T) > ROUNDING * np.multiply.outer(scale, scale)).any():
+    with np.errstate(over="ignore"):
+        apart = np.abs(matrix - matrix.T)
+    if (apart > ROUNDING * np.multiply.outer(scale, scale)).any():
         raise ModelError("covariance is not symmetric")
     return matrix
 

@@ -5,7 +5,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from echocal.errors import ModelError
+from echocal.errors import ModelError, UsageError
+from echocal.outputs import replace_text
 from echocal.registry import find_effect
 
 if TYPE_CHECKING:
@@ -55,11 +56,11 @@ def write(model: "Model", path: Path) -> None:
     complete = {**document, "hash": digest(document), "data": model.provenance}
     try:
         text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
-    except (TypeError, ValueError) as error:
+        text.encode()  # half a character is none
+    except (TypeError, ValueError, RecursionError) as error:
         message = f"cannot write {path}: the provenance is not plain data with finite numbers ({error})"
         raise ModelError(message) from None
     try:
-        path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        message = f"cannot write model file {path}: {error.strerror}"
-        raise ModelError(message) from None
+        replace_text(path, text + "\n")
+    except UsageError as error:
+        raise ModelError(str(error)) from None

@@ -2,6 +2,7 @@
 
 import json
 import re
+import reprlib
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
@@ -14,6 +15,9 @@ from echocal.model.shape import Shape
 from echocal.registry import find_effect
 
 __all__ = ["read"]
+
+_WIDEST = 1e150  # standard uncertainty whose square is still a number
+_DIGITS = 9  # of a schema's number; more are a mistake
 
 
 class _Entry(BaseModel):
@@ -64,7 +68,7 @@ def read(path: Path) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = ".".join(str(part) for part in first["loc"])
-        message = f"{path}: {place}: {first['msg']} (found {first['input']!r:.60})"
+        message = f"{path}: {place}: {first['msg']} (found {reprlib.repr(first['input']):.60})"
         raise ModelError(message) from None
     except UsageError as error:
         message = f"{path}: {error}"
@@ -78,9 +82,14 @@ def _parse(path: Path) -> dict[str, Any]:
         raise ModelError(message)
 
     try:
-        document = json.loads(path.read_text(encoding="utf-8-sig"), parse_constant=refuse)
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise ModelError("is not JSON, not even text") from None
+    except ValueError as error:  # a NUL byte, half a character
+        message = f"cannot be the name of a file: {error}"
+        raise ModelError(message) from None
+    try:
+        document = json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:
         message = f"is not JSON: line {error.lineno}, column {error.colno}: {error.msg}"
         raise ModelError(message) from None
@@ -98,11 +107,11 @@ def _parse(path: Path) -> dict[str, Any]:
 def _check_schema(document: dict[str, Any]) -> None:
     schema = document.get("schema")
     version = re.fullmatch(r"echocal\.model/(\d+)", str(schema))
-    if version and int(version[1]) > NEWEST:
+    if version and len(version[1]) <= _DIGITS and int(version[1]) > NEWEST:
         message = f"written by a newer echocal: schema {schema}; this one reads up to /{NEWEST}; update"
         raise ModelError(message)
     if schema != SCHEMA:
-        message = f"schema is {schema!r}; expected '{SCHEMA}'"
+        message = f"schema is {reprlib.repr(schema)}; expected '{SCHEMA}'"
         raise ModelError(message)
 
 
@@ -157,6 +166,10 @@ def _uncertainties(file: _File) -> dict[str, float | None]:
 def _covariance(file: _File) -> Any:
     """Return the covariance; without one, that of independent parameters with stated uncertainties."""
     stated = _uncertainties(file)
+    for name, uncertainty in stated.items():
+        if uncertainty is not None and uncertainty > _WIDEST:
+            message = f"{name} has standard_uncertainty {uncertainty:g}; give {_WIDEST:g} at most"
+            raise ModelError(message)
     known = {name: u for name, u in stated.items() if u is not None}
     if file.covariance is not None:
         for (name, uncertainty), variance in zip(stated.items(), _diagonal(file.covariance), strict=False):

@@ -15,8 +15,9 @@ from echocal.model import Model
 from echocal.observations import checks, clock, labels
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
+from echocal.observations.fields import row, rows
 from echocal.observations.names import looks_like, phrase, unit_of
-from echocal.observations.numbers import Missing, row, rows, to_numbers
+from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
@@ -74,9 +75,12 @@ class Assembly:
         """Values of a quantity [SI]; rows without one, or with an impossible one, are marked."""
         source = self.plan.assignments[quantity]
         if source.name == "time":
-            self.time = clock.instants(self.table[source.column], source.column, self.time_zone)
+            given = self.table[source.column]
+            self.time, outside = clock.instants(given, source.column, self.time_zone)
             values = clock.elapsed(self.time)
-            self._check_filled(values, source)
+            self._mark(outside, f"{source.column} out of range", source)
+            self.notes += checks.outside_years(given, outside, source)
+            self._check_filled(np.where(outside, np.inf, values), source)
             self.notes += checks.newest_first(values, source)
             return values
         checks.refuse_truth(self.table[source.column], source)
@@ -154,7 +158,7 @@ class Assembly:
     def _labels(self, name: str) -> NDArray[np.int64]:
         column = self.plan.assignments[name].column
         values = self.table[column]
-        return labels.positions(values, column) if name == "order" else labels.codes(values)
+        return labels.positions(values, column) if name == "order" else labels.codes(values, column)
 
     def _extra(self) -> dict[str, Column]:
         """Other columns that hold numbers."""

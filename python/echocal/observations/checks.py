@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
-from echocal.observations.numbers import row, rows
+from echocal.observations.clock import YEARS
+from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
 from echocal.observations.units import NAMES, Form, Unit
 
-__all__ = ["ends", "impossible", "newest_first", "refuse_other_unit", "refuse_truth", "refuse_without_values"]
-__all__ += ["si_unit", "suspected_codes"]
+__all__ = ["ends", "impossible", "newest_first", "outside_years", "refuse_other_unit", "refuse_truth"]
+__all__ += ["refuse_without_values", "si_unit", "suspected_codes"]
 
 _CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 
@@ -78,6 +79,17 @@ def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
         f"{assignment.column} falls in {falling} of {rows(len(steps))}, as where the newest row comes first; "
         "rows stay in their order, and what depends on it (rows that follow each other) is better told "
         "of a table sorted by time"
+    ]
+
+
+def outside_years(given: pd.Series[Any], outside: Mask, assignment: Assignment) -> list[str]:
+    """A sentence on times that no sensor was read at."""
+    if not outside.any():
+        return []
+    first = int(np.flatnonzero(outside)[0])
+    return [
+        f"{assignment.column} has no time of the years {YEARS[0]} to {YEARS[1]} in {rows(outside.sum())}, "
+        f"first at {row(first)}: {given.iloc[first]}"
     ]
 
 

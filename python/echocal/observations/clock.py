@@ -11,15 +11,20 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
-from echocal.observations.numbers import row
+from echocal.observations.fields import fields, row, shown
 
-__all__ = ["Instants", "elapsed", "hour_angle", "instants"]
+__all__ = ["YEARS", "Instants", "elapsed", "hour_angle", "instants"]
 
 Instants = NDArray[np.datetime64]
 
+YEARS = (1678, 2261)
+"""First and last year that 64 bits of nanoseconds hold as a whole; beyond, they would wrap around."""
 
-def instants(values: pd.Series[Any], column: str, time_zone: str) -> Instants:
-    """Instants in UTC of a column of ISO 8601 texts or of datetimes; NaT where empty.
+
+def instants(values: pd.Series[Any], column: str, time_zone: str) -> tuple[Instants, NDArray[np.bool_]]:
+    """Instants in UTC of a column of ISO 8601 texts or of datetimes, and which lie outside `YEARS`.
+
+    An instant is NaT where the field is empty or outside.
 
     Parameters
     ----------
@@ -40,10 +45,14 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> Instants:
         )
         raise DataError(message)
     zone = _zone(time_zone)
-    times = values if pd.api.types.is_datetime64_any_dtype(values) else _parse(values, column)
+    far = np.zeros(len(values), dtype=np.bool_)
+    times = values if pd.api.types.is_datetime64_any_dtype(values) else _parse(values, column, far)
+    year = times.dt.year.to_numpy(dtype=np.float64, na_value=np.nan)
+    outside = far | (year < YEARS[0]) | (year > YEARS[1])
+    times = times.mask(outside)
     if times.dt.tz is None:
         times = _localize(times, column, zone)
-    return np.array(times.dt.tz_convert("UTC").dt.tz_localize(None), dtype="datetime64[ns]")
+    return np.array(times.dt.tz_convert("UTC").dt.tz_localize(None), dtype="datetime64[ns]"), outside
 
 
 def elapsed(times: Instants) -> NDArray[np.float64]:
@@ -72,29 +81,44 @@ def hour_angle(times: Instants, time_zone: str) -> NDArray[np.float64]:
 def _zone(name: str) -> tzinfo:
     try:
         return ZoneInfo(name)
-    except (ZoneInfoNotFoundError, ValueError, OSError):
+    except (ZoneInfoNotFoundError, TypeError, ValueError, OSError):
         message = f"unknown time zone '{name}'; IANA names are like UTC or Europe/Copenhagen"
         raise UsageError(message) from None
 
 
-def _parse(values: pd.Series[Any], column: str) -> pd.Series[Any]:
-    fields = values.astype(object).where(values.notna(), "").map(lambda field: str(field).strip())
-    filled = fields != ""
-    offset = fields.str.contains(r"(?:Z|:\d\d(?:\.\d+)?[+-]\d\d(?::?\d\d)?)$", regex=True)
+def _parse(values: pd.Series[Any], column: str, far: NDArray[np.bool_]) -> pd.Series[Any]:
+    """Times of texts; marks in `far` those that the resolution of the others cannot hold."""
+    texts = fields(values, column)
+    filled = texts != ""
+    offset = texts.str.contains(r"(?:Z|:\d\d(?:\.\d+)?[+-]\d\d(?::?\d\d)?)$", regex=True)
     aware = bool(offset.any())
     if aware and not offset[filled].all():
         first = int(np.flatnonzero(filled & ~offset)[0])
         message = f"column '{column}' has times with and without an offset, first without at {row(first)}"
         raise DataError(message)
-    times = pd.to_datetime(fields.where(filled), format="ISO8601", utc=aware, errors="coerce")
-    wrong = np.flatnonzero(times.isna() & filled)
+    times = _of_texts(texts.where(filled), aware)
+    wrong = times.isna() & filled
+    if wrong.any():
+        far |= _of_texts(texts.where(wrong), aware).notna().to_numpy()
+        _refuse_others(texts, np.flatnonzero(wrong & ~far), column)
+    return times
+
+
+def _of_texts(texts: pd.Series[Any], aware: bool) -> pd.Series[Any]:
+    # pandas takes "now" for a time, too
+    dated = [isinstance(text, str) and text[0].isdigit() and text.isascii() for text in texts]
+    given = texts if all(dated) else texts.where(np.array(dated))
+    times: pd.Series[Any] = pd.to_datetime(given, format="ISO8601", utc=aware, errors="coerce")
+    return times
+
+
+def _refuse_others(texts: pd.Series[Any], wrong: NDArray[np.intp], column: str) -> None:
     if len(wrong):
         message = (
-            f"column '{column}' has {len(wrong)} of {len(fields)} rows that are not ISO 8601 "
-            f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{fields.iloc[wrong[0]]}'"
+            f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not ISO 8601 "
+            f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'"
         )
         raise DataError(message)
-    return times
 
 
 def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any]:

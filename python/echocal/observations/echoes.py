@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
-from echocal.observations.numbers import row
+from echocal.observations.fields import row
 from echocal.observations.plan import Assignment
 
 __all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]

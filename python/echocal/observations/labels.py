@@ -9,15 +9,32 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.observations.numbers import row
+from echocal.observations.fields import fields, is_empty, refuse_object, row, shown
 
 __all__ = ["codes", "positions"]
 
 
-def codes(values: pd.Series[Any]) -> NDArray[np.int64]:
-    """Number the distinct values in the order in which they appear; -1 where empty."""
-    filled = values.where(values.notna() & (values.astype(str).str.strip() != ""))
-    return np.asarray(pd.factorize(filled)[0], dtype=np.int64)
+def codes(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
+    """Number the distinct values in the order in which they appear; -1 where empty.
+
+    Raises
+    ------
+    DataError
+        If a field is no single value.
+    """
+    if pd.api.types.is_numeric_dtype(values) or pd.api.types.is_datetime64_any_dtype(values):
+        return np.asarray(pd.factorize(values)[0], dtype=np.int64)
+    numbers: dict[Any, int] = {}
+    found = np.full(len(values), -1, dtype=np.int64)
+    for position, field in enumerate(values.astype(object)):
+        label = field.strip() if isinstance(field, str) else field
+        try:
+            if not is_empty(label):
+                found[position] = numbers.setdefault(field, len(numbers))
+        except (TypeError, ArithmeticError):  # a list; a signaling NaN
+            refuse_object(column, position, field)
+            raise
+    return found
 
 
 def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
@@ -28,13 +45,13 @@ def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
     DataError
         If a field has no whole number, or several.
     """
-    fields = values.astype(object).where(values.notna(), "").map(lambda field: str(field).strip())
-    found = fields.str.extract(r"^\D*?(\d+)(?:\.0)?\D*$", expand=False)
-    wrong = np.flatnonzero(found.isna() & (fields != ""))
+    texts = fields(values, column)
+    found = texts.str.extract(r"^\D*?(\d{1,18})(?:\.0)?\D*$", expand=False)
+    wrong = np.flatnonzero(found.isna() & (texts != ""))
     if len(wrong):
         message = (
             f"column '{column}' must hold the position in a burst, one whole number a row; "
-            f"{row(wrong[0])} has '{fields.iloc[wrong[0]]}'"
+            f"{row(wrong[0])} has '{shown(texts.iloc[wrong[0]])}'"
         )
         raise DataError(message)
     return found.fillna("-1").to_numpy(dtype=np.int64)

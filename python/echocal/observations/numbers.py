@@ -11,11 +11,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
+from echocal.observations.fields import fields, row, shown
 
-__all__ = ["Missing", "row", "rows", "to_numbers"]
+__all__ = ["EMPTY", "Missing", "to_numbers"]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
-_EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
+EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
+"""Texts that stand for no value in a column of numbers."""
 
 Column = NDArray[np.float64]
 
@@ -54,16 +56,6 @@ class Missing:
         return [float(code) for code in self.texts(column) if _is_number(code)]
 
 
-def row(position: int | np.intp) -> str:
-    """Name a row for a person: the first row below the header is row 1."""
-    return f"row {int(position) + 1}"
-
-
-def rows(count: int | np.intp) -> str:
-    """Count rows for a person."""
-    return f"{count} row" if count == 1 else f"{count} rows"
-
-
 def to_numbers(values: pd.Series[Any], column: str, missing: Missing) -> Column:
     """Numbers of a column; NaN where the field is empty or holds an error code.
 
@@ -91,14 +83,14 @@ def to_numbers(values: pd.Series[Any], column: str, missing: Missing) -> Column:
 
 
 def _parse(values: pd.Series[Any], column: str, missing: Missing) -> Column:
-    fields = values.astype(object).where(values.notna(), "").map(lambda field: str(field).strip())
-    absent = fields.isin(_EMPTY | missing.texts(column)).to_numpy()
-    numbers = pd.to_numeric(fields.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
+    texts = fields(values, column)
+    absent = texts.isin(EMPTY | missing.texts(column)).to_numpy()
+    numbers = pd.to_numeric(texts.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
     wrong = np.flatnonzero(np.isnan(numbers) & ~absent)
     if len(wrong):
         message = (
-            f"column '{column}' has text in {len(wrong)} of {len(fields)} rows, "
-            f"first at {row(wrong[0])}: '{fields.iloc[wrong[0]]}'; {_hint(fields.iloc[wrong])}"
+            f"column '{column}' has text in {len(wrong)} of {len(texts)} rows, "
+            f"first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; {_hint(texts.iloc[wrong])}"
         )
         raise DataError(message)
     return numbers
@@ -112,7 +104,7 @@ def _hint(texts: pd.Series[Any]) -> str:
         return f"'{grouped[0]}' has separators of thousands: write such numbers without, as {plain}"
     if _is_number(texts.iloc[0].replace(",", ".", 1)):
         return "a decimal comma? pass --decimal ,"
-    return f'if it means "no value": --missing "{texts.iloc[0]}"'
+    return f'if it means "no value": --missing "{shown(texts.iloc[0])}"'
 
 
 def _is_number(text: str) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from echocal.errors import DataWarning
+from echocal.errors import DataWarning, UsageError
 from echocal.observations.table import Observations
 
 __all__ = ["read_observations"]
@@ -92,6 +92,9 @@ def read_observations(
     from echocal.observations.text import Layout
 
     trust = [trust] if isinstance(trust, str) else trust
+    if not isinstance(trust, Collection) or not all(isinstance(name, str) for name in trust):
+        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
+        raise UsageError(message)
     table = load(source, Layout(skip_lines, decimal, encoding))
     codes = Missing(missing)
     codes.refuse_unknown(table.columns)

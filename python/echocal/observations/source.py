@@ -4,14 +4,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
 from echocal.observations import text
+from echocal.observations.arrow import arrow, read_parquet, to_pandas
 
-__all__ = ["load"]
+__all__ = ["is_folder", "is_parquet", "load"]
 
 _PARQUET = b"PAR1"
 _NO_TEXT = {
@@ -50,7 +52,7 @@ def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = Fal
         where = f"{source}"
     else:
         table, where = _object(source), "the table"
-    table.columns = pd.Index([str(name).strip() for name in table.columns])
+    table.columns = pd.Index([str(name).strip() for name in table.columns], dtype=object)
     repeated = table.columns[table.columns.duplicated()]
     if len(repeated):
         message = f"{where} has more than one column '{repeated[0]}'; rename all but one"
@@ -64,10 +66,29 @@ def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = Fal
     return table
 
 
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder; what cannot be a name is none."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def is_parquet(path: Path) -> bool:
+    """Whether a file begins as Parquet does.
+
+    Raises
+    ------
+    DataError
+        If it cannot be read.
+    """
+    return _head(path).startswith(_PARQUET)
+
+
 def _file(path: Path, layout: text.Layout, verbatim: bool) -> pd.DataFrame:
     head = _head(path)
     if head.startswith(_PARQUET):
-        return _parquet(path)
+        return _index_as_columns(to_pandas(read_parquet(path)[0]))
     for start, told in _NO_TEXT.items():
         if head.startswith(start):
             message = f"{path} is {told}"
@@ -76,33 +97,25 @@ def _file(path: Path, layout: text.Layout, verbatim: bool) -> pd.DataFrame:
 
 
 def _head(path: Path) -> bytes:
-    if path.is_dir():
-        message = f"{path} is a folder; name one file of it"
-        raise DataError(message)
     try:
         with path.open("rb") as file:
             head = file.read(4)
+    except IsADirectoryError:
+        message = f"{path} is a folder; name one file of it"
+        raise DataError(message) from None
     except FileNotFoundError:
         message = f"no file {path}"
         raise DataError(message) from None
     except OSError as error:
         message = f"{path} cannot be read: {error.strerror}"
         raise DataError(message) from None
+    except ValueError as error:  # a NUL byte, half a character
+        message = f"{str(path)!r} cannot be the name of a file: {error}"
+        raise DataError(message) from None
     if not head:
         message = f"{path} is empty"
         raise DataError(message)
     return head
-
-
-def _parquet(path: Path) -> pd.DataFrame:
-    try:
-        return _index_as_columns(pd.read_parquet(path))
-    except ImportError:
-        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
-    except (OSError, ValueError) as error:  # pyarrow's own errors are ValueErrors
-        message = f"{path} begins like Parquet and cannot be read: {str(error).splitlines()[0]}"
-        raise DataError(message) from None
 
 
 def _object(source: Any) -> pd.DataFrame:
@@ -112,11 +125,17 @@ def _object(source: Any) -> pd.DataFrame:
         return _xarray(source)
     if isinstance(source, Mapping):
         return _mapping(source)
-    for method in ("collect", "to_pandas"):  # polars lazy; polars, arrow
-        if callable(getattr(source, method, None)):
-            source = getattr(source, method)()
-            if isinstance(source, pd.DataFrame):
-                return _index_as_columns(source)
+    if callable(getattr(source, "collect", None)):  # polars lazy
+        source = source.collect()
+    if callable(getattr(source, "to_arrow", None)):  # polars
+        arrow(f"a table of {type(source).__module__.partition('.')[0]}")
+        source = source.to_arrow()
+    if type(source).__module__.startswith("pyarrow.") and hasattr(source, "schema"):
+        return _index_as_columns(to_pandas(source))
+    if callable(getattr(source, "to_pandas", None)):
+        source = source.to_pandas()
+        if isinstance(source, pd.DataFrame):
+            return _index_as_columns(source)
     if hasattr(source, "__dataframe__"):
         return pd.api.interchange.from_dataframe(source)
     message = (
@@ -133,10 +152,10 @@ def _index_as_columns(table: pd.DataFrame) -> pd.DataFrame:
     held = [str(name).strip() for name in table.columns]
     # pandas names the index of a table after what it was; a column of that name says the same
     kept = [n for n, name in enumerate(table.index.names) if name is not None and str(name) not in held]
-    columns = {str(table.index.names[n]): table.index.get_level_values(n) for n in kept}
     bare = table.reset_index(drop=True)
-    for place, (name, values) in enumerate(columns.items()):
-        bare.insert(place, name, values)
+    for place, level in enumerate(kept):
+        name = str(table.index.names[level])
+        bare.insert(place, name, table.index.get_level_values(level), allow_duplicates=True)
     return bare
 
 
@@ -158,12 +177,21 @@ def _mapping(source: Mapping[Any, Any]) -> pd.DataFrame:
         found = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
         message = f"columns must be one-dimensional and of equal length; got {found}"
         raise DataError(message)
-    return pd.DataFrame(columns, copy=False)  # every column is copied when it is read
+    texts = "OU"  # pandas keeps no half characters as text
+    held = (pd.Series(v, dtype=object) if v.dtype.kind in texts else v for v in columns.values())
+    table = pd.DataFrame(dict(enumerate(held)), copy=False)  # every column is copied when it is read
+    return table.set_axis(pd.Index(list(columns), dtype=object, tupleize_cols=False), axis="columns")
 
 
 def _column(name: Any, values: Any) -> NDArray[Any]:
     try:
-        return unmasked(values)
+        column = unmasked(values)
     except ValueError:
         message = f"column '{name}' holds lists of different lengths; give one value for each row"
         raise DataError(message) from None
+    except (RuntimeError, TypeError) as error:  # what says that it is an array, and is none
+        message = f"column '{name}' is a {type(values).__name__} that makes no array: {error}"
+        raise DataError(message) from None
+    # NumPy makes a type without a unit of nothing but NaT
+    bare = column.dtype.kind in "mM" and np.datetime_data(column.dtype)[0] == "generic"
+    return column.astype(f"{column.dtype.kind}8[ns]") if bare else column

@@ -1,20 +1,30 @@
 """Delimited text: CSV, TSV and their kin, gzipped or not."""
 
+import codecs
 import csv
 import gzip
+import re
+import sys
 import warnings
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any, TextIO
 
+import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
+from echocal.observations.quotes import Marks
 
 __all__ = ["Layout", "read"]
 
 _SEPARATORS = ",;\t|"
+_EXACT = 2.0**53  # beyond, not every integer is a float
+_PART = 1 << 20  # characters that are searched at a time
 
 
 @dataclass(frozen=True)
@@ -27,12 +37,16 @@ class Layout:
     encoding: str = "utf-8-sig"
 
     def __post_init__(self) -> None:
-        if self.skip_lines < 0:
-            message = f"skip_lines is {self.skip_lines}; give the number of lines before the header"
+        if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:
+            message = f"skip_lines is {self.skip_lines!r}; give the number of lines before the header"
             raise UsageError(message)
         if self.decimal not in {".", ","}:
             message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
             raise UsageError(message)
+        try:
+            codecs.lookup(self.encoding)
+        except (LookupError, TypeError, ValueError):
+            raise UsageError(_no_encoding(self.encoding)) from None
 
 
 def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
@@ -52,46 +66,83 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
             f"if it is a logger's own line, skip it: --skip-lines {skip + 1}"
         )
         raise DataError(message)
-    names = _names(next(csv.reader([header], delimiter=separator)))
-    options: dict[str, Any] = (
-        {"dtype": str, "keep_default_na": False} if verbatim else {"decimal": layout.decimal}
-    )
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", pd.errors.ParserWarning)  # fields would be lost
-            table: pd.DataFrame = pd.read_csv(
-                path, sep=separator, header=None, names=range(len(names)), index_col=False,
-                skiprows=skip + 1, encoding=layout.encoding, skipinitialspace=True, low_memory=False,
-                compression="gzip" if _zipped(path) else None, **options,
-            )  # fmt: skip
-    except pd.errors.EmptyDataError:
-        table = pd.DataFrame(columns=range(len(names)))
-    except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
-        reason = str(error).strip().splitlines()[-1].removeprefix("Error tokenizing data. C error: ")
-        message = f"{path} cannot be read as rows of {len(names)} fields like its header: {reason}"
-        raise DataError(message) from None
-    except UnicodeError:
-        raise DataError(_no_text(path, layout)) from None
+    names = _names(next(csv.reader([header], delimiter=separator, skipinitialspace=True)))
+    Marks(str(path), separator, len(names)).rows([header], skip + 1)
+    body = _Body(path, layout, skip + 1, separator, len(names))
+    count = body.rows()
+    table = body.texts() if verbatim else body.values()
+    if count not in {None, len(table)}:
+        message = (
+            f"{path} has {count} lines of fields below its header and was read as {len(table)} rows: "
+            "a quotation mark may be the cause; remove those that are not needed"
+        )
+        raise DataError(message)
     table.columns = pd.Index(names)
     # a separator at the end of each line makes a column without name and values
     ends = [n for n in names if n.startswith("Unnamed") and table[n].isin(["", float("nan")]).all()]
     return table if verbatim else table.drop(columns=ends)
 
 
+@dataclass(frozen=True)
+class _Body:
+    """What stands below a file's header."""
+
+    path: Path
+    layout: Layout
+    above: int
+    """Lines down to the header."""
+    separator: str
+    width: int
+    """Fields of the header."""
+
+    def rows(self) -> int | None:
+        """Number of rows that quotation marks leave; None where there are no such marks."""
+        with _below(self.path, self.layout, self.above) as file:
+            if not any('"' in part for part in iter(lambda: file.read(_PART), "")):
+                return None
+        with _below(self.path, self.layout, self.above) as file:
+            return Marks(str(self.path), self.separator, self.width).rows(file, self.above + 1)
+
+    def texts(self) -> pd.DataFrame:
+        """Every field as the text that it is."""
+        return self._parsed(dtype=str, keep_default_na=False)
+
+    def values(self) -> pd.DataFrame:
+        """Numbers where all fields of a column are, else text."""
+        decimal = self.layout.decimal
+        table = self._parsed(decimal=decimal)
+        # integers in a column with empty fields became floats, and the long ones were rounded
+        wide = [
+            n for n in range(self.width) if table[n].dtype == np.float64 and (table[n].abs() > _EXACT).any()
+        ]
+        texts = self._parsed(dtype=dict.fromkeys(wide, str)) if wide else table
+        for n in wide:
+            table[n] = texts[n].str.replace(decimal, ".", regex=False)
+        return table
+
+    def _parsed(self, **options: Any) -> pd.DataFrame:
+        try:
+            with _below(self.path, self.layout, self.above) as file, warnings.catch_warnings():
+                warnings.simplefilter("error", pd.errors.ParserWarning)  # fields would be lost
+                table: pd.DataFrame = pd.read_csv(
+                    file, sep=self.separator, header=None, names=range(self.width), index_col=False,
+                    skipinitialspace=True, low_memory=False, **options,
+                )  # fmt: skip
+                return table
+        except pd.errors.EmptyDataError:
+            return pd.DataFrame(columns=range(self.width))
+        except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
+            reason = str(error).strip().splitlines()[-1].removeprefix("Error tokenizing data. C error: ")
+            reason = re.sub(r"(?<=in line )\d+", lambda line: str(int(line[0]) + self.above), reason)
+            message = f"{self.path} cannot be read as rows of {self.width} fields like its header: {reason}"
+            raise DataError(message) from None
+
+
 def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
     """Lines to skip, and the header and the line after it."""
     skip = layout.skip_lines
-    try:
-        with _open(path, layout.encoding) as file:
-            lines = list(islice(file, skip, skip + 100))
-    except UnicodeError:
-        raise DataError(_no_text(path, layout)) from None
-    except LookupError:
-        message = f"unknown encoding '{layout.encoding}'; common ones: utf-8, latin-1, utf-16"
-        raise UsageError(message) from None
-    except (OSError, EOFError) as error:
-        message = f"{path} cannot be unpacked: {error}"
-        raise DataError(message) from None
+    with _below(path, layout, skip) as file:
+        lines = list(islice(file, 100))
     while lines and (lines[0].startswith("#") or not lines[0].strip()):
         skip += 1
         lines.pop(0)
@@ -102,6 +153,10 @@ def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
         message = f"{path} is not text: its first line has NUL bytes"
         raise DataError(message)
     return skip, [line.rstrip("\r\n") for line in lines[:2]]
+
+
+def _no_encoding(name: object) -> str:
+    return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
 
 
 def _no_text(path: Path, layout: Layout) -> str:
@@ -119,6 +174,23 @@ def _names(fields: list[str]) -> list[str]:
 def _zipped(path: Path) -> bool:
     with path.open("rb") as file:
         return file.read(2) == b"\x1f\x8b"
+
+
+@contextmanager
+def _below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
+    """Open a file below its first lines."""
+    try:
+        with _open(path, layout.encoding) as file:
+            for _ in islice(file, lines):
+                pass
+            yield file
+    except UnicodeError:
+        raise DataError(_no_text(path, layout)) from None
+    except LookupError:  # one for bytes, such as zip
+        raise UsageError(_no_encoding(layout.encoding)) from None
+    except (OSError, EOFError, zlib.error) as error:
+        message = f"{path} cannot be unpacked: {error}"
+        raise DataError(message) from None
 
 
 def _open(path: Path, encoding: str) -> TextIO:

@@ -1,0 +1,125 @@
+"""Quotation marks of delimited text: a stray one must not swallow the rows that follow.
+
+Within quotation marks a field may legally span lines: a spreadsheet writes remarks so. A stray mark
+opens a field in the same way, and the field ends at whichever mark comes next. The two are told
+apart by what stands on the lines: swallowed lines are rows of the table.
+"""
+
+import re
+from collections.abc import Iterable
+from functools import cached_property
+
+from echocal.errors import DataError
+
+__all__ = ["Marks"]
+
+_NUMBER = re.compile(r'[\s"]*[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?[\s"]*')
+_MEND = 'remove it, or within a quoted field write it twice ("")'
+
+
+class Marks:
+    """Marks of a text whose lines have so many fields.
+
+    Parameters
+    ----------
+    path : str
+        How messages name the text.
+    separator : str
+        What stands between fields.
+    fields : int
+        Fields of the header.
+    """
+
+    def __init__(self, path: str, separator: str, fields: int) -> None:
+        self._path, self._separator, self._fields = path, separator, fields
+
+    @cached_property
+    def _whole(self) -> re.Pattern[str]:
+        """What closes all the fields that it opens."""
+        return re.compile(f"{self._field}(?:{self._cut}{self._field})*")
+
+    @cached_property
+    def _open(self) -> re.Pattern[str]:
+        """What ends within a quoted field."""
+        return re.compile(f'(?:{self._field}{self._cut})* *"(?:[^"]|"")*')
+
+    @cached_property
+    def _field(self) -> str:
+        return f'(?: *"(?:[^"]|"")*" *|(?! *")[^{self._cut}]*)'
+
+    @property
+    def _cut(self) -> str:
+        return re.escape(self._separator)
+
+    def rows(self, lines: Iterable[str], first: int) -> int:
+        """Count rows: lines that are not blank, and quoted fields over several lines as one.
+
+        Parameters
+        ----------
+        lines : iterable of str
+            Lines below the header.
+        first : int
+            Number of the first of them in the file.
+
+        Raises
+        ------
+        DataError
+            If a quotation mark is not closed, is closed within a field, or swallows rows.
+        """
+        count = 0
+        record: list[str] = []
+        whole, blanks = self._whole.fullmatch, " \t".replace(self._separator, "")
+        for number, ended in enumerate(lines, first):
+            line = ended.rstrip("\r\n")
+            if not record and '"' not in line:
+                count += line.strip(blanks) != ""
+                continue
+            if not record and whole(line):
+                count += 1
+                continue
+            record.append(line)
+            if not self._closed(record, number):
+                continue
+            self._refuse_swallowed(record, number - len(record) + 1)
+            count += 1
+            record = []
+        if record:
+            message = (
+                f"{self._path}: nothing closes the quotation mark of line {number - len(record) + 1} "
+                f"({record[0]:.60}); {_MEND}"
+            )
+            raise DataError(message)
+        return count
+
+    def _closed(self, record: list[str], number: int) -> bool:
+        """Whether a record ends with the line that was added last."""
+        # inside a quoted field a line goes on as after an opening mark
+        last = record[-1] if len(record) == 1 else f'"{record[-1]}'
+        if self._whole.fullmatch(last):
+            return True
+        if self._open.fullmatch(last):
+            return False
+        begun = "" if len(record) == 1 else f", as if it closed the one of line {number - len(record) + 1}"
+        message = (
+            f"{self._path}: line {number} has a quotation mark within a field{begun} ({record[-1]:.60}); "
+            f"{_MEND}"
+        )
+        raise DataError(message)
+
+    def _refuse_swallowed(self, record: list[str], first: int) -> None:
+        """Refuse a field over several lines if one of them looks like a row of its own."""
+        numeric = [place for place, text in enumerate(self._split(record[0])) if _NUMBER.fullmatch(text)]
+        for number, line in enumerate(record[1:], first + 1):
+            texts = self._split(line)
+            if len(texts) == self._fields and all(
+                _NUMBER.fullmatch(texts[n]) or not texts[n].strip() for n in numeric if n < len(texts)
+            ):
+                message = (
+                    f"{self._path}: the quotation mark of line {first} would make one field of lines {first} "
+                    f"to {first + len(record) - 1}, and line {number} looks like a row ({line:.60}); "
+                    f"{_MEND}; if the field is meant to have several lines, write it on one"
+                )
+                raise DataError(message)
+
+    def _split(self, line: str) -> list[str]:
+        return line.split(self._separator)
