@@ -2,14 +2,14 @@
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from echocal import _core
 from echocal.codes import EchoCodes, codes_of, count
 from echocal.errors import DomainWarning, UsageError
 
-__all__ = ["BLANKING", "accepted", "warn_of_timeout"]
+__all__ = ["BLANKING", "accepted", "warn_of_no_echo"]
 
 BLANKING = 0.02
 """Least distance that an HC-SR04 measures [m]; its data sheet says 2 cm to 400 cm."""
@@ -89,18 +89,25 @@ def _last(far: float, tick: float) -> float:
     return tick * math.ceil(far * 1e6 / tick - _SLACK)
 
 
-def warn_of_timeout(echo: Echo, longest: float, *, stacklevel: int) -> None:
-    """Warn where the time-out pulse of a module is accepted, or keeps the largest distance out [us]."""
+def warn_of_no_echo(echo: Echo, shortest: float, longest: float, *, stacklevel: int) -> None:
+    """Warn where what a module or a timer reports without an echo is accepted, or keeps a distance out [us]."""
+    for message in _without_echo(echo, shortest, longest):
+        warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
+
+
+def _without_echo(echo: Echo, shortest: float, longest: float) -> Iterator[str]:
+    if shortest == 0:
+        yield (
+            "an echo time of 0 us is accepted: that is what Arduino's pulseIn() gives without an echo, and it "
+            "is then returned as a distance; an echo min above 0 us refuses it"
+        )
     if longest > _LONGEST:
-        message = (
+        yield (
             f"echo times to {longest:g} us are accepted: {_TIMEOUT} is then returned as a distance of 6.2 to "
             f"6.5 m; an echo max of {_LONGEST:g} us or less refuses it"
         )
     elif longest == _LONGEST and _asked(echo).longest is None:
-        message = (
+        yield (
             f"echo times end at {_LONGEST:g} us, before the largest distance asked for: {_TIMEOUT} must not "
             "be returned as a distance; --echo-max-us, in Python echo=, accepts longer ones"
         )
-    else:
-        return
-    warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)

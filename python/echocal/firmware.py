@@ -279,7 +279,7 @@ def generate(
         message = f"{error}; that function takes {cost}"
         raise BoundError(message) from None
     _warn_outside(model, codes, damp, air)
-    echoes.warn_of_timeout(echo, wish["echo"][2], stacklevel=2)
+    echoes.warn_of_no_echo(echo, *wish["echo"][1:], stacklevel=2)
     made = _firmware(core, [])
     if not measure:
         return made

@@ -21,7 +21,7 @@ impl Effect for InterruptLoss {
             ..ParameterFacts::USUAL
         }],
         domain: "timers that count loop turns with interrupts on; echoes longer than a timer's period (1 ms)",
-        check: "time with the input-capture unit, or with noInterrupts()",
+        check: "time with the input-capture unit of a timer; with pulseIn() and noInterrupts() on AVR boards only",
         ..Facts::USUAL
     };
 
