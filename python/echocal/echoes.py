@@ -90,7 +90,7 @@ def _last(far: float, tick: float) -> float:
 
 
 def warn_of_no_echo(echo: Echo, shortest: float, longest: float, *, stacklevel: int) -> None:
-    """Warn where what a module or a timer reports without an echo is accepted, or keeps a distance out [us]."""
+    """Warn where what is reported without an echo is accepted, or keeps a distance out; times in [us]."""
     for message in _without_echo(echo, shortest, longest):
         warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
 
@@ -98,8 +98,8 @@ def warn_of_no_echo(echo: Echo, shortest: float, longest: float, *, stacklevel: 
 def _without_echo(echo: Echo, shortest: float, longest: float) -> Iterator[str]:
     if shortest == 0:
         yield (
-            "an echo time of 0 us is accepted: that is what Arduino's pulseIn() gives without an echo, and it "
-            "is then returned as a distance; an echo min above 0 us refuses it"
+            "an echo time of 0 us is accepted: that is what Arduino's pulseIn() gives without an echo, and "
+            "it is then returned as a distance; an echo min above 0 us refuses it"
         )
     if longest > _LONGEST:
         yield (
