@@ -13,8 +13,8 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "errors"},
-    {"domain", "codes", "outputs"},
-    {"conditions", "air", "registry"},
+    {"conditions", "codes", "outputs", "checksums"},
+    {"domain", "air", "registry"},
     {"model"},
     {"observations"},
     {"sweep", "calibrate"},

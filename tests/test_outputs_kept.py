@@ -107,7 +107,7 @@ def test_what_the_command_did_not_make_needs_force(name: str, run: Run) -> None:
     Path("mine.csv").write_text("my notes\n")
     code, told = run(*words(name, "mine.csv"))
     assert code == 2
-    assert "mine.csv exists, and is not what this command made from the same input" in told
+    assert "mine.csv exists, and this command did not make it from this input" in told
     assert "--force" in told
     assert Path("mine.csv").read_text() == "my notes\n"
     assert run(*words(name, "mine.csv", "--force")) == (0, "")

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
+from echocal.conditions import numbers
 from echocal.errors import DomainWarning, UsageError
 
 __all__ = ["DEPARTURES", "departures", "describe", "warn_outside"]
@@ -18,18 +19,7 @@ _NAMES = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction", "
 
 
 def _arrays(*values: ArrayLike) -> list[NDArray[np.float64]]:
-    return [_numbers(name, value) for name, value in zip(_NAMES, values, strict=True)]
-
-
-def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
-    try:
-        values = np.asarray(given)
-        if values.dtype.kind not in "biufO":  # NumPy would take a date, or the half of a complex number
-            raise TypeError(f"dtype {values.dtype}")
-        return values.astype(np.float64, copy=False)
-    except (TypeError, ValueError, OverflowError) as error:
-        message = f"{name} must be real numbers, but is not: {error}"
-        raise UsageError(message) from None
+    return [numbers(name, value) for name, value in zip(_NAMES, values, strict=True)]
 
 
 def departures(

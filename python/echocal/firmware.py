@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core, echoes, silicon
+from echocal.checksums import CHECKSUMS, list_of
 from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
 from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.model import Model
 from echocal.model.needs import assumed
-from echocal.outputs import CHECKSUMS, checksums, replace_all
+from echocal.outputs import replace_all
 from echocal.registry import find_effect
 
 __all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
@@ -135,7 +136,8 @@ class Firmware:
         Returns
         -------
         list of Path
-            The files, with ``SHA256SUMS``, the list of their checksums.
+            The files, with ``SHA256SUMS``, the list of their checksums. That list keeps files which an
+            earlier call generated into the same directory, as long as nobody edits them.
 
         Raises
         ------
@@ -143,7 +145,7 @@ class Firmware:
             If the directory cannot be written.
         """
         folder = Path(directory)
-        return replace_all(folder, {**self.files, CHECKSUMS: checksums(self.files)})
+        return replace_all(folder, {**self.files, CHECKSUMS: list_of(self.files, folder)})
 
 
 def generate(

@@ -1,6 +1,5 @@
 """Files that are complete or not there: written beside their place, then renamed."""
 
-import hashlib
 import os
 import secrets
 from collections.abc import Iterator, Mapping
@@ -9,12 +8,9 @@ from pathlib import Path
 
 from echocal.errors import UsageError, writing
 
-__all__ = ["CHECKSUMS", "checksums", "refuse_name", "replace_all", "replace_text", "replacing"]
+__all__ = ["refuse_name", "replace_all", "replace_text", "replacing"]
 
-CHECKSUMS = "SHA256SUMS"
-"""File beside generated ones that tells whether somebody has edited them since."""
-
-_TOLD = 50  # characters of the file's name that its unfinished copy shows
+_NAMED = 50  # characters of the file's name that its unfinished copy shows
 
 
 @contextmanager
@@ -23,7 +19,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
     What was there stays until then, whatever ends the work: an error, a full disk, Ctrl-C. Two processes
     that write one file never write into each other's; the last one that is done has it. A link stays a
-    link: the file that it points to is replaced. A device or a pipe is written to as it stands.
+    link: the file that it points to is replaced, and keeps its permissions. A device or a pipe is written
+    to as it stands.
 
     Parameters
     ----------
@@ -59,10 +56,13 @@ def replacing(path: str | Path) -> Iterator[Path]:
         target = Path(os.path.realpath(path))
         if target.exists() and not os.access(target, os.W_OK):
             raise PermissionError(None, "no permission to replace it")
-        unfinished = target.with_name(f".{target.name[:_TOLD]}.{secrets.token_hex(8)}.unfinished")
-        os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _mode(target)))
+        unfinished = target.with_name(f".{target.name[:_NAMED]}.{secrets.token_hex(8)}.unfinished")
+        mode = target.stat().st_mode & 0o7777 if target.exists() else None
+        os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else 0o600))
         try:
             yield unfinished
+            if mode is not None:  # of the file that is replaced, whatever the process grants new ones
+                unfinished.chmod(mode)
             _keep(unfinished)
             unfinished.replace(target)
         finally:
@@ -82,7 +82,9 @@ def replace_text(path: str | Path, text: str, *, newline: str | None = None) -> 
 
 
 def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
-    """Write texts that belong together into a folder, which is made if absent: all of them or none.
+    """Write texts that belong together into a folder, which is made if absent.
+
+    All are complete before the first is put in its place.
 
     Parameters
     ----------
@@ -108,18 +110,13 @@ def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
     return list(paths)
 
 
-def checksums(texts: Mapping[str, str]) -> str:
-    """Return the lines that ``sha256sum --check`` reads, for texts by path."""
-    return "".join(f"{hashlib.sha256(text.encode()).hexdigest()}  {name}\n" for name, text in texts.items())
-
-
 def refuse_name(path: Path) -> None:
     """Refuse a name that no file can have.
 
     Raises
     ------
     UsageError
-        If it holds a zero byte or half a character.
+        If it holds a zero byte or is no text in Unicode.
     """
     try:
         possible = b"\0" not in os.fsencode(path)
@@ -128,11 +125,6 @@ def refuse_name(path: Path) -> None:
     if not possible:
         message = f"{str(path)!r} cannot be written: no file can have this name"
         raise UsageError(message)
-
-
-def _mode(target: Path) -> int:
-    """Permissions of the file that is replaced, else what is usual here."""
-    return target.stat().st_mode & 0o7777 if target.exists() else 0o666
 
 
 def _keep(file: Path) -> None:

@@ -75,7 +75,7 @@ def main() -> None:
         sys.stderr.write(f"echocal: {error}\n")
         sys.exit(error.exit_code)
     except MemoryError as error:
-        told = f" ({error})" if str(error) else ""
-        less = 'fewer rows (--since, --until), fewer columns (--column "A=ignore") or a coarser grid'
-        sys.stderr.write(f"echocal: memory ran out{told}; ask for less: {less}\n")
+        reason = f" ({error})" if str(error) else ""
+        less = "fewer rows, fewer columns or a coarser grid"
+        sys.stderr.write(f"echocal: memory ran out{reason}; ask for {less}\n")
         sys.exit(DataError.exit_code)

@@ -1,18 +1,17 @@
 """Whether a command made a file that is there already, as far as the file itself tells."""
 
 import gzip
-import hashlib
 import json
+import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from echocal.errors import EchocalError
-from echocal.model import document
-from echocal.outputs import CHECKSUMS
+from echocal.checksums import CHECKSUMS, listed, unedited
+from echocal.model import Model, document
 
-__all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "provenance", "result", "table"]
+__all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result", "sign", "table"]
 
 Recognize = Callable[[Path], bool]
 """Tells of an existing file whether it is a former output of the same kind."""
@@ -22,13 +21,29 @@ _SWEPT = {"speed_of_sound_m_s", "echo_s", "reading_m", "error_m"}
 _COLUMNS = {"correct": _CORRECTED, "sweep": _SWEPT}
 """Columns by which the tables of a command are known."""
 
+_SEAL = "data_sha256"
+"""Where a model file has the checksum of what else its ``data`` says."""
+
 _PICTURES = (b"\x89PNG", b"%PDF", b"%!PS", b"<?xml")
 """What pictures begin with."""
 
 
-def provenance(command: str, source: Path) -> dict[str, str]:
-    """What a model file says of the command and the table that it was made from."""
-    return {"made_by": f"echocal {command}", "table": source.name}
+def sign(model: Model, command: str, source: Path, out: Path) -> None:
+    """Let a model tell the command and the table that it was made from, and seal what it tells.
+
+    Parameters
+    ----------
+    model : Model
+        The model; its provenance is completed.
+    command : str
+        Command that made it.
+    source : Path
+        The table.
+    out : Path
+        File that the model goes into.
+    """
+    model.provenance |= _origin(command, source, out)
+    model.provenance[_SEAL] = _seal(model.provenance)
 
 
 def result(*schemas: str) -> Recognize:
@@ -36,7 +51,7 @@ def result(*schemas: str) -> Recognize:
     return _tried(lambda file: str(_json(file)["schema"]).rpartition("/")[0] in schemas)
 
 
-def causes(file: Path) -> bool:
+def causes() -> Recognize:
     """One cause or a list of them in JSON."""
 
     def recognize(file: Path) -> bool:
@@ -45,17 +60,18 @@ def causes(file: Path) -> bool:
             {"id", "kind"} <= set(cause) for cause in (content if type(content) is list else [content])
         )
 
-    return _tried(recognize)(file)
+    return _tried(recognize)
 
 
 def model(command: str, source: Path) -> Recognize:
-    """A model that the command made from a table of this name, and that nobody has edited."""
+    """A model that the command made from this table, and that nobody has edited."""
 
     def recognize(file: Path) -> bool:
         content = _json(file)
-        told = content["data"]
-        made_here = {name: told.get(name) for name in ("made_by", "table")} == provenance(command, source)
-        return made_here and content["hash"] == document.digest(content)
+        data = content["data"]
+        origin = _origin(command, source, file)
+        made_here = {name: data.get(name) for name in origin} == origin
+        return made_here and content["hash"] == document.digest(content) and data[_SEAL] == _seal(data)
 
     return _tried(recognize)
 
@@ -81,33 +97,41 @@ def page(command: str) -> Recognize:
     return _tried(lambda file: file.read_bytes().startswith(start))
 
 
-def firmware(file: Path) -> bool:
-    """A generated file as it was generated (its checksum stands in the list beside it), or that list."""
-    if file.name == CHECKSUMS:
-        return _tried(lambda listed: "  report.json\n" in listed.read_text())(file)
+def firmware(folder: Path) -> Recognize:
+    """A file of this folder as it was generated, or the list of these."""
     choices = result("echocal.firmware_choices"), picture("firmware")
-    return any(recognize(file) for recognize in (_tried(_has_checksum), *choices))
+
+    def recognize(file: Path) -> bool:
+        name = file.relative_to(folder).as_posix()
+        generated = name in unedited(folder) or (name == CHECKSUMS and listed(folder) != [])
+        return generated or any(recognized(file) for recognized in choices)
+
+    return _tried(recognize)
 
 
 def _tried(recognize: Recognize) -> Recognize:
-    """A file of another kind, or a damaged one, is not recognized."""
+    """A file of another kind, or a damaged one, is not recognized: whatever its reader raises."""
 
     def safely(file: Path) -> bool:
         try:
             return recognize(file)
-        except (
-            OSError,
-            EOFError,
-            EchocalError,
-            ValueError,
-            TypeError,
-            KeyError,
-            AttributeError,
-            ImportError,
-        ):
+        except Exception:
             return False
 
     return safely
+
+
+def _origin(command: str, source: Path, out: Path) -> dict[str, str]:
+    """What a model file tells of where it comes from; the table as it is found from there."""
+    try:
+        table = Path(os.path.relpath(source.resolve(), out.resolve().parent)).as_posix()
+    except ValueError:  # on another drive
+        table = source.name
+    return {"made_by": f"echocal {command}", "table": table}
+
+
+def _seal(data: Mapping[str, Any]) -> str:
+    return document.sha256({name: value for name, value in data.items() if name != _SEAL})
 
 
 def _json(file: Path) -> Any:
@@ -115,24 +139,16 @@ def _json(file: Path) -> Any:
 
 
 def _columns(file: Path) -> set[str]:
-    if file.suffix == ".nc":
+    ending = file.suffix.lower()
+    if ending == ".nc":
         import xarray as xr
 
         with xr.open_dataset(file) as grid:
             return _SWEPT if grid.attrs["source"].startswith("echocal ") else set()
-    if file.suffix == ".parquet":
+    if ending == ".parquet":
         import pyarrow.parquet
 
         return set(pyarrow.parquet.read_schema(file).names)
-    opened = gzip.open if file.name.endswith(".gz") else open
+    opened = gzip.open if ending == ".gz" else open
     with opened(file, "rt", encoding="utf-8") as lines:
         return set(re.split("[,;\t]", lines.readline().strip()))
-
-
-def _has_checksum(file: Path) -> bool:
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    for folder in file.parents:
-        listed = folder / CHECKSUMS
-        if listed.is_file():
-            return f"{digest}  {file.relative_to(folder).as_posix()}" in listed.read_text().splitlines()
-    return False

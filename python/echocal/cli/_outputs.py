@@ -79,7 +79,7 @@ def check_outputs(
             raise UsageError(message)
     if not force:
         for output, file in files:
-            if file.is_file() and not output.recognize(file):
+            if file.is_file() and file.stat().st_size > 0 and not output.recognize(file):
                 _refuse_replacing(output.option, file)
 
 
@@ -90,8 +90,8 @@ def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: R
 
 def _refuse_replacing(option: str, file: Path) -> None:
     message = (
-        f"{option} {file} exists, and is not what this command made from the same input: choose another "
-        "name, or replace it with --force"
+        f"{option} {file} exists, and this command did not make it from this input, or somebody has edited "
+        "it since: choose another name, or replace it with --force"
     )
     raise UsageError(message)
 
@@ -109,8 +109,8 @@ def pass_on(text: str, target: Path | str | None) -> None:
 def _refuse_input(option: str, file: Path, inputs: Iterable[Path | str | None]) -> None:
     for source in (Path(path) for path in inputs if path is not None):
         if _is_part(file, source):
-            told = f"{source}" if str(source) == str(file) else f"{source}, by another name"
-            message = f"{option} {file} is an input of this command ({told}); choose another name"
+            named = f"{source}" if str(source) == str(file) else f"{source}, by another name"
+            message = f"{option} {file} is an input of this command ({named}); choose another name"
             raise UsageError(message)
 
 

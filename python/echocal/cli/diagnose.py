@@ -108,7 +108,8 @@ def command(
             ),
             **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
         )
-    diagnosis.model.provenance |= _made_by.provenance("diagnose", data)
+    if model is not None:
+        _made_by.sign(diagnosis.model, "diagnose", data, model)
     _write(diagnosis, model, plots, with_shape=with_shape)
     write_json(diagnosis.to_dict(), json)
     if not quiet and json != "-":

@@ -62,7 +62,7 @@ def show(
 
 
 def _write(content: Any, target: str | None, *, force: bool) -> None:
-    check_outputs(Output("--json", target, _made_by.causes), force=force)
+    check_outputs(Output("--json", target, _made_by.causes()), force=force)
     pass_on(json.dumps(content, indent=2, allow_nan=False) + "\n", target)
 
 

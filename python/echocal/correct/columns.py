@@ -10,16 +10,16 @@ from echocal.correct.tables import RESULTS
 from echocal.errors import DataError
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.fields import row
-from echocal.observations.numbers import EMPTY
+from echocal.observations.numbers import EMPTY, EXACT
 
 __all__ = ["as_text", "from_text", "with_results"]
 
 _WHOLE = r"^(0|-?[1-9][0-9]*)$"  # "007" is a name, and stays one
+_INTEGER = r"^[-+]?[0-9]+$"
 _PADDED = r"^[-+]?0[0-9]+$"
 _NUMBER = r"^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$"
 _TRUTHS = ("True", "False", "TRUE", "FALSE", "true", "false")
 _INDEX = "__index_level_0__"
-_EXACT = 2**53  # beyond, not every integer is a float
 
 
 def with_results(table: Table, results: pd.DataFrame) -> Table:
@@ -47,7 +47,11 @@ def as_text(table: Table) -> tuple[pd.DataFrame, list[str]]:
     pa = arrow()
     columns, notes = {}, []
     for place, (field, column) in enumerate(zip(table.schema, table.columns, strict=True)):
-        columns[place] = _fields(column, field.name, pa)
+        try:
+            columns[place] = _fields(column, field.name, pa)
+        except (pa.ArrowException, ArithmeticError) as error:
+            message = f"column '{field.name}' ({field.type}) cannot be text: {error}; write Parquet"
+            raise DataError(message) from None
         if pa.types.is_nested(field.type):
             notes.append(f"column '{field.name}' ({field.type}) is written as JSON")
         elif _is_binary(field.type, pa):
@@ -101,7 +105,7 @@ def _floats(texts: Any, decimal: str) -> Any | None:
     if pc.any(pc.match_substring_regex(filled, _PADDED)).as_py():
         return None
     numbers = plain.cast(pa.float64())
-    long = pc.and_(pc.match_substring_regex(texts, _WHOLE), pc.greater(pc.abs(numbers), float(_EXACT)))
+    long = pc.and_(pc.match_substring_regex(texts, _INTEGER), pc.greater_equal(pc.abs(numbers), EXACT))
     integers = pc.filter(texts, long, null_selection_behavior="drop").to_pylist()
     exact = pc.all(pc.is_finite(numbers)).as_py() and all(int(text) == float(text) for text in integers)
     return numbers if exact else None
@@ -148,9 +152,9 @@ def _inner(value: Any) -> str:
 
 
 def _is_binary(kind: Any, pa: Any) -> bool:
-    return any(
-        holds(kind) for holds in (pa.types.is_binary, pa.types.is_large_binary, pa.types.is_fixed_size_binary)
-    )
+    types = pa.types
+    tests = (types.is_binary, types.is_large_binary, types.is_fixed_size_binary, types.is_binary_view)
+    return any(holds(kind) for holds in tests)
 
 
 def _names(table: Table) -> list[str]:

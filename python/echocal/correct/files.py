@@ -74,10 +74,12 @@ def correct_file(
             kept = [name for name in corrected.table.columns if name not in RESULTS]
             stored = from_text(load(source, layout, verbatim=True)[kept], layout.decimal)
         whole = with_results(stored, results)
-        _replace(out, lambda path: _write_parquet(whole, path, compression))
+        with replacing(out) as unfinished:
+            _write_parquet(whole, unfinished, compression)
     else:
         fields, notes = as_text(stored) if parquet else (load(source, layout, verbatim=True), [])
-        _replace(out, lambda path: _write_text(fields.join(results), path, ending, layout.decimal))
+        with replacing(out) as unfinished:
+            _write_text(fields.join(results), unfinished, ending, layout.decimal)
     return replace(corrected, notes=(*corrected.notes, *notes))
 
 
@@ -130,11 +132,6 @@ def _ending(path: Path) -> str:
         message = f"cannot write {path}; endings: {', '.join(_TEXTS)}, .parquet"
         raise UsageError(message)
     return ending
-
-
-def _replace(out: Path, write: Callable[[Path], None]) -> None:
-    with replacing(out) as unfinished:
-        write(unfinished)
 
 
 def _write_parquet(table: Table, path: Path, compression: str) -> None:

@@ -124,8 +124,8 @@ def _verdict(judgment: Judgment, belief: Belief, joint: Joint) -> Verdict:
     """What is to be said first.
 
     A noise or a fault of rows is no answer where something shifts the readings and no cause of that
-    is claimed, or none that has one size: then it is listed, and the shift stays open. Nor is that
-    nothing, whatever rows never fitted say of the causes that were tried.
+    is claimed, or none that has one size: then it is listed, and the shift stays open. Where something
+    shifts the readings, the verdict is not `nothing` either, even if held-out rows refute every cause.
     """
     steady = [c.probability for c in judgment.kept if c.cause not in belief.varying]
     if any(probability >= NAMED for probability in steady):

@@ -133,7 +133,7 @@ class Model:
         try:
             self._core = _core.Model(law, _terms(effects))
         except UnicodeEncodeError:
-            message = f"the law {law!r}, or the name of an effect or a parameter, holds half a character"
+            message = f"the law {law!r}, or the name of an effect or a parameter, is no text in Unicode"
             raise ModelError(message) from None
         self._needs = needs.of(self._core)
 

@@ -12,7 +12,7 @@ from echocal.registry import find_effect
 if TYPE_CHECKING:
     from echocal.model.composition import Model
 
-__all__ = ["NEWEST", "SCHEMA", "content", "digest", "write"]
+__all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "write"]
 
 NEWEST = 1
 SCHEMA = f"echocal.model/{NEWEST}"
@@ -45,8 +45,18 @@ def content(model: "Model") -> dict[str, Any]:
 
 def digest(document: dict[str, Any]) -> str:
     """SHA-256 of a document in canonical form, without its hash and provenance."""
-    covered = {key: value for key, value in document.items() if key not in {"hash", "data"}}
-    canonical = json.dumps(covered, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return sha256({key: value for key, value in document.items() if key not in {"hash", "data"}})
+
+
+def sha256(data: Any) -> str:
+    """SHA-256 of plain data in canonical form.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not plain data with finite numbers.
+    """
+    canonical = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
@@ -56,7 +66,7 @@ def write(model: "Model", path: Path) -> None:
     complete = {**document, "hash": digest(document), "data": model.provenance}
     try:
         text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
-        text.encode()  # half a character is none
+        text.encode()  # a lone surrogate cannot be
     except (TypeError, ValueError, RecursionError) as error:
         message = f"cannot write {path}: the provenance is not plain data with finite numbers ({error})"
         raise ModelError(message) from None

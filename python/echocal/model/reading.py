@@ -85,7 +85,7 @@ def _parse(path: Path) -> dict[str, Any]:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise ModelError("is not JSON, not even text") from None
-    except ValueError as error:  # a NUL byte, half a character
+    except ValueError as error:  # a NUL byte, a lone surrogate
         message = f"cannot be the name of a file: {error}"
         raise ModelError(message) from None
     try:

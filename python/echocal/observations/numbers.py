@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.observations.fields import fields, row, shown
 
-__all__ = ["EMPTY", "Missing", "to_numbers"]
+__all__ = ["EMPTY", "EXACT", "Missing", "to_numbers"]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
+EXACT = 2.0**53
+"""Integers of this size and more are not all floats: each that is not becomes one that is."""
+
 EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
 """Texts that stand for no value in a column of numbers."""
 

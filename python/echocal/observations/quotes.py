@@ -68,11 +68,13 @@ class Marks:
         """
         count = 0
         record: list[str] = []
+        usual = ""  # the last line that is a whole row
         whole, blanks = self._whole.fullmatch, " \t".replace(self._separator, "")
         for number, ended in enumerate(lines, first):
             line = ended.rstrip("\r\n")
             if not record and '"' not in line:
                 count += line.strip(blanks) != ""
+                usual = line
                 continue
             if not record and whole(line):
                 count += 1
@@ -80,7 +82,7 @@ class Marks:
             record.append(line)
             if not self._closed(record, number):
                 continue
-            self._refuse_swallowed(record, number - len(record) + 1)
+            self._refuse_swallowed(record, number - len(record) + 1, usual)
             count += 1
             record = []
         if record:
@@ -106,20 +108,34 @@ class Marks:
         )
         raise DataError(message)
 
-    def _refuse_swallowed(self, record: list[str], first: int) -> None:
-        """Refuse a field over several lines if one of them looks like a row of its own."""
-        numeric = [place for place, text in enumerate(self._split(record[0])) if _NUMBER.fullmatch(text)]
+    def _refuse_swallowed(self, record: list[str], first: int, usual: str) -> None:
+        """Refuse a field over several lines if one of them looks like a row of its own.
+
+        A row has a number wherever the record's first line has one; if that has none, wherever the usual
+        row has one. The last line is not compared with the usual row: it ends with the record's own fields.
+        """
+        own, others = self._numeric(record[0]), self._numeric(usual)
+        last = first + len(record) - 1
         for number, line in enumerate(record[1:], first + 1):
+            numeric = own or (others if number < last else [])
             texts = self._split(line)
-            if len(texts) == self._fields and all(
-                _NUMBER.fullmatch(texts[n]) or not texts[n].strip() for n in numeric if n < len(texts)
+            if (
+                numeric
+                and len(texts) == self._fields
+                and all(
+                    _NUMBER.fullmatch(texts[n]) or not texts[n].strip() for n in numeric if n < len(texts)
+                )
             ):
                 message = (
                     f"{self._path}: the quotation mark of line {first} would make one field of lines {first} "
-                    f"to {first + len(record) - 1}, and line {number} looks like a row ({line:.60}); "
+                    f"to {last}, and line {number} looks like a row ({line:.60}); "
                     f"{_MEND}; if the field is meant to have several lines, write it on one"
                 )
                 raise DataError(message)
+
+    def _numeric(self, line: str) -> list[int]:
+        """Places of the fields that are numbers."""
+        return [place for place, text in enumerate(self._split(line)) if _NUMBER.fullmatch(text)]
 
     def _split(self, line: str) -> list[str]:
         return line.split(self._separator)

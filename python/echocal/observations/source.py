@@ -109,7 +109,7 @@ def _head(path: Path) -> bytes:
     except OSError as error:
         message = f"{path} cannot be read: {error.strerror}"
         raise DataError(message) from None
-    except ValueError as error:  # a NUL byte, half a character
+    except ValueError as error:  # a NUL byte, a lone surrogate
         message = f"{str(path)!r} cannot be the name of a file: {error}"
         raise DataError(message) from None
     if not head:

@@ -18,12 +18,12 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
+from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 
 __all__ = ["Layout", "read"]
 
 _SEPARATORS = ",;\t|"
-_EXACT = 2.0**53  # beyond, not every integer is a float
 _PART = 1 << 20  # characters that are searched at a time
 
 
@@ -113,7 +113,7 @@ class _Body:
         table = self._parsed(decimal=decimal)
         # integers in a column with empty fields became floats, and the long ones were rounded
         wide = [
-            n for n in range(self.width) if table[n].dtype == np.float64 and (table[n].abs() > _EXACT).any()
+            n for n in range(self.width) if table[n].dtype == np.float64 and (table[n].abs() >= EXACT).any()
         ]
         texts = self._parsed(dtype=dict.fromkeys(wide, str)) if wide else table
         for n in wide:

@@ -21,7 +21,7 @@ from echocal.plots.unexplained import plot_unexplained
 __all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "telling"]
 
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png")
-"""Names of the files that `save_diagnosis` may write."""
+"""Names of the files that `save_diagnosis` writes; the last one where something is unexplained."""
 
 _BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark: apart without color, too
 _BINS = 30
@@ -54,15 +54,15 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     """
     folder = Path(folder)
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
-        figures = {
-            "residuals": _residuals(diagnosis),
-            "gain": _single(diagnosis, plot_gain, (6.0, 2.8)),
-            "posterior": _single(diagnosis, plot_posterior, (8.0, 3.2)),
-            "next": next_figure(diagnosis),
-        }
+        figures = [
+            _residuals(diagnosis),
+            _single(diagnosis, plot_gain, (6.0, 2.8)),
+            _single(diagnosis, plot_posterior, (8.0, 3.2)),
+            next_figure(diagnosis),
+        ]
         if diagnosis.unexplained is not None:
-            figures["unexplained"] = _single(diagnosis, plot_unexplained, (6.5, 3.6))
-        paths = {folder / f"{name}.png": figure for name, figure in figures.items()}
+            figures.append(_single(diagnosis, plot_unexplained, (6.5, 3.6)))
+        paths = {folder / name: figure for name, figure in zip(PICTURES, figures, strict=False)}
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         for path, figure in paths.items():

@@ -125,7 +125,7 @@ class _Look:
         return np.array([innovation(column, self.order, self.noise) for column in columns])
 
     def score(self, functions: Column) -> float:
-        """Log likelihood that the freer or the stiffer shape gains, less half a log of the rows a degree."""
+        """Gain in log likelihood of the better of two degrees, less the penalty of the BIC (Schwarz 1978)."""
         functions = self.seen(functions)
         taken = functions @ self.taken.T
         among, along = functions @ functions.T - taken @ taken.T, functions @ self.residual

@@ -55,7 +55,7 @@ def lead(diagnosis: Diagnosis) -> str:
 
 def _left_open(diagnosis: Diagnosis) -> str:
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
-        return "what fits it makes rows never fitted no better: no cause of a shift is claimed"
+        return "every cause that fits is refuted by rows never fitted: no cause of a shift is claimed"
     return "the data leave open which of several causes it is"
 
 

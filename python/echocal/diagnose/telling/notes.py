@@ -93,9 +93,10 @@ def _aside(case: Case) -> list[str]:
     tried = sum(name in case.table.extra for name in case.found.shapes)
     more = f" and {len(aside) - _SHOWN} more" if len(aside) > _SHOWN else ""
     return [
-        f"something unknown was sought against {tried} of the {tried + len(aside)} further columns that vary "
-        f"and have no gaps, chosen by {MEASURE}; left aside: {', '.join(aside[:_SHOWN])}{more}; to have one "
-        'of these tried, take others out: --column "NAME=ignore"'
+        f"an unknown effect was searched for against {tried} of the {tried + len(aside)} further columns "
+        f"that vary and have no gaps, chosen by {MEASURE}. The others were left aside: "
+        f"{', '.join(aside[:_SHOWN])}{more}. To search against one of these, take other columns out: "
+        '--column "NAME=ignore"'
     ]
 
 
