@@ -125,3 +125,8 @@ def test_defaults_are_those_of_the_core(function: Callable[..., object]) -> None
     given = inspect.signature(function).parameters
     for name in ("relative_humidity", "pressure", "co2_mole_fraction"):
         assert given[name].default == QUANTITIES[name].default
+
+
+def test_a_masked_value_is_not_taken_for_measured() -> None:
+    masked = np.ma.masked_array([20.0, 999.0], mask=[False, True])
+    assert names(echocal.departures(masked)) == names(echocal.departures([20.0, np.nan]))

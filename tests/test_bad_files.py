@@ -128,6 +128,12 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
         DataError,
         "would make one field of lines 3 to 5, and line 4 looks like a row",
     ),
+    "a stray quote on a line of its own": (
+        b'echo_us,x\n11660,1\n"\n11660,3\n11660,4\n"\n11660,6\n',
+        {},
+        DataError,
+        "would make one field of lines 3 to 6, and line 4 looks like a row",
+    ),
     "a stray quote in the last line": (
         b'echo_us,x\n11660,1\n11660,"2',
         {},
@@ -183,6 +189,15 @@ def test_quotes_that_are_right_lose_nothing(case: str, packed: bool, ending: byt
     assert echocal.read_observations(tmp_path / "log").extra["x"].tolist() == [0.0, 1.0, 2.0]
     fields = load(tmp_path / "log", verbatim=True)
     assert fields["remark"].tolist() == ["", remark, "end"]
+
+
+@pytest.mark.parametrize("remark", ["warm,\ncalm", "moved\n", "a\nb\nc", "to 5\n6, 7"])
+def test_a_remark_of_several_lines_may_stand_first(remark: str, tmp_path: Path) -> None:
+    """Its last line has as many fields as a row."""
+    lines = ["remark,echo_us,x", "dry,11660,0", f'"{remark}",11660,1', f'"{remark}",11660,2', "end,11660,3"]
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    assert echocal.read_observations(tmp_path / "log.csv").extra["x"].tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert load(tmp_path / "log.csv", verbatim=True)["remark"].tolist() == ["dry", remark, remark, "end"]
 
 
 @pytest.mark.parametrize("name", ["log.tsv", "log.tsv.gz"])

@@ -56,6 +56,7 @@ COLUMNS: dict[str, pa.Array] = {
     ),
     "binary": pa.array([b"\xff\x00", None, b""]),
     "large binary": pa.array([b"\xff\x00", None, b""], pa.large_binary()),
+    "view of bytes": pa.array([b"\xff\x00", None, b""], pa.binary_view()),
     "bytes of one length": pa.array([b"ab", None, b"cd"], pa.binary(2)),
     "list": pa.array([[LONG, None], None, []]),
     "list of one length": pa.array([[1.0, 2.0], None, [3.0, 4.0]], pa.list_(pa.float64(), 2)),
@@ -179,6 +180,7 @@ AS_TEXT = {
     "timestamp of us in Mars/Olympus": ["1970-01-01 00:00:00.000001Z", "", "1970-01-01 00:00:00.000003Z"],
     "categories of integers": [str(LONG), "", "7"],
     "binary": ["ff00", "", ""],
+    "view of bytes": ["ff00", "", ""],
     "list": [json.dumps([LONG, None]), "", "[]"],
     "struct": [json.dumps({"a": LONG, "b": "x"}), "", json.dumps({"a": None, "b": None})],
     "map": [json.dumps([["a", 1]]), "", "[]"],
@@ -192,7 +194,22 @@ def test_parquet_to_text_keeps_every_digit(kind: str, tmp_path: Path) -> None:
     result = correct_file(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
     assert load(tmp_path / "out.csv", verbatim=True)["x"].tolist() == AS_TEXT[kind]
     told = [note for note in result.notes if "column 'x'" in note]
-    assert bool(told) == (kind in {"binary", "list", "struct", "map"})
+    assert bool(told) == (kind in {"binary", "view of bytes", "list", "struct", "map"})
+
+
+NO_TEXT = {
+    "far times in a list": pa.array([[2**60], None, []], pa.list_(pa.timestamp("us"))),
+    "far dates in a list": pa.array([[2**30], None, []], pa.list_(pa.date32())),
+    "an unknown zone in a list": pa.array([[1], None, []], pa.list_(pa.timestamp("us", "Mars/Olympus"))),
+}
+
+
+@pytest.mark.parametrize("kind", NO_TEXT)
+def test_what_cannot_be_text_is_told_by_name(kind: str, tmp_path: Path) -> None:
+    pq.write_table(pa.table({**TABLE, "x": NO_TEXT[kind]}), tmp_path / "in.parquet")
+    with pytest.raises(echocal.DataError, match=r"column 'x' \(list<.*\) cannot be text: .*; write Parquet"):
+        correct_file(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
+    assert not (tmp_path / "out.csv").exists()
 
 
 FROM_TEXT: dict[str, tuple[list[str], pa.DataType, list[Any]]] = {
@@ -200,6 +217,13 @@ FROM_TEXT: dict[str, tuple[list[str], pa.DataType, list[Any]]] = {
     "longest": ([str(2**64 - 1), "NA", "1"], pa.uint64(), [2**64 - 1, None, 1]),
     "longer": (["9" * 30, "", "1"], pa.large_string(), ["9" * 30, None, "1"]),
     "long among fractions": ([str(LONG), "1.5", ""], pa.large_string(), [str(LONG), "1.5", None]),
+    "the first long": ([str(2**53 + 1), "1.5", ""], pa.large_string(), [str(2**53 + 1), "1.5", None]),
+    "long with a sign": (
+        ["+9007199254740995", "+45", ""],
+        pa.large_string(),
+        ["+9007199254740995", "+45", None],
+    ),
+    "long but exact": ([str(2**53 + 2), "1.5", ""], pa.float64(), [2.0**53 + 2, 1.5, None]),
     "fractions": (["0.1", "", "-2e3"], pa.float64(), [0.1, None, -2000.0]),
     "beyond a float": (["1e400", "", "1"], pa.large_string(), ["1e400", None, "1"]),
     "below zero by a sign": (["-0", "", "1"], pa.float64(), [-0.0, None, 1.0]),
@@ -220,6 +244,13 @@ def test_text_to_parquet_loses_no_letter(kind: str, tmp_path: Path) -> None:
     assert written.schema.field("x").type == expected
     assert written["x"].to_pylist() == values
     assert written["reading_m"].to_pylist() == [1.5] * 3
+
+
+def test_the_first_long_number_is_read_to_its_last_digit(tmp_path: Path) -> None:
+    """2**53 + 1 is the least integer that no float is; it was compared after it had been rounded."""
+    (tmp_path / "in.csv").write_text(f"reading_m,group\n1.5,{2**53 + 1}\n1.5,{2**53}\n1.5,\n")
+    data = echocal.read_observations(tmp_path / "in.csv", reading_speed=343)
+    assert data.labels["group"].tolist() == [0, 1, -1]
 
 
 def test_long_numbers_of_bursts_stay_apart(tmp_path: Path) -> None:

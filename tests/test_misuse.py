@@ -34,12 +34,12 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "air in rows of several lengths": (
         lambda: echocal.departures([20.0], [[0.1, 0.2], [0.3]]),  # type: ignore[list-item]
         UsageError,
-        "relative_humidity must be real numbers, but is not: .* inhomogeneous shape",
+        "relative_humidity is no array of numbers: .* inhomogeneous shape",
     ),
     "air with an imaginary part": (
         lambda: echocal.departures([20.0 + 1j]),
         UsageError,
-        "temperature must be real numbers, but is not: dtype complex128",
+        "temperature must be real numbers, but has dtype complex128",
     ),
     "an integer that no float holds": (
         lambda: Model("linear").indicate([10**400], temperature=20.0),

@@ -1,6 +1,8 @@
 """What a user has is not destroyed: inputs never, other files only with --force, old files not by halves."""
 
 import gzip
+import hashlib
+import json
 import os
 import shutil
 import signal
@@ -134,6 +136,56 @@ def test_a_model_of_another_table_or_an_edited_one_needs_force(run: Run) -> None
     assert echocal.Model.load("m.json").provenance["table"] == "new.csv"
 
 
+def test_a_note_in_a_model_is_kept(run: Run) -> None:
+    assert run("diagnose", "w.csv", "--model", "m.json", "-q") == (0, "")
+    noted = json.loads(Path("m.json").read_text())
+    noted["data"]["note"] = "unit 7, north wall"
+    Path("m.json").write_text(json.dumps(noted))
+    assert run("diagnose", "w.csv", "--model", "m.json", "-q")[0] == 2
+    assert json.loads(Path("m.json").read_text()) == noted
+
+
+def test_tables_of_one_name_are_two_tables(run: Run) -> None:
+    for site in ("north", "south"):
+        Path(site).mkdir()
+        shutil.copy("w.csv", f"{site}/log.csv")
+    for _ in range(2):
+        assert run("diagnose", "north/log.csv", "--model", "m.json", "-q") == (0, "")
+    assert run("diagnose", "south/log.csv", "--model", "m.json", "-q")[0] == 2
+    assert echocal.Model.load("m.json").provenance["table"] == "north/log.csv"
+
+
+@pytest.mark.parametrize("name", ["deep.json", "broken.csv.gz", "broken.nc", "broken.parquet"])
+def test_a_file_that_no_reader_can_read_is_kept(name: str, run: Run) -> None:
+    content = {
+        "deep.json": b"[" * 200_000,
+        "broken.csv.gz": gzip.compress(b"a,b\n1,2\n")[:-10] + b"\xff" * 10,
+        "broken.nc": b"\x89HDF\r\n\x1a\n" + b"\0" * 100,
+        "broken.parquet": b"PAR1" + b"\xff" * 100 + b"PAR1",
+    }[name]
+    Path(name).write_bytes(content)
+    command = (
+        ["diagnose", "w.csv", "--json"] if name == "deep.json" else ["sweep", "--temperature", "0:9:1", "-o"]
+    )
+    if name == "broken.csv.gz":
+        command = ["correct", "w.csv", "--law", "linear", "-o"]
+    code, told = run(*command, name, "-q")
+    assert (code, told.count("\n")) == (2, 1)
+    assert f"{name} exists, and this command did not make it" in told
+    assert Path(name).read_bytes() == content
+
+
+def test_an_empty_file_holds_nothing_to_keep(run: Run) -> None:
+    Path("made-by-mktemp").touch()
+    assert run("diagnose", "w.csv", "--json", "made-by-mktemp", "-q") == (0, "")
+
+
+@pytest.mark.parametrize("ending", ["CSV", "CSV.GZ", "PARQUET"])
+def test_endings_in_capitals_are_made_again(ending: str, run: Run) -> None:
+    for _ in range(2):
+        assert run("correct", "w.csv", "--law", "linear", "-o", f"out.{ending}", "-q") == (0, "")
+
+
 def test_two_outputs_are_two_files(run: Run) -> None:
     code, told = run("diagnose", "w.csv", "--model", "a.json", "--json", "./a.json")
     assert (code, told) == (2, "echocal: --model and --json both name a.json; choose two names\n")
@@ -183,6 +235,28 @@ def test_an_edited_file_of_a_firmware_is_kept(run: Run) -> None:
     assert run(*command[:3], "other", *command[4:])[0] == 2
     assert {path.name for path in Path("other").iterdir()} == {"report.json"}
     assert Path("other/report.json").read_text() == "mine"
+
+
+def test_a_list_of_checksums_of_the_users_own_is_no_proof(run: Run) -> None:
+    Path("own/made").mkdir(parents=True)
+    mine = Path("own/made/echocal_correction.c")
+    mine.write_text("/* by hand */\n")
+    digest = hashlib.sha256(mine.read_bytes()).hexdigest()
+    for listed, name in (("own/SHA256SUMS", "made/echocal_correction.c"), ("own/made/SHA256SUMS", mine.name)):
+        Path(listed).write_text(f"{digest}  {name}\n")
+        model, lsb = str(EXAMPLES / "tank_model.json"), ("--temperature-lsb", "0.5")
+        assert run("firmware", model, "-o", "own/made", *lsb, "-q")[0] == 2
+        assert mine.read_text() == "/* by hand */\n"
+
+
+def test_packages_in_one_folder_are_each_made_again(run: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ("firmware", str(EXAMPLES / "tank_model.json"), "-o", "made", "--temperature-lsb", "0.5")
+    assert run(*command, "--package", "arduino", "-q") == (0, "")
+    assert run(*command, "-q") == (0, "")
+    assert run(*command, "--package", "arduino", "-q") == (0, "")
+    listed = subprocess.run(["sha256sum", "--check", "--quiet", "SHA256SUMS"], cwd="made", check=False)
+    assert listed.returncode == 0
+    assert "selftest/echocal_selftest_main.c" in Path("made/SHA256SUMS").read_text()
 
 
 def test_the_study_is_made_again_and_other_pages_are_kept(run: Run) -> None:
@@ -285,6 +359,9 @@ def test_links_permissions_and_devices(tmp_path: Path) -> None:
     assert link.is_symlink()
     assert echocal.Model.load(real).law == "linear"
     assert real.stat().st_mode & 0o777 == 0o640
+    real.chmod(0o664)  # more than the process gives to new files
+    echocal.Model("linear").save(link)
+    assert real.stat().st_mode & 0o777 == 0o664
     echocal.Model("linear").save("/dev/null")
     assert not Path("/dev/null").is_file()
 
