@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::form::{FORMS, Fit, Form, OF_TWO, Tail};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
-use crate::reference::{Line, sample};
+use crate::reference::{Line, check_bounded, sample};
 use crate::target::Cost;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -79,13 +79,15 @@ const SURE: f64 = 0.9;
 
 impl<'a> Search<'a> {
     pub(super) fn new(request: Request<'a>) -> Result<Self, Error> {
-        let picked = request.device.thinned(COLUMNS);
-        let lines = sample(
-            request.reference,
-            request.device,
-            &picked,
-            request.maximum_distance,
-        )?;
+        let Request {
+            reference,
+            device,
+            maximum_distance,
+            ..
+        } = request;
+        let picked = device.thinned(COLUMNS);
+        let lines = sample(reference, device, &picked, maximum_distance)?;
+        check_bounded(reference, device, &lines, maximum_distance)?;
         let truths = lines.iter().flat_map(Line::samples);
         let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
             most.max((truth - truth.round()).abs())
