@@ -51,6 +51,12 @@ impl Line {
         self.slope.mul_add(echo as f64, self.start)
     }
 
+    /// The offset \[unit\] that makes up for a delay \[echo codes\] where the slope is the speed factor.
+    #[must_use]
+    pub fn wanted(&self, delay: f64) -> f64 {
+        (-delay).mul_add(self.slope, -self.start)
+    }
+
     /// Echo codes and distances \[unit\] at the start, halfway, and the last few of the reach, where cut-off bits differ.
     pub fn samples(&self) -> impl Iterator<Item = (i64, f64)> {
         // As many codes as make a step of the output, at either end: somewhere among them it is cut off most.

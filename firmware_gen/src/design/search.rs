@@ -105,6 +105,7 @@ impl<'a> Search<'a> {
         let of_tail = |tail: &Tail| {
             let fit = Rc::new(self.fit(tail));
             let cost = self.cost_of(tail);
+            let rest = tail.rest(&self.lines);
             let named =
                 |names: &[&str]| self.request.form.is_some_and(|form| names.contains(&form));
             // A second condition of one code is checked, and adds nothing.
@@ -116,7 +117,7 @@ impl<'a> Search<'a> {
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
                 .into_iter()
-                .filter_map(|form| self.candidate(form, *tail, cost, &fit))
+                .filter_map(|form| self.candidate(form, (*tail, cost, rest), &fit))
                 .collect::<Vec<_>>()
         };
         tails.iter().flat_map(of_tail).collect()
@@ -177,11 +178,9 @@ impl<'a> Search<'a> {
     fn candidate(
         &self,
         form: Box<dyn Form>,
-        tail: Tail,
-        cost_of_tail: Cost,
+        (tail, cost_of_tail, rest): (Tail, Cost, f64),
         fit: &Rc<Fit<'a>>,
     ) -> Option<Candidate<'a>> {
-        let rest = tail.rest(&self.lines);
         if let Some(cost) = form.estimate() {
             return Some(Candidate {
                 cost: cost + cost_of_tail,
