@@ -159,10 +159,11 @@ pub fn check_bounded(
     let rows = (0..device.rows()).map(nearest);
     match rows.min_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((distance, row)) if distance > maximum_distance => Err(Error::Request(format!(
-            "no distance is left to bound: the shortest echo that is accepted, {shortest:.6} us, is one from {distance:.3} m or \
+            "no distance is left to bound: the shortest echo that is accepted, {shortest} us, is one from {distance} m or \
              more ({place}), and the largest bounded distance is {maximum_distance} m: give a shorter echo min \
              (--echo-min-us, EchoCodes(shortest=...)) or a larger distance (--max-distance-m, max_distance)",
-            shortest = device.echo.value(first) * 1e6,
+            shortest = (device.echo.value(first) * 1e9).round() / 1e3,
+            distance = (distance * 1e3).ceil() / 1e3,
             place = place(device, row, first),
         ))),
         _ => Ok(()),

@@ -231,7 +231,8 @@ fn proof_from_5000_up_to(maximum_distance: f64) -> Result<Proof, Error> {
     let factor = builder.add(base, warm);
     let distance = builder.multiply(echo, factor);
     let program = builder.finish(distance).unwrap();
-    let longer = |conditions: &[f64], time: f64| 2.0f64.mul_add(conditions[0], 170.0) * time + 3e-6;
+    let longer =
+        |conditions: &[f64], time: f64| 2.0f64.mul_add(conditions[0], 170.0).mul_add(time, 3e-6);
     let claim = Claim {
         device: &device,
         reference: &longer,
