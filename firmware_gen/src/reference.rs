@@ -32,8 +32,11 @@ pub struct Line {
     pub start: f64,
     /// Distance halfway between them \[unit\].
     pub middle: f64,
-    /// Last echo code whose distance is within the bounded domain.
+    /// Last echo code whose distance is within the bounded domain; the one after `first` where none or one is, so that
+    /// the form follows the model there, too.
     pub reach: i64,
+    /// Whether the distance at `first` is within the bounded domain: no other echo is, otherwise.
+    pub bounded: bool,
 }
 
 impl Line {
@@ -46,6 +49,12 @@ impl Line {
     /// Distance of the line at an echo code \[unit\].
     fn at(&self, echo: i64) -> f64 {
         self.slope.mul_add(echo as f64, self.start)
+    }
+
+    /// The offset \[unit\] that makes up for a delay \[echo codes\] where the slope is the speed factor.
+    #[must_use]
+    pub fn wanted(&self, delay: f64) -> f64 {
+        (-delay).mul_add(self.slope, -self.start)
     }
 
     /// Echo codes and distances \[unit\] at the start, halfway, and the last few of the reach, where cut-off bits differ.
@@ -110,7 +119,8 @@ fn line(
         )));
     }
     let chord = (end - start) / (last - first) as f64;
-    let within = (maximum_distance.mul_add(device.output.per_meter, -start) / chord).floor() as i64;
+    let far = maximum_distance * device.output.per_meter;
+    let within = ((far - start) / chord).floor() as i64;
     let reach = first + within.clamp(1, last - first);
     let slope = (at(reach) - start) / (reach - first) as f64;
     Ok(Line {
@@ -119,7 +129,45 @@ fn line(
         start: slope.mul_add(-(first as f64), start),
         middle: at(i64::midpoint(first, reach)),
         reach,
+        bounded: start <= far,
     })
+}
+
+/// Check that some echo is within the bounded domain, the `lines` being those of a part of the rows.
+///
+/// # Errors
+/// [`Error::Request`] if every distance that the function can be asked for is beyond `maximum_distance` \[m\].
+pub fn check_bounded(
+    reference: &dyn Reference,
+    device: &Device,
+    lines: &[Line],
+    maximum_distance: f64,
+) -> Result<(), Error> {
+    if lines.iter().any(|line| line.bounded) {
+        return Ok(());
+    }
+    let first = device.echo.codes.minimum;
+    let nearest = |row: usize| {
+        let mut distance = [0.0];
+        reference.distances(
+            &device.values(row),
+            &[device.echo.value(first)],
+            &mut distance,
+        );
+        (distance[0], row)
+    };
+    let rows = (0..device.rows()).map(nearest);
+    match rows.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((distance, row)) if distance > maximum_distance => Err(Error::Request(format!(
+            "no distance is left to bound: the shortest echo that is accepted, {shortest} us, is one from {distance} m or \
+             more ({place}), and the largest bounded distance is {maximum_distance} m: give a shorter echo min \
+             (--echo-min-us, EchoCodes(shortest=...)) or a larger distance (--max-distance-m, max_distance)",
+            shortest = (device.echo.value(first) * 1e9).round() / 1e3,
+            distance = (distance * 1e3).ceil() / 1e3,
+            place = place(device, row, first),
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// "echo_us 4321, temperature_code 16 (1 degC)"

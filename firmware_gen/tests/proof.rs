@@ -217,3 +217,49 @@ fn echo_times_that_leave_no_two_codes_are_refused() {
     let axis = Axis::echo(0.5, 54.75, 12_500.2).unwrap();
     assert_eq!((axis.codes.minimum, axis.codes.maximum), (110, 25_000));
 }
+
+/// Distances of 0.85 m at 0 degC and of 1.05 m at 20 degC, from the first echo code on.
+fn proof_from_5000_up_to(maximum_distance: f64) -> Result<Proof, Error> {
+    let device = Device {
+        echo: Axis::echo(1.0, 5000.0, 6000.0).unwrap(),
+        ..device()
+    };
+    let mut builder = Builder::new(&device, 16);
+    let (echo, temperature) = (builder.echo(), builder.condition(0));
+    let (base, growth) = (builder.constant(170), builder.constant(2));
+    let warm = builder.multiply(temperature, growth);
+    let factor = builder.add(base, warm);
+    let distance = builder.multiply(echo, factor);
+    let program = builder.finish(distance).unwrap();
+    let longer =
+        |conditions: &[f64], time: f64| 2.0f64.mul_add(conditions[0], 170.0).mul_add(time, 3e-6);
+    let claim = Claim {
+        device: &device,
+        reference: &longer,
+        maximum_distance,
+        most: f64::INFINITY,
+        threads: 3,
+    };
+    prove(&program, claim, &mut |_| true)
+}
+
+#[test]
+fn a_proof_over_no_inputs_is_none() {
+    let error = proof_from_5000_up_to(0.5).unwrap_err();
+    assert!(matches!(&error, Error::Request(_)), "{error}");
+    assert!(error.to_string().contains("nothing would be proven"));
+}
+
+#[test]
+fn the_worst_input_is_one_that_is_accepted_where_some_rows_are_empty() {
+    // 5000 codes of 170 um and 3 um more: only the coldest rows begin within that.
+    let proof = proof_from_5000_up_to(0.870_005).unwrap();
+    assert!((proof.bounded.error - 3.0).abs() < 1e-6);
+    assert_eq!(proof.bounded_inputs, 118 + 59 + 1, "at 0, 1 and 2 degC");
+    assert!(proof.bounded.row < 3, "{:?}", proof.bounded);
+    assert!(
+        (5000..=5117).contains(&proof.bounded.echo),
+        "{:?}",
+        proof.bounded
+    );
+}

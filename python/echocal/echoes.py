@@ -3,29 +3,62 @@
 import math
 import warnings
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from echocal import _core
 from echocal.codes import EchoCodes, codes_of, count
 from echocal.errors import DomainWarning, UsageError
 
-__all__ = ["BLANKING", "accepted", "warn_of_no_echo"]
+__all__ = ["BLANKING_M", "Accepted", "accepted", "warn_of"]
 
-BLANKING = 0.02
+BLANKING_M = 0.02
 """Least distance that an HC-SR04 measures [m]; its data sheet says 2 cm to 400 cm."""
 
 # Without an echo a module reports a pulse, too, its time-out: an SRF04 one of "about 36 ms" (technical
 # documentation of its maker), an HC-SR04 one of 38 ms (data sheet). Those of copies are longer or, on
 # forum.arduino.cc 613370, shorter; some never end (forum.arduino.cc 55119).
 _TIMEOUT = "the time-out pulse of an SRF04 or HC-SR04 without an echo, 36 to 38 ms,"
-_LONGEST = 35_000.0  # us; the shorter of these less 3 % for the module's clock
+_LONGEST_US = 35_000.0
+"""Longest echo time that is accepted unasked [us]: a round number 2.8 % below the shorter time-out."""
+
+_CODES = 65_535  # codes of a uint16_t above 0
 _SLACK = 1e-9  # of a code; an echo time that is a code exactly stays that code
+
+_TICK = "--echo-lsb-us, EchoCodes(lsb)"
+_DISTANCE = "--max-distance-m, max_distance"
+_MIN = "--echo-min-us, EchoCodes(shortest=...)"
 
 Echo = float | EchoCodes | tuple[float, ...] | None
 
 
-def accepted(model: _core.Model, wish: Mapping[str, Any], echo: Echo) -> tuple[float, float, float]:
-    """Return tick, shortest and longest echo time [us] that a device accepts.
+@dataclass(frozen=True)
+class Accepted:
+    """Echo times that a device accepts.
+
+    Attributes
+    ----------
+    tick : float
+        Tick of the timer [us].
+    shortest, longest : float
+        Ends [us].
+    cut : str or None
+        Where nobody asked for the longest, and it is shorter than the echo from the largest distance: why.
+    """
+
+    tick: float
+    shortest: float
+    longest: float
+    cut: str | None = None
+
+    @property
+    def codes(self) -> tuple[float, float, float]:
+        """Tick, shortest and longest [us], as the core takes them."""
+        return self.tick, self.shortest, self.longest
+
+
+def accepted(model: _core.Model, wish: Mapping[str, Any], echo: Echo) -> Accepted:
+    """Return the echo times that a device accepts.
 
     Parameters
     ----------
@@ -34,28 +67,40 @@ def accepted(model: _core.Model, wish: Mapping[str, Any], echo: Echo) -> tuple[f
     wish : mapping
         What is asked of the core, but for the echo.
     echo : float, EchoCodes, tuple or None
-        What was asked for; what it leaves open follows from the model: an echo from `BLANKING` in the
+        What was asked for; what it leaves open follows from the model: an echo from `BLANKING_M` in the
         conditions where that is the shortest, one from the largest bounded distance where it is the longest.
 
     Returns
     -------
-    tuple of float
-        Tick, shortest, longest [us].
+    Accepted
+        Its ends; ones that are no codes are the core's to refuse.
 
     Raises
     ------
     UsageError
-        If these are no codes, or nothing is left between the two ends.
+        If an end that was not asked for leaves nothing between the two.
     """
     asked = _asked(echo)
-    tick, shortest, longest = asked.lsb, asked.shortest, asked.longest
-    if shortest is None or longest is None:
-        bound = min(_LONGEST, 65_535 * tick) if longest is None else longest
-        distances = [BLANKING, wish["maximum_distance"]]
-        (near, _), (_, far) = _core.echo_times(model, {**wish, "echo": (tick, 0.0, bound)}, distances)
-        shortest = _first(near, tick, longest) if shortest is None else shortest
-        longest = _last(far, tick) if longest is None else longest
-    return float(tick), float(shortest), float(longest)
+    tick, shortest, longest = float(asked.lsb), asked.shortest, asked.longest
+    if not (math.isfinite(tick) and tick > 0):
+        return Accepted(tick, 0.0, _LONGEST_US)
+    if shortest is not None and longest is not None:
+        return Accepted(tick, float(shortest), float(longest))
+    most = _most(tick) if longest is None else float(longest)
+    distances = [BLANKING_M, wish["maximum_distance"]]
+    soonest, latest = zip(
+        *_core.echo_times(model, {**wish, "echo": (tick, 0.0, most)}, distances), strict=True
+    )
+    first = _first(soonest[0] * 1e6, tick) if shortest is None else float(shortest)
+    if longest is not None:
+        if most <= first:
+            raise UsageError(_ends_early(most, first))
+        return Accepted(tick, first, most)
+    last, cut = _last([time * 1e6 for time in latest], tick, most, distances)
+    if last <= first:
+        message = _too_late(first, last, cut) if shortest is not None else _no_room(tick, distances[1], cut)
+        raise UsageError(message)
+    return Accepted(tick, first, last, cut)
 
 
 def _asked(echo: Echo) -> EchoCodes:
@@ -67,47 +112,113 @@ def _asked(echo: Echo) -> EchoCodes:
     return EchoCodes(1.0, float(count("echo", echo, 2**31 - 1)))
 
 
-def _first(near: float, tick: float, longest: float | None) -> float:
-    """Return the echo time [us] of the code that the shortest echo [s] gives, however the timer rounds.
+def _most(tick: float) -> float:
+    """Return the longest echo time [us] that is accepted unasked, a code that 16 bits hold."""
+    code = min(_CODES, math.floor(_LONGEST_US / tick + _SLACK))
+    if code < 1:
+        message = (
+            f"a tick of {tick:g} us is longer than any echo, {_LONGEST_US:g} us: give a finer one ({_TICK})"
+        )
+        raise UsageError(message)
+    return tick * code
+
+
+def _first(near: float, tick: float) -> float:
+    """Return the echo time [us] of the code that the shortest echo [us] gives, however the timer rounds.
 
     Never code 0, which is what Arduino's pulseIn() gives without an echo.
     """
-    shortest = tick * max(1, math.floor(near * 1e6 / tick + _SLACK)) if math.isfinite(near) else tick
-    if longest is not None and 0 < longest <= shortest:
-        message = (
-            f"echo max {longest:g} us ends before the echo from {BLANKING:g} m, the nearest that an HC-SR04 "
-            f"measures, {shortest:g} us: give the echo min, too (--echo-min-us, EchoCodes(shortest=...))"
+    return tick * max(1, math.floor(near / tick + _SLACK)) if math.isfinite(near) else tick
+
+
+def _last(latest: list[float], tick: float, most: float, distances: list[float]) -> tuple[float, str | None]:
+    """Return the echo time [us] of the code that the longest echo gives, however the timer rounds.
+
+    Parameters
+    ----------
+    latest : list of float
+        Longest echo time at each of `distances` [us].
+    tick, most : float
+        Tick of the timer, and the longest echo time that is accepted unasked [us].
+    distances : list of float
+        The blanking distance and the largest one [m].
+
+    Returns
+    -------
+    tuple of float and (str or None)
+        The echo time, at most `most`; why it is cut, if it is.
+    """
+    far, largest = latest[1], distances[1]
+    if not (math.isfinite(far) and far > 0):
+        return most, f"echo times end at {most:g} us: the model has none at {largest:g} m"
+    last = tick * math.ceil(far / tick - _SLACK)
+    if last <= most:
+        return last, None
+    reach = BLANKING_M + (largest - BLANKING_M) * (most - latest[0]) / (far - latest[0])
+    if tick * _CODES < _LONGEST_US:
+        why = (
+            f"a 16-bit timer with a tick of {tick:g} us ends there; a coarser tick ({_TICK}) or a shorter "
+            f"distance ({_DISTANCE}) mends that"
         )
-        raise UsageError(message)
-    return shortest
+    else:
+        why = (
+            f"{_TIMEOUT} must not be returned as a distance; --echo-max-us, in Python echo=, accepts longer "
+            "ones"
+        )
+    return most, (
+        f"echo times end at {most:g} us, before the largest distance asked for: the echo from {largest:g} m "
+        f"takes up to {far:.0f} us, and all are accepted up to {math.floor(reach * 100) / 100:g} m; {why}"
+    )
 
 
-def _last(far: float, tick: float) -> float:
-    """Return the echo time [us] of the code that the longest echo [s] gives, however the timer rounds."""
-    if not (math.isfinite(far) and 0 < far * 1e6 < _LONGEST):
-        return _LONGEST
-    return tick * math.ceil(far * 1e6 / tick - _SLACK)
+def _ends_early(longest: float, first: float) -> str:
+    return (
+        f"echo max {longest:g} us ends before the echo from {BLANKING_M:g} m, the nearest that an HC-SR04 "
+        f"measures, {first:g} us: give the echo min, too ({_MIN})"
+    )
 
 
-def warn_of_no_echo(echo: Echo, shortest: float, longest: float, *, stacklevel: int) -> None:
-    """Warn where what is reported without an echo is accepted, or keeps a distance out; times in [us]."""
-    for message in _without_echo(echo, shortest, longest):
+def _too_late(first: float, last: float, cut: str | None) -> str:
+    """Say why an echo min that was asked for leaves nothing below the echo max that was not."""
+    end = (
+        cut
+        or f"the echo from the largest distance, {last:g} us, is the longest that is accepted ({_DISTANCE})"
+    )
+    return f"echo min {first:g} us leaves no echo: give a shorter one, or an echo max; {end}"
+
+
+def _no_room(tick: float, largest: float, cut: str | None) -> str:
+    """Say why nothing is left between two ends that nobody asked for."""
+    if cut:
+        return f"no echo from {BLANKING_M:g} m or more is accepted: {cut}"
+    if largest < BLANKING_M:
+        return (
+            f"the largest distance, {largest:g} m, is nearer than {BLANKING_M:g} m, the blanking distance of "
+            f"an HC-SR04: give a larger one ({_DISTANCE}) or, of a sensor that measures nearer, the echo min "
+            f"({_MIN})"
+        )
+    return (
+        f"a tick of {tick:g} us is too coarse: the echoes from {BLANKING_M:g} m to {largest:g} m are a "
+        f"single code; give a finer one ({_TICK})"
+    )
+
+
+def warn_of(times: Accepted, *, stacklevel: int) -> None:
+    """Warn where what is reported without an echo is accepted, or keeps a distance out."""
+    for message in _doubts(times):
         warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
 
 
-def _without_echo(echo: Echo, shortest: float, longest: float) -> Iterator[str]:
-    if shortest == 0:
+def _doubts(times: Accepted) -> Iterator[str]:
+    if times.shortest == 0:
         yield (
             "an echo time of 0 us is accepted: that is what Arduino's pulseIn() gives without an echo, and "
             "it is then returned as a distance; an echo min above 0 us refuses it"
         )
-    if longest > _LONGEST:
+    if times.longest > _LONGEST_US:
         yield (
-            f"echo times to {longest:g} us are accepted: {_TIMEOUT} is then returned as a distance of 6.2 to "
-            f"6.5 m; an echo max of {_LONGEST:g} us or less refuses it"
+            f"echo times to {times.longest:g} us are accepted: {_TIMEOUT} is then returned as a distance of "
+            f"6.2 to 6.5 m; an echo max of {_LONGEST_US:g} us or less refuses it"
         )
-    elif longest == _LONGEST and _asked(echo).longest is None:
-        yield (
-            f"echo times end at {_LONGEST:g} us, before the largest distance asked for: {_TIMEOUT} must not "
-            "be returned as a distance; --echo-max-us, in Python echo=, accepts longer ones"
-        )
+    if times.cut:
+        yield times.cut

@@ -272,7 +272,8 @@ def generate(
         "model_hash": model.hash,
         "command": "",
     }
-    wish["echo"] = echoes.accepted(model._core, wish, echo)
+    times = echoes.accepted(model._core, wish, echo)
+    wish["echo"] = times.codes
     wish["command"] = _command(wish, model_name, assume) + (" --measure" if measure else "")
     try:
         core = _core.design_firmware(model._core, wish, progress)
@@ -281,7 +282,7 @@ def generate(
         message = f"{error}; that function takes {cost}"
         raise BoundError(message) from None
     _warn_outside(model, codes, damp, air)
-    echoes.warn_of_no_echo(echo, *wish["echo"][1:], stacklevel=2)
+    echoes.warn_of(times, stacklevel=2)
     made = _firmware(core, [])
     if not measure:
         return made

@@ -3,6 +3,8 @@
 import itertools
 import json
 import re
+import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +82,89 @@ def test_a_distance_beyond_the_time_out_is_left_out_and_told_of() -> None:
     assert codes(made)[1] == 35_000
 
 
+def test_a_default_ends_where_a_16_bit_timer_does() -> None:
+    """The echo max of 35,000 us was blamed on a user who gave none."""
+    with pytest.warns(DomainWarning, match=r"a 16-bit timer with a tick of 0.5 us ends there") as told:
+        made = firmware.generate(
+            MODELS["dry"], temperature=HALF_DEGREES, echo=EchoCodes(0.5), max_distance=8.0
+        )
+    assert codes(made)[1] == 65_535
+    message = str(told[0].message)
+    assert message.startswith(
+        "echo times end at 32767.5 us, before the largest distance asked for: the echo from 8 m"
+    )
+    farthest = float(MODELS["dry"].distance(32_767.5e-6, temperature=-20.0))
+    assert f"all are accepted up to {np.floor(farthest * 100) / 100:g} m; " in message
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_coarse_tick_rounds_no_default_up_to_a_time_out() -> None:
+    """58 us is the tick of a timer that counts centimeters."""
+    far = float(MODELS["dry"].distance(34_970e-6, temperature=-20.0))
+    made = firmware.generate(
+        MODELS["dry"], temperature=HALF_DEGREES, echo=EchoCodes(58.0), max_distance=far, max_error=5e-3
+    )
+    assert codes(made)[1] * 58 == 34_974
+    farther = float(MODELS["dry"].distance(34_990e-6, temperature=-20.0))
+    with pytest.raises(DomainWarning, match="echo times end at 34974 us, before the largest distance"):
+        firmware.generate(
+            MODELS["dry"],
+            temperature=HALF_DEGREES,
+            echo=EchoCodes(58.0),
+            max_distance=farther,
+            max_error=5e-3,
+        )
+
+
+@pytest.mark.parametrize(
+    ("request_", "message"),
+    [
+        (
+            {"max_distance": 0.015},
+            "the largest distance, 0.015 m, is nearer than 0.02 m, the blanking distance",
+        ),
+        ({"echo": EchoCodes(0.001)}, "no echo from 0.02 m or more is accepted: echo times end at 65.535 us"),
+        ({"echo": EchoCodes(0.5, None, 33_000)}, "echo min 33000 us leaves no echo: give a shorter one"),
+        (
+            {"echo": EchoCodes(1.0, None, 15_000), "max_distance": 2.0},
+            "echo min 15000 us leaves no echo: give a shorter one, or an echo max; the echo from the largest",
+        ),
+        ({"echo": EchoCodes(1e3), "max_distance": 0.1}, "a tick of 1000 us is too coarse"),
+        ({"echo": EchoCodes(4e4)}, "a tick of 40000 us is longer than any echo, 35000 us"),
+    ],
+)
+def test_no_default_is_blamed_on_the_user(request_: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(message)) as told:
+        firmware.generate(MODELS["dry"], temperature=HALF_DEGREES, **request_)
+    assert "35000 us is code" not in str(told.value)
+
+
+@pytest.mark.parametrize("name", ["dry", "bent"])
+def test_nothing_is_proven_over_no_inputs(name: str) -> None:
+    """It was: an error of at most -0.0010 mm at the 0 inputs."""
+    with pytest.raises(UsageError, match="no distance is left to bound") as told:
+        firmware.generate(
+            MODELS[name], temperature=(1, -20, 60), echo=EchoCodes(1.0, 25_000, 15_000), max_distance=2.0
+        )
+    assert "the shortest echo that is accepted, 15000 us, is one from 2.3" in str(told.value)
+    assert "the largest bounded distance is 2 m: give a shorter echo min (--echo-min-us" in str(told.value)
+
+
+def test_where_warm_air_has_no_bounded_input_the_worst_is_a_real_one(tmp_path: Path) -> None:
+    """15 ms are 2.39 m at -20 degC, 2.60 m at 25 degC and 2.74 m at 60 degC."""
+    made = firmware.generate(
+        MODELS["dry"], temperature=HALF_DEGREES, echo=EchoCodes(1.0, 25_000, 15_000), max_distance=2.6
+    )
+    worst = made.report["worst_input"]
+    code = (worst["echo_us"], round(worst["temperature"] / 0.5))
+    truth = float(MODELS["dry"].distance(code[0] * 1e-6, temperature=code[1] / 2))
+    assert code[0] >= 15_000
+    assert truth <= 2.6
+    assert 0 < abs(int(made.outputs(*code)) * 1e-6 - truth) <= made.report["error_proven_m"] <= 0.5e-3
+    assert f"\n{code[0]},{code[1]},{int(made.outputs(*code))}\n" in made.files["echocal_golden.csv"]
+    assert answers(build(made, tmp_path), [code]) == [int(made.outputs(*code))]
+
+
 def test_a_sensor_with_a_longer_blanking_distance(tmp_path: Path) -> None:
     """A JSN-SR04T is deaf below some 25 cm."""
     made = firmware.generate(MODELS["dry"], temperature=HALF_DEGREES, echo=EchoCodes(shortest=1_400))
@@ -103,7 +188,7 @@ def test_a_sensor_with_a_longer_blanking_distance(tmp_path: Path) -> None:
         ),
         (EchoCodes(1.0, 5_000, -1.0), "codes -1 .. 5000: give an echo min of 0 or more, below the echo max"),
         (EchoCodes(1.0, 5_000, float("nan")), "give an echo min of 0 or more, below the echo max"),
-        (EchoCodes(0.25), "us is code 100286 of LSB 0.25 us: it is outside 1 .. 65535"),
+        (EchoCodes(0.25, 20_000), "us is code 80000 of LSB 0.25 us: it is outside 1 .. 65535"),
         (EchoCodes(0.0), "echo LSB 0 us is no tick of a timer"),
         ((1.0, 5_000.0, None), "give EchoCodes(lsb, longest, shortest), or the numbers as a tuple"),
     ],
@@ -131,3 +216,25 @@ def test_the_command_takes_both_ends(
     assert "--echo-min-us 1400 --echo-max-us 9000" in report["provenance"]["command"]
     assert run(monkeypatch, *words, "--echo-min-us", "9000", "--echo-max-us", "1400") == 2
     assert "give an echo min of 0 or more, below the echo max" in " ".join(capsys.readouterr().err.split())
+
+
+def test_finding_the_ends_can_be_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over 328,000 conditions it takes some tenths of a second, and an interrupt had to wait for the end."""
+    ended: list[float] = []
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    def design(*_: object) -> None:
+        ended.append(time.monotonic())
+
+    monkeypatch.setattr(firmware._core, "design_firmware", design)
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            firmware.generate(MODELS["dry"], humidity=(1 / 255, 0.0, 1.0))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert not ended, "it ran on to the design"

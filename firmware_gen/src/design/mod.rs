@@ -1,6 +1,8 @@
 //! The search: which form, which format, at least cost within the error bound.
 
 mod search;
+#[cfg(test)]
+mod tests;
 
 use crate::device::Device;
 use crate::error::Error;

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::form::{FORMS, Fit, Form, OF_TWO, Tail};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
-use crate::reference::{Line, sample};
+use crate::reference::{Line, check_bounded, sample};
 use crate::target::Cost;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -79,13 +79,15 @@ const SURE: f64 = 0.9;
 
 impl<'a> Search<'a> {
     pub(super) fn new(request: Request<'a>) -> Result<Self, Error> {
-        let picked = request.device.thinned(COLUMNS);
-        let lines = sample(
-            request.reference,
-            request.device,
-            &picked,
-            request.maximum_distance,
-        )?;
+        let Request {
+            reference,
+            device,
+            maximum_distance,
+            ..
+        } = request;
+        let picked = device.thinned(COLUMNS);
+        let lines = sample(reference, device, &picked, maximum_distance)?;
+        check_bounded(reference, device, &lines, maximum_distance)?;
         let truths = lines.iter().flat_map(Line::samples);
         let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
             most.max((truth - truth.round()).abs())
@@ -103,6 +105,7 @@ impl<'a> Search<'a> {
         let of_tail = |tail: &Tail| {
             let fit = Rc::new(self.fit(tail));
             let cost = self.cost_of(tail);
+            let rest = tail.rest(&self.lines);
             let named =
                 |names: &[&str]| self.request.form.is_some_and(|form| names.contains(&form));
             // A second condition of one code is checked, and adds nothing.
@@ -114,7 +117,7 @@ impl<'a> Search<'a> {
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
                 .into_iter()
-                .filter_map(|form| self.candidate(form, *tail, cost, &fit))
+                .filter_map(|form| self.candidate(form, (*tail, cost, rest), &fit))
                 .collect::<Vec<_>>()
         };
         tails.iter().flat_map(of_tail).collect()
@@ -175,11 +178,9 @@ impl<'a> Search<'a> {
     fn candidate(
         &self,
         form: Box<dyn Form>,
-        tail: Tail,
-        cost_of_tail: Cost,
+        (tail, cost_of_tail, rest): (Tail, Cost, f64),
         fit: &Rc<Fit<'a>>,
     ) -> Option<Candidate<'a>> {
-        let rest = tail.rest(&self.lines);
         if let Some(cost) = form.estimate() {
             return Some(Candidate {
                 cost: cost + cost_of_tail,

@@ -86,11 +86,37 @@ impl Tail {
         kept
     }
 
-    /// The error that this delay and offset leave at the shortest echo times \[unit\], whatever the factor.
+    /// The error that this delay leaves at the first or the last echo of some line \[unit\], whatever the factors and
+    /// the offset: a bound from below, but for the rounding of the distance.
+    ///
+    /// With the slope of a line for its factor, the error is the same at all its echoes: what the line wants for an
+    /// offset, less the offset. Another factor turns the error about the delay. Where `first` is before the delay, that
+    /// makes the error larger at one end. Where both ends are behind it, `a` and `b` echo codes, the least that the
+    /// larger of the two errors can be is where they are opposite: `(b - a) / (b + a)` of the one they had.
     #[must_use]
     pub fn rest(&self, lines: &[Line]) -> f64 {
-        let (low, high) = rests(lines, self.delay, self.time_bits);
-        (high - low) / 2.0
+        let delay = self.codes();
+        let share = |line: &Line| {
+            let (near, far) = (
+                (line.first as f64 - delay).max(0.0),
+                line.reach as f64 - delay,
+            );
+            if far <= 0.0 {
+                0.0
+            } else {
+                (far - near) / (far + near)
+            }
+        };
+        let wanted = lines
+            .iter()
+            .filter(|line| line.bounded)
+            .map(|line| (line.wanted(delay), share(line)));
+        apart(&wanted.collect::<Vec<_>>())
+    }
+
+    /// The delay in echo codes.
+    fn codes(&self) -> f64 {
+        self.delay as f64 / f64::from(self.time_bits).exp2()
     }
 
     /// The factor \[unit per echo code\] that brings `line` to its distance at the end of its reach.
@@ -104,7 +130,7 @@ impl Tail {
     /// Echo codes between the delay and the end of the reach.
     #[must_use]
     pub fn lever(&self, line: &Line) -> f64 {
-        (line.reach as f64 - self.delay as f64 / f64::from(self.time_bits).exp2()).max(1.0)
+        (line.reach as f64 - self.codes()).max(1.0)
     }
 
     /// Add the steps from the speed `factor` to the distance \[unit\].
@@ -222,12 +248,43 @@ pub(super) fn floor_shift(builder: &mut Builder<'_>, value: Value, bits: u32) ->
 /// The least and the largest offset \[unit\] that single lines would want beside this delay.
 fn rests(lines: &[Line], delay: i64, time_bits: u32) -> (f64, f64) {
     let delay = delay as f64 / f64::from(time_bits).exp2();
-    let rests = lines
-        .iter()
-        .map(|line| (-delay).mul_add(line.slope, -line.start));
-    rests.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), rest| {
-        (rest.min(low), rest.max(high))
+    ends(lines.iter().map(|line| line.wanted(delay)))
+}
+
+fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (value.min(low), value.max(high))
     })
+}
+
+/// Pairs of lines after which [`apart`] has settled; each of them is a bound from below.
+const PAIRS: usize = 12;
+
+/// The least that the largest error can be where one offset serves all lines: each `wanted` another, and what is left
+/// of the difference between the two is a `share` of it.
+fn apart(wanted: &[(f64, f64)]) -> f64 {
+    let (low, high) = ends(wanted.iter().map(|(want, _)| *want));
+    let (mut offset, mut bound) = (f64::midpoint(low, high), 0.0);
+    for _ in 0..PAIRS {
+        let worst = |sign: f64| {
+            let error = |(want, share): &(f64, f64)| sign * (want - offset) * share;
+            wanted
+                .iter()
+                .copied()
+                .max_by(|a, b| error(a).total_cmp(&error(b)))
+        };
+        let (Some((high, p)), Some((low, q))) = (worst(1.0), worst(-1.0)) else {
+            break;
+        };
+        // With two lines alone, the best offset is where their errors are opposite.
+        let pair = p * q * (high - low) / (p + q);
+        if pair.is_nan() || pair <= bound {
+            break;
+        }
+        bound = pair;
+        offset = p.mul_add(high, q * low) / (p + q);
+    }
+    bound
 }
 
 /// How the start of the lines falls with their slope: the delay in echo codes, by least squares.
@@ -246,5 +303,88 @@ fn fitted_delay(lines: &[Line]) -> f64 {
         0.0
     } else {
         -product / square
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn line(first: i64, reach: i64, slope: f64, start: f64) -> Line {
+        Line {
+            first,
+            slope,
+            start,
+            middle: 0.0,
+            reach,
+            bounded: true,
+        }
+    }
+
+    fn tail(delay: i64) -> Tail {
+        Tail {
+            scale_bits: 8,
+            time_bits: 0,
+            delay,
+            offset: 0.0,
+            rounded: false,
+        }
+    }
+
+    /// Two lines 2000 apart at echo code 0: an offset halves that, the other factor takes a third of it over half the
+    /// reach, and all of it over a single code.
+    #[test]
+    fn the_rest_is_what_offset_and_factors_leave() {
+        let rest = |first: i64, reach: i64, delay: i64| {
+            let lines = [0.0, 2000.0].map(|start| line(first, reach, 170.0, start));
+            tail(delay).rest(&lines)
+        };
+        for (first, delay, expected) in [
+            (0, 0, 1000.0),
+            (0, 31, 1000.0),
+            (10_000, 0, 1000.0 / 3.0),
+            (10_031, 31, 1000.0 / 3.0),
+        ] {
+            let reach = if first > 10_000 { 20_031 } else { 20_000 };
+            let found = rest(first, reach, delay);
+            assert!((found - expected).abs() < 1e-6, "{first} {delay}: {found}");
+        }
+        assert!(rest(19_999, 20_000, 0) < 0.03);
+    }
+
+    /// The largest error at the ends of the lines, each with the factor that is best beside `offset`.
+    fn least_error(lines: &[Line], delay: f64, offset: f64) -> f64 {
+        let worst = lines.iter().map(|line| {
+            let (a, b) = (line.first as f64 - delay, line.reach as f64 - delay);
+            let error = line.wanted(delay) - offset;
+            let turn = if a > 0.0 { -2.0 * error / (a + b) } else { 0.0 };
+            turn.mul_add(a, error)
+                .abs()
+                .max(turn.mul_add(b, error).abs())
+        });
+        worst.fold(0.0, f64::max)
+    }
+
+    proptest! {
+        /// The best of all offsets and factors leaves the rest, and no less.
+        #[test]
+        fn the_best_offset_and_factors_leave_the_rest(
+            lines in prop::collection::vec((0_i64..20_000, 600_i64..20_000, 100.0..200.0, -3e3..3e3), 2..6),
+            delay in 0_i64..500,
+        ) {
+            let lines: Vec<Line> = lines
+                .into_iter()
+                .map(|(first, more, slope, start)| line(first, first + more, slope, start))
+                .collect();
+            let rest = tail(delay).rest(&lines);
+            let (low, high) = rests(&lines, delay, 0);
+            let step = (high - low) / 1000.0;
+            let offsets = (0..=1000).map(|k| step.mul_add(f64::from(k), low));
+            let errors = offsets.map(|offset| least_error(&lines, delay as f64, offset));
+            let least = errors.fold(f64::INFINITY, f64::min);
+            prop_assert!(least >= rest - 1e-6, "{least} < {rest}");
+            prop_assert!(least <= rest + step, "{least} > {rest}");
+        }
     }
 }

@@ -11,6 +11,8 @@ use echocal_core::{Conditions, Quantity};
 
 /// A Newton step below this is less than the twin's own unit by a factor of a million \[m\].
 const SETTLED: f64 = 1e-12;
+/// Combinations of conditions after which the caller may stop: some milliseconds.
+const BETWEEN: usize = 16_384;
 /// Steps allowed; a chain that is affine in the distance settles in one.
 const STEPS_ALLOWED: usize = 20;
 
@@ -32,15 +34,26 @@ impl Reference for Lowered {
 }
 
 impl Lowered {
-    /// The least and the greatest echo time \[s\] at a distance \[m\], over all conditions that the device accepts.
-    #[must_use]
-    pub fn echo_times(&self, device: &Device, distance: f64) -> (f64, f64) {
-        let times =
-            (0..device.rows()).map(|row| self.time(distance, &self.at(&device.values(row))));
-        let none = (f64::INFINITY, f64::NEG_INFINITY);
-        times.fold(none, |(least, greatest), time| {
-            (least.min(time), greatest.max(time))
-        })
+    /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all conditions that the device accepts.
+    /// `go_on` is asked now and then; `None` if it said no.
+    pub fn echo_times(
+        &self,
+        device: &Device,
+        distances: &[f64],
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Vec<(f64, f64)>> {
+        let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); distances.len()];
+        for row in 0..device.rows() {
+            if row % BETWEEN == BETWEEN - 1 && !go_on() {
+                return None;
+            }
+            let at = self.at(&device.values(row));
+            for ((least, greatest), distance) in ends.iter_mut().zip(distances) {
+                let time = self.time(*distance, &at);
+                (*least, *greatest) = (least.min(time), greatest.max(time));
+            }
+        }
+        Some(ends)
     }
 
     /// The echo time at a distance, in any number type.
@@ -103,5 +116,32 @@ mod tests {
                 assert!((line[index] - model.distance(*time, &at)).abs() < 1e-12);
             }
         }
+    }
+    /// The echo comes soonest where it is warm and damp, latest where it is cold and dry; who says stop gets nothing.
+    #[test]
+    fn echo_times_are_those_of_the_ends_and_can_be_stopped() {
+        let device = Device {
+            echo: Axis::echo(1.0, 0.0, 30_000.0).unwrap(),
+            conditions: vec![
+                Axis::temperature(0.0625, -20.0, 60.0, 0.0).unwrap(),
+                Axis::humidity(0.01, 0.0, 1.0, 0.0).unwrap(),
+            ],
+            output: Output::MICROMETERS,
+        };
+        let model = Model::new(Law::parse("cramer").unwrap());
+        let lowered = lower(&model, &device, &Conditions::at(20.0), &[], 4.0).unwrap();
+        let mut asked = 0;
+        let mut count = |go_on: bool| {
+            lowered.echo_times(&device, &[0.02, 4.0], &mut || {
+                asked += 1;
+                go_on
+            })
+        };
+        let times = count(true).unwrap();
+        let expected = |distance, at: [f64; 2]| lowered.time(distance, &lowered.at(&at));
+        assert_eq!(times[0].0, expected(0.02, [60.0, 1.0]));
+        assert_eq!(times[1].1, expected(4.0, [-20.0, 0.0]));
+        assert_eq!(count(false), None);
+        assert_eq!(asked, device.rows() / BETWEEN + 1);
     }
 }

@@ -27,6 +27,7 @@ pub struct Worst {
 }
 
 impl Worst {
+    /// Before the first input; no proof has it, as none is of no inputs.
     const NONE: Self = Self {
         error: -1.0,
         row: 0,
@@ -171,7 +172,7 @@ fn stride(rows: usize) -> usize {
 ///
 /// # Errors
 /// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, the
-/// error goes beyond the claim, or `progress` said stop.
+/// error goes beyond the claim, no input is within the bounded domain, or `progress` said stop.
 pub fn prove(
     program: &Program,
     claim: Claim<'_>,
@@ -197,7 +198,7 @@ pub fn prove(
     gather(&found, claim.device)
 }
 
-/// The proof of all rows, in their order; a row without a result proves nothing.
+/// The proof of all rows, in their order; a row without a result proves nothing, and neither do no inputs.
 fn gather(found: &[Option<Row>], device: &Device) -> Result<Proof, Error> {
     let mut proof = Proof {
         bounded: Worst::NONE,
@@ -215,6 +216,12 @@ fn gather(found: &[Option<Row>], device: &Device) -> Result<Proof, Error> {
         proof.inputs += device.echo.len() as u64;
         proof.bounded_inputs += row.within;
         proof.hash = fold(proof.hash, row.hash);
+    }
+    if proof.bounded_inputs == 0 {
+        // Its worst input would be none that the function accepts.
+        return Err(Error::Request(
+            "no input is within the largest bounded distance: nothing would be proven".into(),
+        ));
     }
     Ok(proof)
 }

@@ -23,6 +23,7 @@ from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
+from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
@@ -48,7 +49,9 @@ def command(
     humidity_range: Annotated[str | None, option("LOW:HIGH accepted [1]; default 0:1.")] = None,
     humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
     echo_lsb_us: Annotated[float, option("Tick of the timer [us].")] = 1.0,
-    echo_min_us: Annotated[float | None, option("Shortest echo accepted [us]; default: from 20 mm.")] = None,
+    echo_min_us: Annotated[
+        float | None, option(f"Shortest echo accepted [us]; default: from {BLANKING_M * 1e3:g} mm.")
+    ] = None,
     echo_max_us: Annotated[
         float | None, option("Longest echo accepted [us]; default: from --max-distance-m.")
     ] = None,

@@ -136,11 +136,24 @@ pub struct Wish {
 
 /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all conditions that the device accepts.
 #[pyfunction]
-pub fn echo_times(model: &CoreModel, wish: Wish, distances: Vec<f64>) -> PyResult<Vec<(f64, f64)>> {
-    let device = device(&wish).map_err(|error| to_python(&error))?;
-    let lowered = lowered(&model.model, &device, &wish).map_err(|error| to_python(&error))?;
-    let times = |distance: &f64| lowered.echo_times(&device, *distance);
-    Ok(distances.iter().map(times).collect())
+pub fn echo_times(
+    py: Python<'_>,
+    model: &CoreModel,
+    wish: Wish,
+    distances: Vec<f64>,
+) -> PyResult<Vec<(f64, f64)>> {
+    let model = &model.model;
+    let mut interrupted = None;
+    let found = py.detach(|| {
+        let device = device(&wish)?;
+        let lowered = lowered(model, &device, &wish)?;
+        let times = lowered.echo_times(&device, &distances, &mut || {
+            interrupted = Python::attach(|py| py.check_signals()).err();
+            interrupted.is_none()
+        });
+        times.ok_or(Error::Stopped)
+    });
+    interrupted.map_or_else(|| found.map_err(|error| to_python(&error)), Err)
 }
 
 /// Design, prove and write a firmware; `progress(form, checked, total)` is told of each candidate and its proof.

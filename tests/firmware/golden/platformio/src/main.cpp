@@ -10,7 +10,8 @@
  * - Timer1 of an ATmega328P, 168 or 32U4 notes the time of an edge in hardware, to 0.5 us, whatever else the processor does.
  * - On other AVR boards, and with ECHOCAL_NO_INPUT_CAPTURE, pulseIn() counts the turns of a loop. The timer interrupt that
  *   keeps millis() steals turns: with interrupts on it reads about 0.6 % short, 12 mm at 2 m, and no correction of the air
- *   can know. So the sketch holds the interrupts while it counts; millis() then loses the length of the echo.
+ *   can know. So the sketch holds the interrupts while it counts, up to 60 ms where no echo comes: millis() loses that time,
+ *   and the USB of an ATmega32U4 does not answer for as long. There, time the echo in hardware.
  * - Elsewhere micros() tells the time of each edge, with interrupts on. Its clock needs them: an STM32 counts milliseconds
  *   in an interrupt, and without it every echo would end up as 0. An edge that falls into an interrupt is told later.
  *
