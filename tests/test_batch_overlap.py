@@ -23,6 +23,15 @@ FUNCTIONS: dict[str, Call] = {
     name: getattr(echocal, name)
     for name in ("speed_of_sound", "absorption", "time_of_flight", "distance", "error")
 }
+SEVERAL = echocal.Model(
+    "cramer",
+    {
+        "fixed_delay": {"delay": 3e-5},
+        "temperature_gain": {"gain": 0.02},
+        "clock_error": {"frequency_error": 2e-4},
+        "zero_error": {"offset": -4e-3},
+    },
+)
 METHODS: dict[str, Call] = {
     f"Model.{name}": getattr(MODEL, name)
     for name in ("indicate", "speed_of_sound", "time_of_flight", "correct", "distance")
@@ -146,6 +155,25 @@ def test_shifted_by_some_rows(name: str, shift: int, kind: str) -> None:
         ahead, behind = memory[abs(shift) :], memory[: -abs(shift)]
         first, out = (ahead, behind) if shift > 0 else (behind, ahead)
         check(name, memory.view(np.uint8), [first, 20.0, 0.4], out, n_threads=4)
+
+
+@pytest.mark.parametrize("kind", ["f8", "f4"])
+@pytest.mark.parametrize("turned", [1, -1])
+@pytest.mark.parametrize(
+    "call",
+    [echocal.distance, echocal.time_of_flight, MODEL.correct, SEVERAL.indicate, SEVERAL.correct],
+    ids=["distance", "time_of_flight", "one effect", "several effects", "several effects, inverse"],
+)
+def test_an_input_ahead_of_the_output(call: Call, turned: int, kind: str) -> None:
+    """NumPy copies no such input: a thread that begins in the middle would overwrite what another reads."""
+    rows = 110_003  # several threads in either precision, for models too
+    for shift in (1, 24, 333):
+        for seed in range(3):
+            memory = np.random.default_rng(seed).uniform(0.1, 3.0, rows + shift).astype(kind)[::turned]
+            first, out = memory[shift:], memory[:-shift]
+            expected = call(first.copy(), temperature=20.0, n_threads=4)
+            assert call(first, temperature=20.0, out=out, n_threads=4) is out
+            np.testing.assert_array_equal(out, expected)
 
 
 @pytest.mark.parametrize("name", [*FUNCTIONS, *METHODS])
