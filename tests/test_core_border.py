@@ -125,8 +125,18 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "a polynomial for ever": (
         lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0]),
-        IndexError,
-        "there is no degree 9223372036854775809",
+        ValueError,
+        "9223372036854775809 degrees from 0 on; at most 1000",
+    ),
+    "a polynomial too many": (
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1000, [1.0]),
+        ValueError,
+        "1001 degrees from 0 on; at most 1000",
+    ),
+    "a wave too many": (
+        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0] * 1001),
+        ValueError,
+        "1001 multiples of a wave; at most 1000",
     ),
     "a column that is not there": (lambda: calls.columns().made([5]), IndexError, "no column 5: there are 5"),
     "a row that is not there": (
@@ -187,6 +197,15 @@ def test_a_refused_column_leaves_the_others_alone() -> None:
         with pytest.raises(ValueError, match="column has 5 rows"):
             call(np.ones(5))
     np.testing.assert_array_equal(columns.gram(), before)
+
+
+def test_the_last_degree_and_wave_are_allowed() -> None:
+    columns = calls.columns()
+    before = len(columns)
+    values = np.linspace(0.0, 1.0, calls.ROWS)
+    columns.legendre(values, 0.0, 1.0, 999, [1.0])
+    columns.waves(values, 1.0, [1.0] * 1000)
+    assert len(columns) == before + 1 + 2 * 1000
 
 
 def test_labels_of_a_larger_table_keep_their_meaning() -> None:

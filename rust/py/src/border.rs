@@ -48,6 +48,15 @@ pub fn within(
     }
 }
 
+/// Refuses more of something than there may be.
+pub fn at_most(what: &str, count: usize, most: usize) -> PyResult<()> {
+    if count <= most {
+        return Ok(());
+    }
+    let message = format!("{count} {what}; at most {most}");
+    Err(PyValueError::new_err(message))
+}
+
 /// Refuses positions that go back.
 pub fn ascending(what: &str, positions: &[usize]) -> PyResult<()> {
     match positions.windows(2).find(|pair| pair[0] > pair[1]) {
