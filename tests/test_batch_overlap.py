@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, note, settings
 from hypothesis import strategies as st
 from numpy.lib.stride_tricks import as_strided
@@ -244,7 +245,7 @@ def test_outputs_that_do_not_fit() -> None:
         (fixed, "out is read-only"),
         ([0.0] * 4, "out must be a NumPy array, but is a list"),
         ("out.npy", "out must be a NumPy array, but is a str"),
-        ((np.empty(4), np.empty(4)), "out does not fit"),
+        ((np.empty(4), np.empty(4)), "out must be one array, but is a tuple of 2"),
     ]
     for out, message in cases:
         with pytest.raises(UsageError, match=message) as caught:
@@ -253,6 +254,23 @@ def test_outputs_that_do_not_fit() -> None:
         if not isinstance(out, tuple):
             with pytest.raises(UsageError, match=message):
                 MODEL.correct(time, temperature=20.0, out=out)
+
+
+def test_what_is_known_of_an_output_names_its_cause() -> None:
+    with pytest.raises(UsageError, match="out has shape") as caught:
+        echocal.distance(np.full(4, 0.01), 20.0, out=np.empty(3))
+    assert "broadcast" in str(caught.value.__cause__)
+
+
+def test_errors_of_others_stay_theirs() -> None:
+    """With an output as without: it is not at fault for what xarray refuses."""
+    time = xr.DataArray(np.full(4, 0.01), dims="row", coords={"row": range(4)})
+    warm = xr.DataArray(np.full(4, 20.0), dims="row", coords={"row": range(1, 5)})
+    for options in ({}, {"out": np.empty(4)}):
+        refused = pytest.raises(ValueError, match="cannot align")
+        with xr.set_options(arithmetic_join="exact"), refused as caught:
+            echocal.distance(time, warm, **options)
+        assert not isinstance(caught.value, UsageError)
 
 
 class Named(np.ndarray):
