@@ -169,7 +169,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "codes too short": (
         lambda: _evaluate([1, 2], [1]),
         ValueError,
-        "echo has 2 rows, temperature_code has 1",
+        "echo_code has 2 rows, temperature_code has 1",
     ),
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
     "air of one number": (_designed, TypeError, "Wish.assumed"),
