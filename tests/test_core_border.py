@@ -108,6 +108,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "groups of other rows": (lambda: _columns([0, 1]), ValueError, "distance has 3 rows, groups has 2"),
     "a group far away": (lambda: _columns([0, 0, 2**32 - 1]), ValueError, "groups has label 4294967295"),
+    "more groups than rows": (
+        lambda: _columns([0, 1, 3]),
+        ValueError,
+        "groups has label 3; labels of 3 rows are 0 to 2",
+    ),
     "a column changed in place": (
         _changed_in_place,
         TypeError,

@@ -250,7 +250,7 @@ impl CoreColumns {
             return Err(PyValueError::new_err("there are no columns or no memories"));
         }
         let (rows, count) = (self.distance.bind(py).len(), series.len());
-        let layout = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
+        let (layout, places) = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
         let threads = available_threads();
         let memories: Vec<Memory> = memories.into_iter().map(memory).collect();
         let products = self.using(py, |columns| {
