@@ -171,18 +171,17 @@ def test_shifted_by_some_rows(name: str, shift: int, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["f8", "f4"])
-@pytest.mark.parametrize("turned", [1, -1])
 @pytest.mark.parametrize(
     "call",
     [echocal.distance, echocal.time_of_flight, MODEL.correct, SEVERAL.indicate, SEVERAL.correct],
     ids=["distance", "time_of_flight", "one effect", "several effects", "several effects, inverse"],
 )
-def test_an_input_ahead_of_the_output(call: Call, turned: int, kind: str) -> None:
+def test_an_input_ahead_of_the_output(call: Call, kind: str) -> None:
     """NumPy copies no such input: a thread that begins in the middle would overwrite what another reads."""
     rows = 110_003  # several threads in either precision, for models too
     for shift in (1, 24, 333):
         for seed in range(3):
-            memory = np.random.default_rng(seed).uniform(0.1, 3.0, rows + shift).astype(kind)[::turned]
+            memory = np.random.default_rng(seed).uniform(0.1, 3.0, rows + shift).astype(kind)
             first, out = memory[shift:], memory[:-shift]
             expected = call(first.copy(), temperature=20.0, n_threads=4)
             assert call(first, temperature=20.0, out=out, n_threads=4) is out
