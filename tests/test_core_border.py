@@ -108,6 +108,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "groups of other rows": (lambda: _columns([0, 1]), ValueError, "distance has 3 rows, groups has 2"),
     "a group far away": (lambda: _columns([0, 0, 2**32 - 1]), ValueError, "groups has label 4294967295"),
+    "more groups than rows": (
+        lambda: _columns([0, 1, 3]),
+        ValueError,
+        "groups has label 3; labels of 3 rows are 0 to 2",
+    ),
     "a column changed in place": (
         _changed_in_place,
         TypeError,
@@ -125,8 +130,18 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "a polynomial for ever": (
         lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0]),
-        IndexError,
-        "there is no degree 9223372036854775809",
+        ValueError,
+        "9223372036854775809 degrees from 0 on; at most 1000",
+    ),
+    "a polynomial too many": (
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1000, [1.0]),
+        ValueError,
+        "1001 degrees from 0 on; at most 1000",
+    ),
+    "a wave too many": (
+        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0] * 1001),
+        ValueError,
+        "1001 multiples of a wave; at most 1000",
     ),
     "a column that is not there": (lambda: calls.columns().made([5]), IndexError, "no column 5: there are 5"),
     "a row that is not there": (
@@ -159,7 +174,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "codes too short": (
         lambda: _evaluate([1, 2], [1]),
         ValueError,
-        "echo has 2 rows, temperature_code has 1",
+        "echo_code has 2 rows, temperature_code has 1",
     ),
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
     "air of one number": (_designed, TypeError, "Wish.assumed"),
@@ -187,6 +202,15 @@ def test_a_refused_column_leaves_the_others_alone() -> None:
         with pytest.raises(ValueError, match="column has 5 rows"):
             call(np.ones(5))
     np.testing.assert_array_equal(columns.gram(), before)
+
+
+def test_the_last_degree_and_wave_are_allowed() -> None:
+    columns = calls.columns()
+    before = len(columns)
+    values = np.linspace(0.0, 1.0, calls.ROWS)
+    columns.legendre(values, 0.0, 1.0, 999, [1.0])
+    columns.waves(values, 1.0, [1.0] * 1000)
+    assert len(columns) == before + 1 + 2 * 1000
 
 
 def test_labels_of_a_larger_table_keep_their_meaning() -> None:

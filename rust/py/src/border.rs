@@ -10,9 +10,6 @@ use numpy::{Element, Ix1, PyArray, PyReadonlyArray};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-/// Labels count from 0, and each costs memory: no table has more groups than this.
-const MOST_LABELS: usize = 1 << 24;
-
 /// The length that columns have in common.
 pub fn same_length(columns: &[(&str, usize)]) -> PyResult<usize> {
     let Some(&(first, rows)) = columns.first() else {
@@ -48,6 +45,15 @@ pub fn within(
     }
 }
 
+/// Refuses more of something than there may be.
+pub fn at_most(what: &str, count: usize, most: usize) -> PyResult<()> {
+    if count <= most {
+        return Ok(());
+    }
+    let message = format!("{count} {what}; at most {most}");
+    Err(PyValueError::new_err(message))
+}
+
 /// Refuses positions that go back.
 pub fn ascending(what: &str, positions: &[usize]) -> PyResult<()> {
     match positions.windows(2).find(|pair| pair[0] > pair[1]) {
@@ -60,18 +66,20 @@ pub fn ascending(what: &str, positions: &[usize]) -> PyResult<()> {
 }
 
 /// Labels of rows as positions, and how many there are, counted from 0.
+///
+/// Each label up to the last costs memory, so rows have no more of them than there are rows.
 pub fn labels<L>(what: &str, given: &[L]) -> PyResult<(Vec<usize>, usize)>
 where
     L: Copy + std::fmt::Display,
     usize: TryFrom<L>,
 {
+    let rows = given.len();
     let position = |&label: &L| {
         let position = usize::try_from(label).ok();
-        position.filter(|&at| at < MOST_LABELS).ok_or_else(|| {
-            let message = format!(
-                "{what} has label {label}; labels are 0 to {}",
-                MOST_LABELS - 1
-            );
+        position.filter(|&at| at < rows).ok_or_else(|| {
+            let last = rows - 1; // there is this one
+            let message =
+                format!("{what} has label {label}; labels of {rows} rows are 0 to {last}");
             PyValueError::new_err(message)
         })
     };

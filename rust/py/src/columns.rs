@@ -12,7 +12,9 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::border::{Column, ascending, labels, same_length, same_length_not_empty, within};
+use crate::border::{
+    Column, ascending, at_most, labels, same_length, same_length_not_empty, within,
+};
 use crate::errors::to_python;
 use crate::evidence::layout;
 use crate::model::CoreModel;
@@ -21,7 +23,8 @@ use crate::sums::{CoreSums, Remembered, memory};
 /// A column that Python holds: read anew each time.
 type Held = Py<PyArray1<f64>>;
 
-/// Polynomials of one column, or waves, that are no use any more; and each takes its time.
+/// Polynomials of one column, or waves. The diagnosis asks for 16 degrees and 2 waves at most; time and
+/// memory grow with them, so that a wrong number must not ask for any number of them.
 const MOST_SHAPES: usize = 1000;
 
 /// A recorded quantity: one number, or a column.
@@ -131,7 +134,7 @@ impl CoreColumns {
     ) -> PyResult<Vec<usize>> {
         let between = (low, high);
         let last = first.saturating_add(scales.len());
-        within("degree", [last], MOST_SHAPES)?;
+        at_most("degrees from 0 on", last, MOST_SHAPES)?;
         let of = self.hold(py, column)?;
         let recipes: Vec<Recipe> = self.using(py, |columns| {
             let degrees = first..first + scales.len();
@@ -162,7 +165,7 @@ impl CoreColumns {
         period: f64,
         scales: Vec<f64>,
     ) -> PyResult<Vec<usize>> {
-        within("multiple", [scales.len()], MOST_SHAPES)?;
+        at_most("multiples of a wave", scales.len(), MOST_SHAPES)?;
         let of = self.hold(py, column)?;
         let means = self.using(py, |columns| {
             wave_means(scales.len(), columns.stored[of], period)
@@ -247,7 +250,7 @@ impl CoreColumns {
             return Err(PyValueError::new_err("there are no columns or no memories"));
         }
         let (rows, count) = (self.distance.bind(py).len(), series.len());
-        let layout = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
+        let (layout, places) = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
         let threads = available_threads();
         let memories: Vec<Memory> = memories.into_iter().map(memory).collect();
         let products = self.using(py, |columns| {

@@ -6,10 +6,17 @@ use numpy::prelude::*;
 use numpy::{Ix2, Ix3, PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::collections::HashMap;
 
 use crate::border::{Array, Column, same_length, within};
 
+/// Block and group of each cell.
+type Places = Vec<(usize, usize)>;
+
 /// Which rows of a table belong together, checked; `places` has block and group of each cell.
+///
+/// They come back with groups counted from 0, in the order in which they appear: of some rows of a
+/// table, groups may keep the labels that they have in all of it.
 pub fn layout<'a>(
     starts: &'a [bool],
     blocks: &'a [u32],
@@ -18,7 +25,7 @@ pub fn layout<'a>(
     rows: usize,
     places: &[(usize, usize)],
     block_count: usize,
-) -> PyResult<Layout<'a>> {
+) -> PyResult<(Layout<'a>, Places)> {
     same_length(&[
         ("the table", rows),
         ("starts", starts.len()),
@@ -37,14 +44,20 @@ pub fn layout<'a>(
             format!("row {row} is of block {block} and of cell {cell}, which lies in another");
         return Err(PyValueError::new_err(message));
     }
-    Ok(Layout {
+    let layout = Layout {
         starts,
         blocks,
         cells,
         distance,
         block_count,
         cell_count: places.len(),
-    })
+    };
+    let mut counted = HashMap::new();
+    let counted = |&(block, group): &(usize, usize)| {
+        let next = counted.len();
+        (block, *counted.entry(group).or_insert(next))
+    };
+    Ok((layout, places.iter().map(counted).collect()))
 }
 
 /// A form of a cause: cause (none for a shape), fixed columns, free columns, their bounds, weight.

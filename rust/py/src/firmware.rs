@@ -55,16 +55,14 @@ impl CoreFirmware {
         py: Python<'py>,
         codes: Vec<Column<'py, i64>>,
     ) -> PyResult<Bound<'py, PyArray1<i32>>> {
-        let axes = self.device.axes().count();
-        if codes.len() != axes {
-            let message = format!("the function takes {axes} codes, but got {}", codes.len());
+        let names: Vec<&str> = self.device.axes().map(|axis| &*axis.name).collect();
+        if codes.len() != names.len() {
+            let (takes, got) = (names.len(), codes.len());
+            let message = format!("the function takes {takes} codes, but got {got}");
             return Err(PyValueError::new_err(message));
         }
-        let names = ["echo", "temperature_code", "humidity_code"];
-        let lengths = names
-            .into_iter()
-            .zip(codes.iter().map(|column| column.len()));
-        let lengths: Vec<_> = lengths.collect();
+        let lengths = codes.iter().map(|column| column.len());
+        let lengths: Vec<_> = names.into_iter().zip(lengths).collect();
         let rows = same_length(&lengths)?;
         let row = |row: usize| -> i32 {
             let inputs: Vec<i64> = codes.iter().map(|column| column[row]).collect();

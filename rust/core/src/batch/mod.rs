@@ -3,6 +3,9 @@
 //! A [`Formula`] is written once, generic over [`Rows`]; [`kernel`] makes it run over strided
 //! memory in either precision. Nothing is allocated per row and no input is copied unless its
 //! rows are not side by side; a constant is one number, whatever the number of rows.
+//!
+//! A thread goes through its rows in order. It reads a vector or a block of every input before it
+//! writes the same rows of the output, and never reads them again.
 #![allow(unsafe_code)]
 
 mod block;
@@ -17,7 +20,7 @@ mod widened;
 
 pub use formulas::{Output, absorption, echo, speed_of_sound};
 pub use models::{ModelOutput, jacobian, of_model};
-pub use overlap::copy_overlapping;
+pub use overlap::is_row_by_row;
 pub use threads::available as available_threads;
 
 use crate::scalar::Rows;
@@ -104,7 +107,11 @@ pub trait Kernel: Send + Sync {
     ///
     /// # Safety
     /// There are [`Kernel::arity`] inputs. Every column is valid and aligned for `rows` elements at
-    /// its stride, the output for writing; an output may overlap an input only row by row.
+    /// its stride, the output for writing. The output may share memory with an input in two cases:
+    ///
+    /// - row by row, see [`is_row_by_row`];
+    /// - on one thread, if writing a row leaves all later rows of the input as they are. So it is where
+    ///   the input lies at or ahead of the output in the order of rows.
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize);
 
     /// The values for all rows in single precision.

@@ -144,6 +144,90 @@ fn strides_constants_and_output_in_place() {
     }
 }
 
+/// Runs with the output so many rows behind the first input, in one memory, on one thread.
+fn run_behind<T: Copy + Default>(
+    run: impl Fn(&[Column], Column),
+    inputs: &[Vec<T>],
+    behind: usize,
+    turned: bool,
+) -> Vec<T> {
+    let rows = inputs[0].len();
+    let mut memory = vec![T::default(); behind];
+    memory.extend(&inputs[0]);
+    if turned {
+        memory.reverse();
+    }
+    let size = size_of::<T>().cast_signed();
+    let start: *mut T = memory.as_mut_ptr();
+    let from = |place: usize| Column {
+        start: start
+            .wrapping_add(if turned {
+                rows + behind - 1 - place
+            } else {
+                place
+            })
+            .cast(),
+        stride: if turned { -size } else { size },
+    };
+    let mut columns: Vec<_> = inputs.iter().map(|column| pointer(column)).collect();
+    columns[0] = from(behind);
+    run(&columns, from(0));
+    if turned {
+        memory.reverse();
+    }
+    memory.truncate(rows);
+    memory
+}
+
+#[test]
+fn one_thread_reads_rows_before_it_writes_there() {
+    let _turn = TURN.lock().unwrap();
+    let model = crate::Model::new(Law::parse("linear").unwrap())
+        .with("fixed_delay", &[("delay", 31e-6)])
+        .and_then(|m| m.with("temperature_gain", &[]))
+        .unwrap();
+    let inverse = of_model(model.clone(), ModelOutput::Correction);
+    let (formula, quantities) = distance();
+    let cases = [
+        (formula, columns(quantities, 1_007)),
+        (
+            of_model(model, ModelOutput::Indication),
+            model_columns(1_007),
+        ),
+        (inverse, model_columns(1_007)),
+    ];
+    let sets = InstructionSet::ALL.into_iter();
+    for set in sets.filter(|set| set.is_available()) {
+        assert!(force(Some(set)));
+        for (kernel, inputs) in &cases {
+            let (double, single) = (run_f64(&**kernel, inputs, 1), run_f32(&**kernel, inputs));
+            let narrow = |column: &Vec<f64>| column.iter().map(|&x| x as f32).collect::<Vec<_>>();
+            let narrow: Vec<_> = inputs.iter().map(narrow).collect();
+            for behind in [1, 7, 8, 24, 240, 1_000] {
+                for turned in [false, true] {
+                    let found = run_behind(
+                        // SAFETY: 1007 rows of each column; the input lies ahead of the output.
+                        |columns, output| unsafe { kernel.run_f64(columns, output, 1_007, 1) },
+                        inputs,
+                        behind,
+                        turned,
+                    );
+                    assert_eq!(found, double, "{behind} {turned} {}", set.name());
+                    let found = run_behind(
+                        // SAFETY: as above.
+                        |columns, output| unsafe { kernel.run_f32(columns, output, 1_007, 1) },
+                        &narrow,
+                        behind,
+                        turned,
+                    );
+                    assert_eq!(found, single, "{behind} {turned} {}", set.name());
+                }
+            }
+        }
+    }
+    force(None);
+}
+
 #[test]
 fn not_a_number_stays_in_its_row() {
     let (kernel, quantities) = distance();

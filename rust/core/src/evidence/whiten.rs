@@ -4,7 +4,6 @@
 use super::gram::{GROUP, add_products};
 use super::products::Products;
 use super::threaded::fill_each;
-use std::collections::HashMap;
 
 /// White noise on a first-order autoregression, with a random error per stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +27,7 @@ pub struct Sums {
     pub products: Vec<Products>,
     /// Number of columns.
     pub width: usize,
-    /// Block and group (stretch, or stand) of each cell.
+    /// Block and group (stretch, or stand) of each cell; groups count from 0, none without a cell.
     pub cells: Vec<(usize, usize)>,
     /// Series that begin in each block.
     pub series: Vec<f64>,
@@ -82,11 +81,11 @@ impl Sums {
 
     /// Which line of group sums each cell adds to; none where its block is not in use.
     fn lines(&self, used: &[bool]) -> (Vec<Option<usize>>, usize) {
-        let mut place = HashMap::new();
+        let mut place = vec![None; self.cells.len()]; // as many groups there are at most
         let mut count = 0;
         let line = |&(block, group): &(usize, usize)| {
             used[block].then(|| {
-                *place.entry(group).or_insert_with(|| {
+                *place[group].get_or_insert_with(|| {
                     count += 1;
                     count - 1
                 })

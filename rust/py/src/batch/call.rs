@@ -8,7 +8,7 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyTuple};
 
 use super::cache::Entry;
 use super::direct::direct;
-use super::explain::{check_condition, explained};
+use super::explain::{check_condition, common_shape, explained};
 use super::output;
 use super::ufunc::{MOST_INPUTS, with_threads};
 use crate::errors::raise;
@@ -163,12 +163,7 @@ fn nans<'py>(
     condition: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let numpy = arguments.py().import("numpy")?;
-    let shapes: PyResult<Vec<_>> = arguments
-        .iter()
-        .chain([condition.clone()])
-        .map(|value| numpy.call_method1("shape", (value,)))
-        .collect();
-    let shape = numpy.call_method1("broadcast_shapes", PyTuple::new(arguments.py(), shapes?)?)?;
+    let shape = common_shape(&numpy, arguments.iter().chain([condition.clone()]))?;
     let kind = numpy.call_method1("result_type", arguments)?;
     let single = kind.eq(numpy.getattr("float32")?)?;
     let kind = numpy.getattr(if single { "float32" } else { "float64" })?;

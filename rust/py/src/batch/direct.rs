@@ -5,7 +5,7 @@
 //! fit goes the ufunc's way, with the same bits.
 #![allow(unsafe_code)]
 
-use echocal_core::batch::{Column, Kernel};
+use echocal_core::batch::{Column, Kernel, is_row_by_row};
 use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::prelude::*;
 use numpy::{IxDyn, PyArray, PyArrayDescr, PyUntypedArray, dtype};
@@ -78,15 +78,12 @@ fn run<'py, T: Precision>(
     };
     let array = fits(&result)?;
     let output = side_by_side::<T>(&array);
-    if !is_writeable(&array)
-        || columns
-            .iter()
-            .any(|column| meet(*column, output, rows * size_of::<T>()))
-    {
+    let mut each = columns.iter();
+    if !is_writeable(&array) || !each.all(|column| is_row_by_row::<T>(*column, output, rows)) {
         return None;
     }
     // SAFETY: the arrays are aligned, contiguous, of this precision and of `rows` elements; the
-    // references above keep them alive; the output is one of the inputs or apart from them.
+    // references above keep them alive; the output meets the inputs row by row, if at all.
     let compute = || unsafe { T::run(kernel, columns, output, rows, threads) };
     if rows < MANY {
         compute()
@@ -130,10 +127,4 @@ fn is_aligned(array: &Bound<'_, PyUntypedArray>) -> bool {
 fn is_writeable(array: &Bound<'_, PyUntypedArray>) -> bool {
     // SAFETY: the pointer leads to a living array.
     unsafe { (*array.as_array_ptr()).fields.flags & NPY_ARRAY_WRITEABLE != 0 }
-}
-
-/// Whether an output of so many bytes shares memory with an input, other than row by row.
-fn meet(input: Column, output: Column, bytes: usize) -> bool {
-    let apart = input.start.addr().abs_diff(output.start.addr());
-    input.stride != 0 && apart != 0 && apart < bytes
 }

@@ -32,12 +32,12 @@ pub fn explained<'py>(
         .find_map(|(name, value)| about_input(&numpy, name, value));
     let told = told.or_else(|| about_shapes(&numpy, inputs, options));
     let told = told.or_else(|| about_out(&numpy, inputs, options));
-    let told = told.or_else(|| {
-        options
-            .out
-            .map(|_| format!("out does not fit: {}", error.value(py)))
-    });
-    told.map_or(error, |message| raise("UsageError", message))
+    let Some(message) = told else {
+        return error; // what pandas, xarray or dask have to say, for instance
+    };
+    let explained = raise("UsageError", message);
+    explained.set_cause(py, Some(error));
+    explained
 }
 
 /// Refuses a condition that is not made of truth values: NumPy takes any text for true.
@@ -110,6 +110,10 @@ fn about_out<'py>(
 ) -> Option<String> {
     let mut out = options.out?.clone();
     if let Ok(several) = out.cast_exact::<PyTuple>() {
+        if several.len() != 1 {
+            let count = several.len();
+            return Some(format!("out must be one array, but is a tuple of {count}"));
+        }
         out = several.get_item(0).ok()?;
     }
     let array = numpy.getattr("ndarray").ok()?;
@@ -142,11 +146,16 @@ fn result_shape<'py>(
     inputs: &[Named<'py>],
     options: &Options<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let values = inputs
-        .iter()
-        .map(|(_, value)| value)
-        .chain(options.condition);
-    let shapes: PyResult<Vec<_>> = values.map(|value| shape(numpy, value)).collect();
+    let values = inputs.iter().map(|(_, value)| value.clone());
+    common_shape(numpy, values.chain(options.condition.cloned()))
+}
+
+/// The shape that some values have together.
+pub fn common_shape<'py>(
+    numpy: &Bound<'py, PyModule>,
+    values: impl Iterator<Item = Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let shapes: PyResult<Vec<_>> = values.map(|value| shape(numpy, &value)).collect();
     numpy.call_method1("broadcast_shapes", PyTuple::new(numpy.py(), shapes?)?)
 }
 

@@ -10,7 +10,7 @@ use core::ffi::{c_char, c_int, c_void};
 use std::ffi::CString;
 use std::sync::Arc;
 
-use echocal_core::batch::{Column, Kernel, copy_overlapping};
+use echocal_core::batch::{Column, Kernel, is_row_by_row};
 use numpy::npyffi::{NPY_TYPES, PY_UFUNC_API, PyUFuncGenericFunction, PyUFuncObject, npy_intp};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
@@ -100,8 +100,11 @@ pub fn ufunc<'py>(
 /// `PyUFunc_None` of NumPy's C API: there is nothing to reduce over.
 const NO_IDENTITY: c_int = -1;
 
-/// NumPy's strided loop: without the GIL, on aligned memory. NumPy copies inputs that the output
-/// overlaps, but for those that a loop in order has read before it overwrites them.
+/// NumPy's strided loop: without the GIL, on aligned memory.
+///
+/// NumPy copies inputs that share memory with the output, but for those whose rows a loop in order
+/// has read before it overwrites them. Threads begin in the middle, where the output of one meets the
+/// input of the next, so such an input is left to one thread.
 unsafe extern "C" fn run<T: Precision>(
     columns: *mut *mut c_char,
     rows: *mut npy_intp,
@@ -121,15 +124,14 @@ unsafe extern "C" fn run<T: Precision>(
         for (index, input) in inputs.iter_mut().enumerate().take(kernel.arity()) {
             *input = column(index);
         }
-        let given = inputs;
-        let inputs = &mut inputs[..kernel.arity()];
+        let inputs = &inputs[..kernel.arity()];
         let output = column(kernel.arity());
         let rows = usize::try_from(*rows).unwrap_or(0);
-        match copy_overlapping::<T>(inputs, output, rows) {
-            Ok(_copies) => T::run(kernel, inputs, output, rows, THREADS.get()),
-            // no memory for copies: in order, as NumPy expects it
-            Err(_) => T::run(kernel, &given[..kernel.arity()], output, rows, 1),
-        }
+        let shared_out = inputs
+            .iter()
+            .all(|input| is_row_by_row::<T>(*input, output, rows));
+        let threads = if shared_out { THREADS.get() } else { 1 };
+        T::run(kernel, inputs, output, rows, threads);
     }
     // Comparisons with NaN raise "invalid" by definition; NaN in and NaN out is no news here.
     set_float_status(before);
