@@ -1,5 +1,6 @@
 """Noises and steps: planted by hand, named with their parameters, and not where they are not."""
 
+import secrets
 from collections.abc import Callable
 
 import numpy as np
@@ -124,12 +125,21 @@ def test_noise_that_remembers_is_named_but_no_verdict() -> None:
 
 
 def test_a_long_memory_may_be_something_unknown() -> None:
-    diagnosis = echocal.diagnose(remembering(0.99, np.random.default_rng()))
-    for found in (c for c in diagnosis.causes if c.id == "correlated_noise"):
-        assert found.indistinguishable_from == ("unknown",)
-        assert "in another order" in found.because
-        assert "something unknown" in diagnosis.explain()
-    assert diagnosis.unexplained or {c.id for c in diagnosis.causes} >= {"correlated_noise"}
+    """In 1 of 240 tables drawn the noise is told alone: three of 12 are no chance (1 in 60,000)."""
+    seed = secrets.randbits(32)
+    print(f"{seed=}")
+    random = np.random.default_rng(seed)
+    alone = 0
+    for _ in range(12):
+        diagnosis = echocal.diagnose(remembering(0.99, random))
+        noises = [cause for cause in diagnosis.causes if cause.id == "correlated_noise"]
+        assert diagnosis.unexplained or noises, diagnosis.explain()
+        if any(noise.indistinguishable_from != ("unknown",) for noise in noises):
+            alone += 1
+            continue
+        assert all("in another order" in noise.because for noise in noises)
+        assert not noises or "something unknown" in diagnosis.explain()
+    assert alone < 3
 
 
 def test_a_tape_that_errs_is_named() -> None:
