@@ -96,13 +96,20 @@ def test_a_noise_is_named_with_its_parameter(
 
 @pytest.mark.parametrize("tail", [2.6, 4.0, 1e3])
 def test_heavy_tails_are_no_cause(tail: float) -> None:
-    random = np.random.default_rng()
-    for _ in range(4):
+    """A cause is told in 5 of 740 tables drawn with tail 2.6, 3 of 740 with 4: three of 12 are no chance."""
+    seed = secrets.randbits(32)
+    print(f"{seed=}")
+    random = np.random.default_rng(seed)
+    wrong = []
+    for _ in range(12):
         table = clean(random)
         table["reading_m"] = table["distance_m"] + 8e-4 * random.standard_t(tail, N)
         diagnosis = echocal.diagnose(table)
-        assert diagnosis.verdict in ("nothing", "ambiguous"), diagnosis.explain()
-        assert all(cause.kind == "effect" for cause in diagnosis.causes), diagnosis.explain()
+        if diagnosis.verdict not in ("nothing", "ambiguous") or any(
+            cause.kind != "effect" for cause in diagnosis.causes
+        ):
+            wrong.append(diagnosis.explain())
+    assert len(wrong) < 3, wrong
 
 
 def remembering(keep: float, random: Random) -> Table:
