@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.conditions import QUANTITIES
-from echocal.diagnose.table.order import Order
+from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
 
 __all__ = ["Columns"]

@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.signals.places import places
-from echocal.diagnose.table.base import Base
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.candidates.onsets import places
+from echocal.diagnose.preprocess.base import Base
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from echocal.registry import Effect
 
 if TYPE_CHECKING:
-    from echocal.diagnose.signals.candidates import Scene
-    from echocal.diagnose.signals.columns import Columns
+    from echocal.diagnose.candidates.columns import Columns
+    from echocal.diagnose.candidates.effects import Scene
 
 __all__ = ["Divided", "Look"]
 

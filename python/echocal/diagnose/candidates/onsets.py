@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.signals.look import Divided, Look
+from echocal.diagnose.candidates.onset_search import Divided, Look
 from echocal.registry import Effect, Parameter
 
 if TYPE_CHECKING:
-    from echocal.diagnose.signals.candidates import Scene
+    from echocal.diagnose.candidates.effects import Scene
 
 __all__ = ["places"]
 

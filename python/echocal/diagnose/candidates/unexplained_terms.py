@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.signals.candidates import UNKNOWN, Candidates, Variant
+from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Variant
 from echocal.observations.quantiles import quantiles, spread
 
 __all__ = ["DEGREES", "HOUR", "Basis", "column_of", "degrees_of", "shape_candidates"]

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.planning.prospect import Prospect
+from echocal.diagnose.experiment_design.prospect import Prospect
 
 __all__ = ["Plan", "best_plan"]
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.hypotheses import preferred
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.judging.gain import errors
-from echocal.diagnose.judging.judge import Judgment
-from echocal.diagnose.naming.claims import Claim, Ranking, covariance_of, effects_of, without
-from echocal.diagnose.planning.average import Member
-from echocal.diagnose.signals.candidates import UNKNOWN
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.posterior import preferred
+from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
+from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.validation.refute import Judgment
 from echocal.model import Model
 
 __all__ = ["members"]

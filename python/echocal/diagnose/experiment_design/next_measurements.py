@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.planning.average import Member
-from echocal.diagnose.planning.design import Plan, best_plan
-from echocal.diagnose.planning.prospect import Prospect
-from echocal.diagnose.planning.ranges import Ranges, grid, guards
-from echocal.diagnose.terms.parts import NextMeasurement
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.experiment_design.design import Plan, best_plan
+from echocal.diagnose.experiment_design.prospect import Prospect
+from echocal.diagnose.experiment_design.ranges import Ranges, grid, guards
+from echocal.diagnose.findings.parts import NextMeasurement
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.noise import Noise
 
 __all__ = ["propose"]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.planning.average import Member
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.inference.noise import Noise
 from echocal.model import Model
 
 __all__ = ["Prospect"]

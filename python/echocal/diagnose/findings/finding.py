@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.terms.facts import CauseFacts
-from echocal.diagnose.terms.parts import Parameter
+from echocal.diagnose.findings.facts import CauseFacts
+from echocal.diagnose.findings.parts import Parameter
 from echocal.observations import Observations
 
 __all__ = ["Finding", "listed", "probability"]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
-from echocal.diagnose.terms.parts import Shifted
+from echocal.diagnose.findings.parts import Shifted
 from echocal.observations.quantiles import median, quantiles
 
 __all__ = [

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.signals.candidates import Variant
+from echocal.diagnose.candidates.effects import Variant
 
 __all__ = ["ENOUGH", "Geometry"]
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.innovation import log_likelihood
-from echocal.diagnose.evidence.noise import FINEST, RHO, WHITE, Memory, Noise
-from echocal.diagnose.evidence.sums import Sums
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.table.order import Order
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.inference.innovation import log_likelihood
+from echocal.diagnose.inference.noise import FINEST, RHO, WHITE, Memory, Noise
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["at_first", "that_may_be_there"]
 

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.alias import Geometry
-from echocal.diagnose.evidence.memories import at_first, that_may_be_there
-from echocal.diagnose.evidence.noise import FINEST, WHITE, Convection, Noise, noises
-from echocal.diagnose.evidence.shortlist import set_aside
-from echocal.diagnose.evidence.sums import Sums
-from echocal.diagnose.evidence.weigh import Stack, Weighed
-from echocal.diagnose.signals.candidates import UNKNOWN, Candidates, Scene, Variant, effect_candidates
-from echocal.diagnose.signals.unexplained import shape_candidates
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.folds import Folds
-from echocal.diagnose.table.order import Order
-from echocal.diagnose.table.scene import Table
-from echocal.diagnose.terms.sentences import Recorded
+from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Scene, Variant, effect_candidates
+from echocal.diagnose.candidates.unexplained_terms import shape_candidates
+from echocal.diagnose.findings.sentences import Recorded
+from echocal.diagnose.inference.alias import Geometry
+from echocal.diagnose.inference.autocorrelation import at_first, that_may_be_there
+from echocal.diagnose.inference.hypothesis import Stack, Weighed
+from echocal.diagnose.inference.noise import FINEST, WHITE, Convection, Noise, noises
+from echocal.diagnose.inference.shortlist import set_aside
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.folds import Folds
+from echocal.diagnose.preprocess.order import Order
+from echocal.diagnose.preprocess.scene import Table
 
 __all__ = ["INVISIBLE", "Case", "examine"]
 

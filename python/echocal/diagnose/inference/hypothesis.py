@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.evidence.noise import FINEST, Noise
-from echocal.diagnose.evidence.sums import Whitened
-from echocal.diagnose.signals.candidates import UNKNOWN, Variant
+from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.inference.sums import Whitened
 
 __all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.evidence.noise import FINEST, Noise
-from echocal.diagnose.table.order import Order
+from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["innovation", "log_likelihood"]
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from echocal import _core
-from echocal.diagnose.evidence.noise import FINEST
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, form
-from echocal.diagnose.signals.candidates import UNKNOWN, Candidates
+from echocal.diagnose.candidates.effects import UNKNOWN, Candidates
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, form
+from echocal.diagnose.inference.noise import FINEST
 
 __all__ = ["HOPELESS", "PRIOR", "posterior", "preferred", "set_prior"]
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.innovation import innovation, log_likelihood
-from echocal.diagnose.evidence.noise import RHO, Noise
-from echocal.diagnose.signals.candidates import Scene
-from echocal.diagnose.signals.unexplained import DEGREES, Basis, degrees_of
-from echocal.diagnose.table.order import Order
+from echocal.diagnose.candidates.effects import Scene
+from echocal.diagnose.candidates.unexplained_terms import DEGREES, Basis, degrees_of
+from echocal.diagnose.inference.innovation import innovation, log_likelihood
+from echocal.diagnose.inference.noise import RHO, Noise
+from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["MEASURE", "set_aside"]
 

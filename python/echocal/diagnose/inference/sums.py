@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.evidence.noise import RHO, WHITE, Memory, Noise
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.table.order import Order
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.inference.noise import RHO, WHITE, Memory, Noise
+from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["Sums", "Whitened"]
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.scene import Table
+from echocal.diagnose.preprocess.scene import Table
 
 __all__ = ["Folds", "Rows"]
 

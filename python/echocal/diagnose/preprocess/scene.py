@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.rows import (
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.rows import (
     far_as_a_whole,
     far_from_stand,
     far_rows,

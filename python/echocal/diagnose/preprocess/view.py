@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.lattice import find_lattice
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.quantization_grid import find_lattice
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.scene import Table
+from echocal.diagnose.preprocess.scene import Table
 from echocal.errors import UsageError
 from echocal.observations import Observations
 

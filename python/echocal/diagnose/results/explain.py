@@ -1,11 +1,11 @@
 """A diagnosis in plain sentences."""
 
+from echocal.diagnose.candidates.effects import UNKNOWN
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.naming.joint import NAMED
-from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.telling.result import Diagnosis
-from echocal.diagnose.terms.parts import Cause, Gain, NextMeasurement
-from echocal.diagnose.terms.sentences import enumerated, parameter_text, quantity_text, shifted_text
+from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
+from echocal.diagnose.findings.sentences import enumerated, parameter_text, quantity_text, shifted_text
+from echocal.diagnose.results.result import Diagnosis
+from echocal.diagnose.selection.joint import NAMED
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 

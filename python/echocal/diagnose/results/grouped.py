@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
-from echocal.diagnose.telling.result import Diagnosis
-from echocal.diagnose.terms.parts import Cause, Refuted
+from echocal.diagnose.findings.parts import Cause, Refuted
+from echocal.diagnose.results.result import Diagnosis
 
 __all__ = ["LEAST", "Group", "grouped", "in_common"]
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.table.scene import Table
-from echocal.diagnose.telling.result import Diagnosis
+from echocal.diagnose.preprocess.scene import Table
+from echocal.diagnose.results.result import Diagnosis
 from echocal.observations import Observations
 
 __all__ = ["LevelStep", "further_step", "steps_of"]

@@ -4,15 +4,15 @@ from functools import reduce
 
 import numpy as np
 
-from echocal.diagnose.evidence.case import INVISIBLE, Case
-from echocal.diagnose.evidence.shortlist import MEASURE
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack
-from echocal.diagnose.judging.judge import Judgment
-from echocal.diagnose.naming.claims import Claim, free_size, without
-from echocal.diagnose.naming.tension import reconciled
-from echocal.diagnose.telling.level_steps import steps_of
-from echocal.diagnose.terms.parts import Refuted
-from echocal.diagnose.terms.sentences import enumerated, first_against_others, tendency
+from echocal.diagnose.findings.parts import Refuted
+from echocal.diagnose.findings.sentences import enumerated, first_against_others, tendency
+from echocal.diagnose.inference.case import INVISIBLE, Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
+from echocal.diagnose.inference.shortlist import MEASURE
+from echocal.diagnose.results.level_steps import steps_of
+from echocal.diagnose.selection.claims import Claim, free_size, without
+from echocal.diagnose.selection.tension import reconciled
+from echocal.diagnose.validation.refute import Judgment
 from echocal.observations import Observations
 from echocal.registry import find_effect
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.diagnose.planning.average import Estimate, Member, averaged
-from echocal.diagnose.terms.parts import (
+from echocal.diagnose.experiment_design.average import Estimate, Member, averaged
+from echocal.diagnose.findings.parts import (
     OF_THIS_TABLE,
     Cause,
     Gain,
@@ -214,7 +214,7 @@ class Diagnosis:
 
     def explain(self) -> str:
         """Plain sentences that a user can check in the data."""
-        from echocal.diagnose.telling.explain import explain
+        from echocal.diagnose.results.explain import explain
 
         return explain(self)
 

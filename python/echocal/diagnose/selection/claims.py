@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.alias import Geometry
-from echocal.diagnose.evidence.hypotheses import preferred
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh, weigh_each
-from echocal.diagnose.naming.parsimony import Ids, shown
-from echocal.diagnose.signals.candidates import UNKNOWN, Candidates, Variant
+from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Variant
+from echocal.diagnose.inference.alias import Geometry
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh, weigh_each
+from echocal.diagnose.inference.posterior import preferred
+from echocal.diagnose.selection.parsimony import Ids, shown
 from echocal.registry import find_effect
 
 __all__ = [

@@ -3,13 +3,17 @@
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 
-from echocal.diagnose.evidence.alias import Geometry
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.hypotheses import posterior
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.weigh import Stack, Weighed, weigh
 from echocal.diagnose.faults import Faults
-from echocal.diagnose.naming.claims import (
+from echocal.diagnose.findings.parts import Unexplained
+from echocal.diagnose.inference.alias import Geometry
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import posterior
+from echocal.diagnose.noises.convection import convections
+from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
+from echocal.diagnose.progress import Steps
+from echocal.diagnose.selection.claims import (
     Claim,
     Ranking,
     beside_a_remainder,
@@ -18,13 +22,9 @@ from echocal.diagnose.naming.claims import (
     resized,
     without,
 )
-from echocal.diagnose.naming.parsimony import Ids
-from echocal.diagnose.naming.remainder import told_apart, unexplained
-from echocal.diagnose.naming.steadiness import unsteady
-from echocal.diagnose.noises.convection import convections
-from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
-from echocal.diagnose.progress import Steps
-from echocal.diagnose.terms.parts import Unexplained
+from echocal.diagnose.selection.parsimony import Ids
+from echocal.diagnose.selection.remainder import told_apart, unexplained
+from echocal.diagnose.selection.steadiness import unsteady
 
 __all__ = ["Belief", "believe"]
 

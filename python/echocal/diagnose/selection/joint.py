@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.evidence.weigh import Stack
-from echocal.diagnose.naming.claims import Ranking, posterior_sets
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Cause, Parameter
+from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
 from echocal.diagnose.noises.weighing import SHAPES, Guard, NoiseShares
-from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.parts import Cause, Parameter
+from echocal.diagnose.selection.claims import Ranking, posterior_sets
 
 __all__ = ["NAMED", "Joint", "join"]
 

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.hypotheses import set_prior
-from echocal.diagnose.evidence.weigh import Weighed
-from echocal.diagnose.signals.candidates import UNKNOWN
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.inference.hypothesis import Weighed
+from echocal.diagnose.inference.posterior import set_prior
 
 __all__ = ["Ids", "shown"]
 

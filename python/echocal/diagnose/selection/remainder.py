@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.weigh import Stack, Weighed, weigh
-from echocal.diagnose.naming.claims import Claim, Ranking, resized, sizes, without
-from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.terms.parts import Unexplained
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.findings.parts import Unexplained
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
+from echocal.diagnose.selection.claims import Claim, Ranking, resized, sizes, without
 
 __all__ = ["told_apart", "unexplained"]
 

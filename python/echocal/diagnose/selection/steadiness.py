@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.sums import Sums
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.naming.claims import Claim
-from echocal.diagnose.signals.candidates import UNKNOWN, Variant
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.terms.sentences import parameter_text
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.findings.sentences import parameter_text
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.selection.claims import Claim
 from echocal.registry import find_effect
 
 __all__ = ["unsteady"]

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack
-from echocal.diagnose.naming.claims import free_sizes, without
-from echocal.diagnose.signals.candidates import UNKNOWN
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
+from echocal.diagnose.selection.claims import free_sizes, without
 
 __all__ = ["reconciled"]
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.evidence.noise import FINEST, Noise
-from echocal.diagnose.evidence.sums import Sums
-from echocal.diagnose.table.folds import Folds, Rows
-from echocal.diagnose.table.scene import Table, levels
-from echocal.diagnose.terms.parts import Gain, Ladder
+from echocal.diagnose.findings.parts import Gain, Ladder
+from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.preprocess.folds import Folds, Rows
+from echocal.diagnose.preprocess.scene import Table, levels
 from echocal.model import Model
 
 __all__ = [

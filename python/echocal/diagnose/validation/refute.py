@@ -6,13 +6,21 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.judging.gain import HeldOut, fixed_speed_rms, floor, measure, silent, summarize, worse
-from echocal.diagnose.judging.shifted import shifted
-from echocal.diagnose.naming.claims import Claim, covariance_of, effects_of, without
-from echocal.diagnose.terms.parts import Gain, Ladder, Refuted
+from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
+from echocal.diagnose.validation.gain import (
+    HeldOut,
+    fixed_speed_rms,
+    floor,
+    measure,
+    silent,
+    summarize,
+    worse,
+)
+from echocal.diagnose.validation.shifted import shifted
 from echocal.model import Model
 
 __all__ = ["Judgment", "judge"]

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.sums import Sums
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, weigh
-from echocal.diagnose.judging.gain import errors
-from echocal.diagnose.naming.claims import effects_of, without
-from echocal.diagnose.signals.candidates import UNKNOWN, Variant
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.terms.parts import Shifted
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.findings.parts import Shifted
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.selection.claims import effects_of, without
+from echocal.diagnose.validation.gain import errors
 from echocal.model import Model
 from echocal.observations.quantiles import quantiles
 

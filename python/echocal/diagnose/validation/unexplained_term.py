@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.sums import Sums
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, weigh
-from echocal.diagnose.judging.gain import errors, measure
-from echocal.diagnose.judging.judge import Judgment
-from echocal.diagnose.signals.candidates import UNKNOWN, Variant
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.signals.unexplained import Basis, column_of
-from echocal.diagnose.terms.parts import OF_THIS_TABLE, Unexplained
-from echocal.diagnose.terms.sentences import spoken
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.candidates.unexplained_terms import Basis, column_of
+from echocal.diagnose.findings.parts import OF_THIS_TABLE, Unexplained
+from echocal.diagnose.findings.sentences import spoken
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.validation.gain import errors, measure
+from echocal.diagnose.validation.refute import Judgment
 from echocal.model import Model, Shape
 
 __all__ = ["with_its_shape"]
