@@ -7,8 +7,8 @@ from scipy.signal import lfilter
 
 import echocal
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.effects import Candidates, Variant
 from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of, shape_candidates
+from echocal.diagnose.candidates.variant import Candidates, Variant
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh, weigh_each
 from echocal.diagnose.inference.innovation import innovation
 from echocal.diagnose.inference.noise import CONVECTIONS, Convection, Noise, noises

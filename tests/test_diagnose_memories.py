@@ -5,7 +5,7 @@ import pytest
 from hidden_effects.designs import remembering
 
 import echocal
-from echocal.diagnose.inference import memories
+from echocal.diagnose.inference import autocorrelation
 
 ROWS = 24_000  # more than a short table
 
@@ -31,7 +31,7 @@ def test_a_long_table_is_judged_as_if_every_memory_were_summed(
     white, cells = random.normal(0, 1e-3, ROWS), remembering(ROWS, keep, random)
     table = log(white + (1e-3 * cells if keep else 0.0), random)
     quick = echocal.diagnose(table)
-    monkeypatch.setattr(memories, "_LONG", ROWS)
+    monkeypatch.setattr(autocorrelation, "_LONG", ROWS)
     whole = echocal.diagnose(table)
     assert quick.causes[0].id == "fixed_delay"
     assert ("correlated_noise" in {c.id for c in quick.causes}) == (keep > 0)

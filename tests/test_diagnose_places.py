@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from echocal.diagnose.candidates.effects import Scene
 from echocal.diagnose.candidates.onset_search import Divided, Look
 from echocal.diagnose.candidates.onsets import places
+from echocal.diagnose.candidates.scene import Scene
 from echocal.diagnose.preprocess.base import Base
 from echocal.registry import find_effect
 

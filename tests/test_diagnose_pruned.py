@@ -5,7 +5,7 @@ import pytest
 from hidden_effects.cases import Spec, build
 
 import echocal
-from echocal.diagnose.inference import hypotheses
+from echocal.diagnose.inference import posterior as search
 
 CASES = (
     ("a", ()),
@@ -21,7 +21,7 @@ def test_as_if_nothing_were_left_out(
 ) -> None:
     table = build(Spec(design, "test", causes, "normal", 0.0, 71)).table
     pruned = dict(echocal.diagnose(table).posterior)
-    monkeypatch.setattr(hypotheses, "HOPELESS", np.inf)
+    monkeypatch.setattr(search, "HOPELESS", np.inf)
     whole = dict(echocal.diagnose(table).posterior)
     for ids in pruned.keys() | whole.keys():
         assert pruned.get(ids, 0.0) == pytest.approx(whole.get(ids, 0.0), abs=1e-6), ids

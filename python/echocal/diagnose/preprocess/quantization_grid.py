@@ -1,4 +1,4 @@
-"""The step of a column whose values stand on a lattice."""
+"""The step of a column whose values are quantized: whole multiples of one step."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ def find_lattice(values: Column) -> Lattice | None:
     Returns
     -------
     Lattice or None
-        None where values stand anywhere, or too few differ.
+        None where values are not quantized, or too few differ.
     """
     known = np.isfinite(values)
     finite = values if known.all() else values[known]
