@@ -21,8 +21,9 @@ from echocal.diagnose.naming.claims import (
 from echocal.diagnose.naming.parsimony import Ids
 from echocal.diagnose.naming.remainder import told_apart, unexplained
 from echocal.diagnose.naming.steadiness import unsteady
-from echocal.diagnose.noises.convection import convections
-from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.convection import convections
+from echocal.diagnose.noises.common.weighing import NoiseShares, weigh_noises
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.terms.parts import Unexplained
 
@@ -126,8 +127,8 @@ def _claimed(
 def _in_doubt(rows: int, ranking: Ranking, shares: NoiseShares) -> float:
     """Probability of no effect below which some effect is told."""
     guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
-    there = (sum(found.get(guard.FACTS.id, 0.0) for found in guards) for guard in GUARDS)
-    if max(there) > _UNUSUAL:
+    there = (sum(found.get(noise.facts.id, 0.0) for found in guards) for noise in registry.nuisances())
+    if max(there, default=0.0) > _UNUSUAL:
         return _IN_DOUBT_AMID_NOISE
     return _IN_DOUBT_OF_FEW if rows < _FEW else _IN_DOUBT
 

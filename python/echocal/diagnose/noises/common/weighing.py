@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,59 +11,15 @@ from echocal.diagnose.evidence.hypotheses import PRIOR
 from echocal.diagnose.evidence.innovation import innovation
 from echocal.diagnose.evidence.noise import Noise
 from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
-from echocal.diagnose.noises import (
-    correlated_noise,
-    cycle_slip,
-    noise_growth,
-    polling_jitter,
-    reference_error,
-)
-from echocal.diagnose.noises.trace import Likelihood, Trace
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
+from echocal.diagnose.noises.common.settings import NoiseSettings
+from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.terms.facts import CauseFacts
 
-__all__ = ["GUARDS", "SHAPES", "NoiseShares", "weigh_noises"]
+__all__ = ["NoiseShares", "weigh_noises"]
 
 Ids = tuple[str, ...]
-Matrix = NDArray[np.floating[Any]]
-
-
-class Shape(Protocol):
-    """A module of a noise with a likelihood of its own."""
-
-    FACTS: CauseFacts
-
-    def fit(self, trace: Trace) -> Likelihood | None:
-        """Fit it to what a hypothesis leaves."""
-
-
-class Guard(Protocol):
-    """A module of a noise that the engine guards against."""
-
-    FACTS: CauseFacts
-
-    def of(self, noise: Noise, /) -> bool:
-        """Whether a noise of the guards is this cause."""
-
-    def parameters(
-        self, noises: tuple[Noise, ...], share: Matrix, variance: float, /
-    ) -> dict[str, tuple[float, float]]:
-        """Mean and spread of its parameters, given the probability of each noise."""
-
-
-SHAPES: tuple[Shape, ...] = (noise_growth, cycle_slip, polling_jitter)
-"""Noises that exclude each other: each is a whole likelihood of what the causes leave."""
-
-GUARDS: tuple[Guard, ...] = (correlated_noise, reference_error)
-"""Noises that every hypothesis reckons with anyhow."""
-
-_SETS = 4  # most probable sets of causes that noises are tried beside
-_WINDOWS, _WINDOW = 5, 1000  # rows that the likelihoods look at, in stretches
-_STEPPED = {  # noises that steps of a column make by themselves
-    "reading_quantization": {"cycle_slip", "polling_jitter"},
-    "timer_quantization": {"cycle_slip", "polling_jitter"},
-    "temperature_quantization": {"noise_growth"},
-}
 
 
 @dataclass
@@ -76,9 +31,9 @@ class NoiseShares:
     weighed : list of Weighed
         The hypotheses with their evidence under every noise, most probable first.
     shapes : dict
-        Per evaluated set of causes: probability of each of `SHAPES` given the set.
+        Per evaluated set of causes: probability of each fitted noise given the set.
     guards : dict
-        Per set of causes: probability of each of `GUARDS` given the set.
+        Per set of causes: probability of each nuisance noise given the set.
     fits : dict
         Per evaluated set of causes: the fitted likelihoods.
     """
@@ -89,11 +44,11 @@ class NoiseShares:
     fits: dict[Ids, dict[str, Likelihood]] = field(default_factory=dict)
 
     def shape_of(self, ids: Ids) -> Mapping[str, float]:
-        """Probabilities of `SHAPES` beside a set; those of the likeliest set where not evaluated."""
+        """Probabilities of the fitted noises beside a set; those of the likeliest set where not evaluated."""
         return self.shapes.get(ids) or next(iter(self.shapes.values()), {})
 
     def guard_of(self, ids: Ids) -> Mapping[str, float]:
-        """Probabilities of `GUARDS` beside a set."""
+        """Probabilities of the nuisance noises beside a set."""
         return self.guards.get(ids, {})
 
     def fit_of(self, id_: str) -> Likelihood | None:
@@ -101,35 +56,45 @@ class NoiseShares:
         return next((fits[id_] for fits in self.fits.values() if id_ in fits), None)
 
 
-def weigh_noises(case: Case, weighed: list[Weighed], carried: Stack, steps: Collection[str]) -> NoiseShares:
+def weigh_noises(
+    case: Case,
+    weighed: list[Weighed],
+    carried: Stack,
+    steps: Collection[str],
+    settings: NoiseSettings | None = None,
+) -> NoiseShares:
     """Weigh the likeliest sets of causes, and none, beside each noise.
 
     Parameters
     ----------
     case : Case
     weighed : list of Weighed
-        Hypotheses on the mean under normal noise with its guards.
+        Hypotheses on the mean under normal noise with the nuisance noises.
     carried : Stack
-        The guards that were carried along.
+        The nuisance noises that were carried along.
     steps : collection of str
         Quantizations found before; what they imitate is not looked for.
+    settings : NoiseSettings, optional
 
     Returns
     -------
     NoiseShares
     """
+    settings = settings or NoiseSettings()
     weighed = _with_nothing(case, weighed, carried)
     best: dict[Ids, Weighed] = {}
     for one in weighed:
         best.setdefault(one.hypothesis.ids, one)
-    chosen = list(best)[:_SETS] + [ids for ids in [()] if ids not in list(best)[:_SETS]]
-    skipped = set().union(*(_STEPPED.get(step, set()) for step in steps))
-    shapes = [shape for shape in SHAPES if shape.FACTS.id not in skipped]
+    chosen = list(best)[: settings.sets]
+    chosen += [ids for ids in [()] if ids not in chosen]
+    skipped = {id_ for noise in registry.quantizations() if noise.facts.id in steps for id_ in noise.imitates}
+    tried = [noise for noise in registry.fitted() if noise.facts.id not in skipped]
     gains: dict[Ids, float] = {}
     shares = NoiseShares([])
-    rows = _looked_at(case)
+    rows = _looked_at(case, settings)
     for ids in chosen:
-        gains[ids], shares.shapes[ids], shares.fits[ids] = _beside(case, best[ids], carried, rows, shapes)
+        trace = _trace(case, best[ids], carried.likeliest(best[ids])[0], rows)
+        gains[ids], shares.shapes[ids], shares.fits[ids] = _beside(trace, tried, settings)
     least = min(gains.values())
     shares.weighed = sorted(
         (w.raised(gains.get(w.hypothesis.ids, least)) for w in weighed),
@@ -138,10 +103,10 @@ def weigh_noises(case: Case, weighed: list[Weighed], carried: Stack, steps: Coll
     order = list(dict.fromkeys(w.hypothesis.ids for w in shares.weighed))
     shares.shapes = {ids: shares.shapes[ids] for ids in order if ids in shares.shapes}
     shares.fits = {ids: shares.fits[ids] for ids in order if ids in shares.fits}
-    stakes = [_Stake.of(guard, case, carried) for guard in GUARDS]
+    nuisances = [_NuisancePrior.of(noise, case, carried, settings) for noise in registry.nuisances()]
     for ids in order:
-        shares.guards[ids] = _guards(best[ids], stakes, shares.shape_of(ids))
-    _doubt(shares, stakes)
+        shares.guards[ids] = _nuisances(best[ids], nuisances, shares.shape_of(ids))
+    _doubt(shares, nuisances)
     return shares
 
 
@@ -154,26 +119,23 @@ def _with_nothing(case: Case, weighed: list[Weighed], carried: Stack) -> list[We
     return [*weighed, weigh(Hypothesis((), prior), carried)]
 
 
-def _looked_at(case: Case) -> NDArray[np.int64]:
-    """Rows that fits may see, in stretches where there are many."""
+def _looked_at(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
+    """Rows that fits may see, in segments where there are many."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
-    if len(rows) <= _WINDOWS * _WINDOW:
+    count, length = settings.segments, settings.segment_rows
+    if len(rows) <= count * length:
         return rows
-    firsts = np.linspace(0, len(rows) - _WINDOW, _WINDOWS).astype(np.int64)
-    return np.concatenate([rows[first : first + _WINDOW] for first in firsts])
+    firsts = np.linspace(0, len(rows) - length, count).astype(np.int64)
+    return np.concatenate([rows[first : first + length] for first in firsts])
 
 
 def _beside(
-    case: Case,
-    weighed: Weighed,
-    carried: Stack,
-    rows: NDArray[np.int64],
-    shapes: Collection[Shape],
+    trace: Trace, tried: Collection[FittedNoise], settings: NoiseSettings
 ) -> tuple[float, dict[str, float], dict[str, Likelihood]]:
     """What the noises add to the log evidence of a hypothesis, their shares, and their fits."""
-    trace = _trace(case, weighed, carried.likeliest(weighed)[0], rows)
-    fits = {shape.FACTS.id: fitted for shape in shapes if (fitted := shape.fit(trace)) is not None}
-    prior = {shape.FACTS.id: shape.FACTS.prior for shape in shapes}
+    either = {noise.facts.id: noise.fit(trace, settings) for noise in tried}
+    fits = {id_: fit for id_, fit in either.items() if fit is not None}
+    prior = {noise.facts.id: settings.prior(noise.facts) for noise in tried}
     logs = {"": float(np.log1p(-sum(prior.values())))}
     logs |= {id_: float(np.log(prior[id_])) + fitted.log - trace.plain for id_, fitted in fits.items()}
     total = float(np.logaddexp.reduce(list(logs.values())))
@@ -185,7 +147,7 @@ def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) 
     order = case.sums.order.at(rows)
     groups = order.groups
     flat = case.sums.flat_level
-    if flat:  # each stretch has a level of its own
+    if flat:  # each segment has a level of its own
         left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
     conditions = {name: column[rows] for name, column in case.table.conditions.items()}
     return Trace(
@@ -193,12 +155,12 @@ def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) 
         innovation=innovation(left, order, noise),
         distance=order.distance,
         speed=case.base.indication(np.full(len(rows), 2.0), conditions),
-        stretch=_stretches(case, rows),
+        stretch=_segments(case, rows),
         free_mean=flat or bool(weighed.hypothesis.variants),
     )
 
 
-def _stretches(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _segments(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """Number the runs of rows whose target did not move."""
     new = np.zeros(len(rows), dtype=bool)
     new[1:] = np.diff(case.table.groups[rows]) != 0
@@ -208,34 +170,49 @@ def _stretches(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True)
-class _Stake:
-    """A guard, its probability before the data, and which of the noises carried along it is."""
+class _NuisancePrior:
+    """A nuisance noise: its prior as a cause, and as the fits reckon with it.
 
-    facts: CauseFacts
-    before: float
+    Attributes
+    ----------
+    id : str
+    prior : float
+        Probability that a table has it.
+    assumed : float
+        Probability that the fits reckon with, to be on the safe side.
+    concerned : ndarray of bool
+        Which of the noises carried along it is.
+    """
+
+    id: str
+    prior: float
+    assumed: float
     concerned: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, guard: Guard, case: Case, carried: Stack) -> "_Stake":
-        before = sum(noise.prior for noise in case.usual_noises if guard.of(noise))
-        return cls(guard.FACTS, before, np.array([guard.of(noise) for noise in carried.noises]))
+    def of(
+        cls, noise: NuisanceNoise, case: Case, carried: Stack, settings: NoiseSettings
+    ) -> "_NuisancePrior":
+        assumed = sum(each.prior for each in case.usual_noises if noise.concerns(each))
+        concerned = np.array([noise.concerns(each) for each in carried.noises])
+        return cls(noise.facts.id, settings.prior(noise.facts), assumed, concerned)
 
 
-def _doubt(shares: NoiseShares, stakes: Collection[_Stake]) -> None:
-    """Lower the guards' probabilities to what a sceptic gives the name.
+def _doubt(shares: NoiseShares, nuisances: Collection[_NuisancePrior]) -> None:
+    """Lower the probabilities of nuisance noises to what their priors as causes allow.
 
-    To be on the safe side the means are weighed as if every other table had such noise. A name is
-    believed only if it stands without that: the mean causes under plain noise are its rivals.
+    To be on the safe side the fits assume such noise in every other table. It is reported only if
+    it is probable without that assumption: effects under white noise are its rivals.
     """
     log = np.array([w.log_posterior for w in shares.weighed])
     total = np.exp(log - log.max())
-    for stake in stakes:
-        id_, before, concerned = stake.facts.id, stake.before, stake.concerned
+    for nuisance in nuisances:
+        id_, before, concerned = nuisance.id, nuisance.assumed, nuisance.concerned
         if not concerned.any() or before >= 1.0:
             continue
         part = np.array([w.noise[concerned].sum() for w in shares.weighed])
-        with_it = float(total @ part) / before * stake.facts.prior
-        without = float(total @ (1 - part)) / (1 - before) * (1 - stake.facts.prior)
+        with_it = float(total @ part) / before * nuisance.prior
+        without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
         believed = with_it / max(with_it + without, 1e-300)
         given = np.array([shares.guard_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.weighed])
         usual = float(total @ given) / float(total.sum())
@@ -245,16 +222,19 @@ def _doubt(shares: NoiseShares, stakes: Collection[_Stake]) -> None:
                 found[id_] *= factor
 
 
-def _guards(weighed: Weighed, stakes: Collection[_Stake], shapes: Mapping[str, float]) -> dict[str, float]:
-    """Probability that noise with memory, or an error per stand, is there and not only guarded against."""
-    mixed = shapes.get("cycle_slip", 0.0) + shapes.get("polling_jitter", 0.0)  # weighed without the guards
+def _nuisances(
+    weighed: Weighed, nuisances: Collection[_NuisancePrior], shapes: Mapping[str, float]
+) -> dict[str, float]:
+    """Probability that each nuisance noise is there, and not only reckoned with."""
+    without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
+    mixed = sum(shapes.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
     found = {}
-    for stake in stakes:
-        before, prior = stake.before, stake.facts.prior
+    for nuisance in nuisances:
+        before, prior = nuisance.assumed, nuisance.prior
         if before in (0.0, 1.0):
             continue
-        share = float(weighed.noise[stake.concerned].sum())
+        share = float(weighed.noise[nuisance.concerned].sum())
         odds = share * (1 - before) / max((1 - share) * before, 1e-12)
         odds *= prior / (1 - prior)
-        found[stake.facts.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
+        found[nuisance.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
     return found
