@@ -9,8 +9,8 @@ import pytest
 import echocal
 from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.faults.registry import FAULTS
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.view import View
 
 ROWS = 120
 Table = dict[str, np.ndarray]

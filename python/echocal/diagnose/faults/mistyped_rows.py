@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.faults.common.values import recorded
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.terms.finding import Finding, listed
-from echocal.diagnose.terms.parts import Parameter
-from echocal.diagnose.terms.thresholds import threshold
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.finding import Finding, listed
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.thresholds import threshold
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["FAULT"]
 

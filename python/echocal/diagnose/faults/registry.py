@@ -6,7 +6,7 @@ from typing import Literal
 
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.faults.common.settings import FaultSettings
-from echocal.diagnose.terms.thresholds import Threshold, listed_thresholds
+from echocal.diagnose.findings.thresholds import Threshold, listed_thresholds
 
 __all__ = ["FAULTS", "every_threshold", "of_kind"]
 

@@ -4,10 +4,10 @@ One file a noise: its facts, its thresholds, what it does to a table, and its li
 detector. `registry` lists them; `common` is what they share.
 """
 
+from echocal.diagnose.findings.facts import CauseFacts
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.quantization import find_steps
 from echocal.diagnose.noises.common.settings import NoiseSettings
-from echocal.diagnose.terms.facts import CauseFacts
 
 __all__ = ["NoiseSettings", "find_steps", "noises"]
 

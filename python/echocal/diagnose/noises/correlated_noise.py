@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from echocal.diagnose.evidence.noise import Noise
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
-from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
 
 __all__ = ["NOISE"]
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.terms.thresholds import threshold
 
 __all__ = ["NOISE"]
 

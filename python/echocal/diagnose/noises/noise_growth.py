@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import KERNELS, Likelihood, Trace, log_density, scale_of
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.terms.thresholds import threshold
 
 __all__ = ["NOISE"]
 

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
 
 __all__ = ["NOISE"]
 

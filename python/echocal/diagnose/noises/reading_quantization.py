@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.noises.common.kinds import Quantization
 from echocal.diagnose.noises.common.settings import NoiseSettings
-from echocal.diagnose.table.lattice import FINEST, find_lattice
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.parts import Parameter
-from echocal.diagnose.terms.thresholds import threshold
+from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["NOISE"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from echocal.diagnose.evidence.noise import Noise
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
-from echocal.diagnose.terms.facts import CauseFacts, Columns, Quantity
 
 __all__ = ["NOISE"]
 

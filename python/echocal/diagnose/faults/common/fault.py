@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.faults.common.settings import FaultSettings
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Columns
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.thresholds import NoThresholds
+from echocal.diagnose.findings.facts import CauseFacts, Columns
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.thresholds import NoThresholds
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["Fault"]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.settings import FaultSettings
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.view import View
 from echocal.observations import Observations
 
 __all__ = ["Factor", "divided", "factor_of"]

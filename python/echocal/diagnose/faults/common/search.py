@@ -4,12 +4,12 @@ from dataclasses import dataclass, field, replace
 
 from echocal.diagnose.faults import registry
 from echocal.diagnose.faults.common.settings import FaultSettings
+from echocal.diagnose.findings.facts import CauseFacts
+from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises.common.quantization import find_steps
 from echocal.diagnose.noises.common.settings import NoiseSettings
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts
-from echocal.diagnose.terms.finding import Finding
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.view import View
 from echocal.observations import Observations
 
 __all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from echocal.diagnose.terms.thresholds import CauseSettings, threshold
+from echocal.diagnose.findings.thresholds import CauseSettings, threshold
 
 __all__ = ["FarRows", "FaultSettings", "SharedFactor", "WildRows"]
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.settings import FaultSettings, WildRows
 from echocal.diagnose.faults.common.values import chance_far, far
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["count_evidence", "wild_side"]
 

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from echocal.diagnose.evidence.weigh import Stack
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import NoiseEntry, NuisanceNoise
 from echocal.diagnose.noises.common.weighing import NoiseShares
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.parts import Parameter
 
 __all__ = ["noise_findings"]
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.noise import Noise
+from echocal.diagnose.findings.facts import CauseFacts, Columns
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.thresholds import NoThresholds
+from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Columns
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.thresholds import NoThresholds
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "Quantization", "Values"]
 
@@ -84,7 +84,7 @@ class NuisanceNoise(NoiseEntry):
     Attributes
     ----------
     concerns : callable
-        Whether one of the noises of `echocal.diagnose.evidence.noise` is this cause.
+        Whether one of the noises of `echocal.diagnose.inference.noise` is this cause.
     parameters : callable
         Its parameters from these noises, the probability of each, and the variance [m^2].
     because : callable

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.settings import NoiseSettings
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.finding import Finding
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["find_steps"]
 

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.table.lattice import HARMLESS, NEGLIGIBLE
-from echocal.diagnose.terms.thresholds import CauseSettings, threshold
+from echocal.diagnose.findings.thresholds import CauseSettings, threshold
+from echocal.diagnose.preprocess.quantization_grid import HARMLESS, NEGLIGIBLE
 
 __all__ = ["NoiseSettings"]
 

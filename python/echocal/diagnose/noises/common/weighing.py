@@ -6,16 +6,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.hypotheses import PRIOR
-from echocal.diagnose.evidence.innovation import innovation
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.innovation import innovation
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import PRIOR
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
 from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
-from echocal.diagnose.signals.candidates import UNKNOWN
 
 __all__ = ["NoiseShares", "weigh_noises"]
 
