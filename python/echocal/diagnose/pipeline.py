@@ -11,8 +11,8 @@ from echocal.diagnose.experiment_design.next_measurements import propose
 from echocal.diagnose.faults import find_faults
 from echocal.diagnose.inference.case import examine
 from echocal.diagnose.inference.posterior import infer
-from echocal.diagnose.noises.convection import convections
-from echocal.diagnose.noises.weighing import weigh_noises
+from echocal.diagnose.noises.common.convection import convections
+from echocal.diagnose.noises.common.weighing import weigh_noises
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
@@ -57,8 +57,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
         work.begin("looking for faults")
         observations = between(reading.observations, request.since, request.until)
-        faults = find_faults(observations, base, distance, constant)
-        reading.refuse_unless(faults.explained)
+        faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
+        reading.refuse_unless(faults.explain_a_refusal)
         observations = faults.observations
         ranges = request.ranges(list(observations.conditions))
         level_steps: list[int] = []
@@ -78,7 +78,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("weighing noises")
             carried = inference.carried
-            shares = weigh_noises(case, inference.weighed, carried, faults.steps)
+            shares = weigh_noises(case, inference.weighed, carried, faults.quantizations)
             ranking = rank(shares.weighed, case.found.competing, settings)
             selection = select(case, ranking, shares, carried)
 

@@ -40,6 +40,6 @@ def credible_set(joint: Joint) -> tuple[tuple[str, ...], ...]:
     for ids, p in joint.sets.items():
         chosen.append(ids)
         total += p
-        if total >= joint.settings.credible:
+        if total >= joint.settings.claims.credible:
             break
     return tuple(chosen)

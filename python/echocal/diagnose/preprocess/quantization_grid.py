@@ -5,15 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FINEST", "HARMLESS", "NEGLIGIBLE", "Lattice", "find_lattice"]
+__all__ = ["FINEST", "Lattice", "find_lattice"]
 
 Column = NDArray[np.float64]
-
-HARMLESS = 0.01
-"""Part of the variance of the noise below which a step is a note, not a cause."""
-
-NEGLIGIBLE = 1.5e-4
-"""Standard deviation [m] that a step makes, below which nobody who measures distances by echo cares."""
 
 FINEST = 2e-5
 """Step of a reading below which arithmetic made it, not the device [m]."""

@@ -3,23 +3,17 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
-from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Cause, Parameter
+from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.inference.hypothesis import Stack
-from echocal.diagnose.noises.weighing import GUARDS as GUARD_MODULES
-from echocal.diagnose.noises.weighing import SHAPES, Guard, NoiseShares
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.findings import noise_findings
+from echocal.diagnose.noises.common.weighing import NoiseShares
 from echocal.diagnose.selection.claims import Ranking, posterior_sets
-from echocal.diagnose.settings import ClaimSettings
+from echocal.diagnose.settings import Settings
 
 __all__ = ["Joint", "join"]
 
-_NO_MEMORY = (
-    "; something unknown that changes with the rows would look the same: measure some of them again, in "
-    "another order"
-)
 Sets = dict[tuple[str, ...], float]
 
 
@@ -33,12 +27,12 @@ class Joint:
         Probability of each set of ids, most probable first; sums to one.
     findings : tuple of Finding
         Faults and noises that are more probable than not.
-    settings : ClaimSettings
+    settings : Settings
     """
 
     sets: Sets
     findings: tuple[Finding, ...]
-    settings: ClaimSettings
+    settings: Settings
 
     @property
     def causes(self) -> tuple[Cause, ...]:
@@ -50,19 +44,24 @@ class Joint:
 
     @property
     def decisive(self) -> tuple[Finding, ...]:
-        """Findings that a verdict counts; autocorrelated noise is no error of the readings."""
-        least = self.settings.noise_matters
-        return tuple(f for f in self.findings if f.share > least and f.facts.id != "correlated_noise")
+        """Findings that a verdict counts."""
+        listed_only, least = registry.listed_only(), self.settings.noises.matters
+        return tuple(f for f in self.findings if f.share > least and f.cause not in listed_only)
 
 
-def join(ranking: Ranking, found: Iterable[Finding], shares: NoiseShares, carried: Stack) -> Joint:
+def join(
+    ranking: Ranking,
+    found: Iterable[Finding],
+    shares: NoiseShares,
+    carried: Stack,
+) -> Joint:
     """Cross the posterior over mean causes with the noises beside each, and with the faults.
 
     A fault is decided on other features of the table than the means are (values that repeat, rows
     far off, lattices), so that the probabilities multiply.
     """
-    settings = ranking.settings.claims
-    least, never = settings.listed_from, settings.nuisance_open
+    claims, never = ranking.settings.claims, ranking.settings.noises.split
+    least = claims.listed_from
     sets: Sets = {}
     for ids, p in posterior_sets(ranking).items():
         shapes = shares.shape_of(ids)
@@ -79,57 +78,9 @@ def join(ranking: Ranking, found: Iterable[Finding], shares: NoiseShares, carrie
         sets = _crossed(sets, finding.cause, finding.probability, least)
     total = sum(sets.values())
     ordered = sorted(((ids, p / total) for ids, p in sets.items()), key=lambda item: -item[1])
-    seen = [f for f in found if f.probability >= settings.reported_from]
-    noises = _noises(dict(ordered), shares, carried, settings)
-    return Joint(dict(ordered), (*seen, *noises), settings)
-
-
-def _noises(sets: Sets, shares: NoiseShares, carried: Stack, settings: ClaimSettings) -> list[Finding]:
-    """Findings on the noises that are more probable than not."""
-    findings = []
-    modules = {module.FACTS.id: module for module in GUARD_MODULES}
-    for facts in (*(shape.FACTS for shape in SHAPES), *(module.FACTS for module in GUARD_MODULES)):
-        probability = sum(p for ids, p in sets.items() if facts.id in ids)
-        if probability < settings.reported_from:
-            continue
-        fitted = shares.fit_of(facts.id)
-        values = fitted.parameters if fitted else _guard_parameters(modules[facts.id], shares, carried)
-        units = {quantity.name: quantity.unit for quantity in facts.parameters}
-        parameters = tuple(Parameter(name, v, u, units[name]) for name, (v, u) in values.items())
-        odds = np.log(probability) - np.log(max(1 - probability, 1e-15))
-        log_bayes = float(odds - np.log(facts.prior) + np.log1p(-facts.prior))
-        because = fitted.told if fitted else _guard_story(facts.id, values)
-        share = float(fitted is None or fitted.matters)
-        rivals = (
-            _like_a_term(values, carried, settings.memory_turns) if facts.id == "correlated_noise" else ()
-        )
-        if rivals:
-            because += _NO_MEMORY
-        findings.append(Finding(facts, log_bayes, because, parameters, share=share, rivals=rivals))
-    return findings
-
-
-def _like_a_term(memory: dict[str, tuple[float, float]], carried: Stack, turns: float) -> tuple[str, ...]:
-    """Noise that remembers long is a function of the row like any other."""
-    rows = 1 / (1 - memory["autoregression"][0])
-    return (UNKNOWN,) if turns * rows > carried.degrees else ()
-
-
-def _guard_parameters(module: Guard, shares: NoiseShares, carried: Stack) -> dict[str, tuple[float, float]]:
-    top = shares.weighed[0]
-    return module.parameters(carried.noises, top.noise, top.variance)
-
-
-def _guard_story(id_: str, values: dict[str, tuple[float, float]]) -> str:
-    if id_ == "correlated_noise":
-        follows = f"with a coefficient of {values['autoregression'][0]:.2f} (autocorrelation in row order)"
-        if "growth" in values:
-            return f"what the causes leave follows the rows before {follows}, the more the farther the target"
-        return f"what the causes leave follows the row before {follows}"
-    return (
-        f"the means of the stands scatter by {1e3 * values['standard_deviation'][0]:.2f} mm beyond what "
-        "their rows explain"
-    )
+    seen = [f for f in found if f.probability >= claims.reported_from]
+    noises = noise_findings(dict(ordered), shares, carried, claims.reported_from)
+    return Joint(dict(ordered), (*seen, *noises), ranking.settings)
 
 
 def _crossed(sets: Sets, cause: str, probability: float, least: float) -> Sets:

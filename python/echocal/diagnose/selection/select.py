@@ -8,7 +8,8 @@ from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.noises.weighing import GUARDS, NoiseShares
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.weighing import NoiseShares
 from echocal.diagnose.selection.claims import (
     Claim,
     Ranking,
@@ -97,8 +98,8 @@ def _in_doubt(rows: int, ranking: Ranking, shares: NoiseShares) -> float:
     """Probability of no effect below which some effect is claimed."""
     settings = ranking.settings.claims
     guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
-    there = (sum(found.get(guard.FACTS.id, 0.0) for found in guards) for guard in GUARDS)
-    if max(there) > settings.noisy_from:
+    there = (sum(found.get(guard.facts.id, 0.0) for found in guards) for guard in registry.nuisances())
+    if max(there, default=0.0) > settings.noisy_from:
         return settings.claim_below_amid_noise
     return settings.claim_below_of_few if rows < settings.few_rows else settings.claim_below
 

@@ -9,11 +9,14 @@ docs/method.md.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
+from echocal.diagnose.settings.causes import listed_thresholds
 from echocal.diagnose.settings.claims import ClaimSettings
+from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
+from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.diagnose.settings.search import SearchSettings
@@ -22,7 +25,9 @@ from echocal.errors import UsageError
 
 __all__ = [
     "ClaimSettings",
+    "FaultSettings",
     "NoiseModelSettings",
+    "NoiseSettings",
     "PriorSettings",
     "RowSettings",
     "SearchSettings",
@@ -52,6 +57,8 @@ class Settings:
     search: SearchSettings = field(default_factory=SearchSettings)
     claims: ClaimSettings = field(default_factory=ClaimSettings)
     validation: ValidationSettings = field(default_factory=ValidationSettings)
+    noises: NoiseSettings = field(default_factory=NoiseSettings)
+    faults: FaultSettings = field(default_factory=FaultSettings)
 
     @classmethod
     def of(cls, given: Settings | Mapping[str, Mapping[str, Any]] | None) -> Settings:
@@ -64,31 +71,15 @@ class Settings:
         """
         if isinstance(given, Settings):
             return given
-        settings = cls()
-        if given is None:
-            return settings
-        if not isinstance(given, Mapping):
-            message = f"settings map groups to numbers, {{'claims': {{'named': 0.9}}}}; got {given!r}"
-            raise UsageError(message)
-        for group, numbers in given.items():
-            _refuse_unknown(group, [f.name for f in fields(cls)], "group of settings")
-            own = getattr(settings, group)
-            if not isinstance(numbers, Mapping):
-                message = f"the settings of {group} map names to numbers; got {numbers!r}"
-                raise UsageError(message)
-            for name, value in numbers.items():
-                _refuse_unknown(name, [f.name for f in fields(own)], f"number in the settings of {group}")
-                own = replace(own, **{name: _like(getattr(own, name), value, f"{group}.{name}")})
-            settings = replace(settings, **{group: own})
-        return settings
+        return cls() if given is None else _with(cls(), given, "settings")
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """As plain data; `Settings.of` reads it again."""
         return asdict(self)
 
 
-def table() -> Iterator[tuple[str, str, Any, str, str, str]]:
-    """List every number: group, name, value, unit, meaning, source.
+def table() -> Iterator[tuple[str, Any, str, str]]:
+    """List every number: its name, value, unit, and what it is with its source.
 
     Yields
     ------
@@ -97,33 +88,35 @@ def table() -> Iterator[tuple[str, str, Any, str, str, str]]:
     Examples
     --------
     >>> from echocal.diagnose.settings import table
-    >>> next(value for group, name, value, *_ in table() if name == "named")
+    >>> next(value for name, value, *_ in table() if name == "claims.named")
     0.9
     """
-    settings = Settings()
-    for group in fields(settings):
-        own = getattr(settings, group.name)
-        for one in fields(own):
-            facts = one.metadata
-            yield (
-                group.name,
-                one.name,
-                getattr(own, one.name),
-                facts["unit"],
-                facts["meaning"],
-                facts["source"],
-            )
+    for one in listed_thresholds(Settings()):
+        yield one.name, one.value, one.unit, one.source
 
 
-def _refuse_unknown(name: str, known: list[str], what: str) -> None:
-    if name not in known:
-        message = f"'{name}' is no {what}; there are {', '.join(known)}"
+def _with(settings: Any, given: Any, name: str) -> Any:
+    """Settings with some of their numbers replaced."""
+    if not isinstance(given, Mapping):
+        message = f"{name} map names to numbers, {{'claims': {{'named': 0.9}}}}; got {given!r}"
         raise UsageError(message)
+    known = [f.name for f in fields(settings)]
+    changed = {}
+    for key, value in given.items():
+        if key not in known:
+            message = f"'{key}' is none of the {name}; there are {', '.join(known)}"
+            raise UsageError(message)
+        own, path = getattr(settings, key), key if name == "settings" else f"{name}.{key}"
+        changed[key] = _with(own, value, path) if is_dataclass(own) else _like(own, value, path)
+    return replace(settings, **changed)
 
 
 def _like(default: Any, value: Any, name: str) -> Any:
     """A value of the default's kind: lists of a JSON file become tuples."""
-    if isinstance(default, tuple):
+    if isinstance(default, Mapping):
+        if isinstance(value, Mapping):
+            return dict(value)
+    elif isinstance(default, tuple):
         if isinstance(value, list | tuple) and len(value) > 0:
             last = len(default) - 1
             return tuple(_like(default[min(i, last)], one, name) for i, one in enumerate(value))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.number import number
+from echocal.diagnose.settings.threshold import number
 
 __all__ = ["ClaimSettings"]
 
@@ -87,20 +87,5 @@ class ClaimSettings:
     agrees: float = number(2.0, "standard uncertainties", "within which a size is theory's", "convention")
     reported_from: float = number(
         0.5, "probability", "a noise or a fault is reported", "more probable than not"
-    )
-    noise_matters: float = number(
-        0.05, "of the noise's variance", "a noise that makes less is no verdict", "chosen by hand"
-    )
-    nuisance_open: float = number(
-        0.2,
-        "probability",
-        "from here to one less this, sets with and without a nuisance noise are told apart",
-        "chosen by hand",
-    )
-    memory_turns: float = number(
-        20.0,
-        "correlation times",
-        "in a table of fewer, autocorrelated noise looks like something unknown",
-        "chosen by hand",
     )
     listed_from: float = number(1e-6, "probability", "a set of causes is listed", "below one in a million")

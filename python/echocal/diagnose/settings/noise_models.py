@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.number import number
+from echocal.diagnose.settings.threshold import number
 
 __all__ = ["AUTOREGRESSIONS", "NoiseModelSettings"]
 
@@ -52,12 +52,6 @@ class NoiseModelSettings:
         "of the mean distance",
         "distances that differ by less do not show noise that grows with them",
         "chosen by hand",
-    )
-    convection_worth: float = number(
-        0.1, "probability", "of autocorrelated noise, from which on convection is tried", "chosen by hand"
-    )
-    convection_behind: float = number(
-        7.0, "log likelihood", "a convection that far behind the best noise is left out", "e^-7 = 0.0009"
     )
     long_table: int = number(
         20_000,

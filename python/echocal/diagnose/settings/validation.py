@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.number import number
+from echocal.diagnose.settings.threshold import number
 
 __all__ = ["ValidationSettings"]
 

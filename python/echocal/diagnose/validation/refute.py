@@ -10,7 +10,9 @@ from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
+from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import (
     HeldOut,
     fixed_speed_rms,
@@ -20,17 +22,7 @@ from echocal.diagnose.validation.gain import (
     uninformative,
     worse,
 )
-    HeldOut,
-    fixed_speed_rms,
-    floor,
-    measure,
-    silent,
-    summarize,
-    worse,
-)
 from echocal.diagnose.validation.shifted import shifted
-from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.selection.select import Selection
 from echocal.model import Model
 
 __all__ = ["Validation", "validate"]
