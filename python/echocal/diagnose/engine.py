@@ -121,5 +121,6 @@ def diagnose(
     how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
     if not isinstance(observations, Observations):
         how["reading_speed"] = reading_speed or request.base.reading_speed
-    diagnosis = run(read(observations, how), request, work)
+    reading = read(observations, how)
+    diagnosis = run(reading, request, work)
     return replace(diagnosis, seconds=time.perf_counter() - start)

@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
+from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
 from echocal.observations.quantiles import median
 
@@ -56,6 +58,12 @@ class Table:
 
     def __len__(self) -> int:
         return len(self.row)
+
+    @cached_property
+    def order(self) -> Order:
+        """How the rows belong together."""
+        distance = self.indication if self.reference is None else self.reference
+        return Order(self.starts, self.groups, distance, flat_level=self.reference is None)
 
     def distance(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
         """Distance of every row [m] if a model were right: the reference, or each group's median.
