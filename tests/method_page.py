@@ -26,7 +26,7 @@ class Form(Protocol):
 
 
 class Noise(Protocol):
-    """A noise model, Eq. 3 and 4."""
+    """A noise model, Eq. 3 and 5."""
 
     rho: float
     memory: float
@@ -35,7 +35,7 @@ class Noise(Protocol):
 
 
 def precision(noise: Noise, starts: Matrix, station: Matrix) -> tuple[Matrix, float]:
-    """Inverse of V and its log determinant, Eq. 3 to 5, without convection."""
+    """Inverse of V and its log determinant, Eq. 3 and 5."""
     n, rho, theta = len(starts), noise.rho, noise.memory
     first = (1 - rho**2) / (1 - 2 * rho * theta + theta**2)
     white = np.zeros((n, n))
@@ -52,7 +52,7 @@ def precision(noise: Noise, starts: Matrix, station: Matrix) -> tuple[Matrix, fl
 
 
 def one_noise(forms: Sequence[Form], columns: Matrix, inverse: Matrix) -> list[tuple]:
-    """Log evidence, mean and covariance of every combination of widths, Eq. 9 to 15."""
+    """Log evidence, mean and covariance of every combination of widths, Eq. 9 and 11 to 15."""
     n = columns.shape[1]
     fixed = [v.offset for v in forms if v.offset is not None]
     free = [c for v in forms for c in v.free]
@@ -100,7 +100,7 @@ def mixed(parts: Iterable[tuple]) -> tuple[float, Matrix, Matrix]:
 
 
 class Method:
-    """Eq. 2 to 17 for one table."""
+    """Eq. 3 to 17 for one table."""
 
     def __init__(self, columns: Matrix, noises: Iterable[Noise], starts: Matrix, station: Matrix) -> None:
         self.columns = columns
