@@ -8,7 +8,7 @@ import pytest
 from method_page import Method, every, informative, prior
 
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Variant
+from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.case import Case, examine
 from echocal.diagnose.inference.hypothesis import Stack, weigh
 from echocal.diagnose.inference.noise import Noise
@@ -17,10 +17,13 @@ from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.order import Order
-from echocal.diagnose.preprocess.scene import prepare
+from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.selection.claims import rank
+from echocal.diagnose.settings import Settings
 from echocal.model import Model
 from echocal.observations import read_observations
+
+SETTINGS = Settings()
 
 
 def table(rho: float, seed: int = 3) -> pd.DataFrame:
@@ -39,8 +42,8 @@ def table(rho: float, seed: int = 3) -> pd.DataFrame:
 def prepared(rho: float) -> tuple[Case, Stack]:
     base = Base.of("linear")
     observations = read_observations(table(rho), reading_speed="linear")
-    ready = prepare(observations, base, None, False)
-    case = examine(ready, base, Folds.of(ready, None), 0)
+    ready = prepare(observations, base, None, False, SETTINGS.rows)
+    case = examine(ready, base, Folds.of(ready, None, count=5), 0, SETTINGS)
     return case, Stack(*case.sums.whiten_all(case.noises), case.sums.degrees(), case.noises)
 
 
@@ -68,7 +71,7 @@ def test_log_evidence_under_one_noise(rho: float) -> None:
     columns = case.found.columns.at(range(len(case.found.columns)))
     drawn = table(rho)
     np.testing.assert_allclose(columns[-1], drawn["reading_m"] - drawn["distance_m"], atol=1e-14)
-    hypotheses = [one.hypothesis for one in posterior(case.found, stack)[0][:40]]
+    hypotheses = [one.hypothesis for one in posterior(case.found, stack, SETTINGS)[0][:40]]
     order = case.sums.order
     for noise in (stack.noises[0], Noise(0.0, 0.6, 0.0, 1.0), Noise(0.5, 0.95, 1.0, 1.0)):
         method = Method(columns, [noise], order.starts, order.groups)
@@ -85,7 +88,7 @@ def test_log_evidence_under_one_noise(rho: float) -> None:
 def test_posterior_odds_under_every_noise(rho: float) -> None:
     """The engine leaves out what holds less than 1e-4 of a hypothesis, and no more."""
     case, stack = prepared(rho)
-    weighed, carried = posterior(case.found, stack)
+    weighed, carried = posterior(case.found, stack, SETTINGS)
     columns = case.found.columns.at(range(len(case.found.columns)))
     method = Method(columns, carried.noises, case.sums.order.starts, case.sums.order.groups)
     terms = sum(v.cause == UNKNOWN for v in case.found.variants)
@@ -123,9 +126,11 @@ def catalogue(seed: int, strength: float) -> tuple[Candidates, np.ndarray, Order
 def test_the_search_finds_what_enumeration_finds(seed: int, strength: float) -> None:
     """Those listed of all sets of five causes have these probabilities, the others next to none."""
     found, columns, order = catalogue(seed, strength)
-    sums = Sums.gather(found.columns, order, np.zeros(columns.shape[1], dtype=np.int64))
+    sums = Sums.gather(found.columns, order, np.zeros(columns.shape[1], dtype=np.int64), [0.0])
     noises = [Noise(0.0, 0.0, 0.0, 0.5), Noise(0.0, 0.6, 0.0, 0.3), Noise(0.0, 0.4, 1.0, 0.2)]
-    weighed, _ = posterior(found, Stack.of([sums.whiten(noise) for noise in noises], sums.degrees()))
+    weighed, _ = posterior(
+        found, Stack.of([sums.whiten(noise) for noise in noises], sums.degrees()), SETTINGS
+    )
     method = Method(columns, noises, order.starts, order.groups)
     hypotheses = list(every(found.variants))
     fits = [method.evidence(forms) for forms in hypotheses]
@@ -138,5 +143,5 @@ def test_the_search_finds_what_enumeration_finds(seed: int, strength: float) -> 
     assert share[~known].sum() < 0.025
     each = zip(hypotheses, share / share[known].sum(), (fit[2].diagonal() for fit in fits), strict=True)
     expected = informative([one for one, is_known in zip(each, known, strict=True) if is_known], 5)
-    for ids, p in rank(weighed, found.competing).sets:
+    for ids, p in rank(weighed, found.competing, SETTINGS).sets:
         assert p == pytest.approx(expected[ids], abs=2e-4), ids
