@@ -58,7 +58,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         work.begin("looking for faults")
         observations = between(reading.observations, request.since, request.until)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
-        reading.refuse_unless(faults.explain_a_refusal)
+        if reading.refusal is not None and not faults.explain_a_refusal:
+            raise reading.refusal
         observations = faults.observations
         ranges = request.ranges(list(observations.conditions))
         level_steps: list[int] = []

@@ -40,6 +40,8 @@ class Table:
         Source rows at which the level jumps.
     unusable : mapping of str to int
         Rows left out, by reason.
+    total : int
+        Rows of the source.
     echoes : bool
         Whether the indication comes from recorded echo times, which the device's own arithmetic has
         not touched; also where the readings stand beside them.
@@ -54,6 +56,7 @@ class Table:
     starts: NDArray[np.bool_]
     steps: Labels
     unusable: Mapping[str, int]
+    total: int
     echoes: bool = False
 
     def __len__(self) -> int:
