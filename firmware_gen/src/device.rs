@@ -1,8 +1,8 @@
 //! What the device measures: integer codes, and the quantity each code stands for.
 
 use crate::error::Error;
-use crate::ir::{IntegerType, Range};
 use crate::output::Output;
+use crate::types::{IntegerType, Range};
 use serde::Serialize;
 
 /// One argument of the generated function: an integer code and the quantity it stands for, `value = zero + lsb * code`.

@@ -19,8 +19,9 @@ pub mod output;
 pub mod prove;
 pub mod reference;
 pub mod target;
+pub mod types;
 
-pub use design::{Design, Progress, Reachable, Request, design};
+pub use design::{Design, Failure, Progress, Reachable, Request, design};
 pub use device::{Axis, Device};
 pub use emit::{Measurement, Package, Provenance, emit};
 pub use error::Error;

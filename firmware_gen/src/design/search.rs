@@ -1,14 +1,13 @@
 //! Candidates: every form in every format, refined, screened and proven.
 
-use super::{Design, Listen, Progress, Reachable, Request};
+use super::request::{Design, Failure, Listen, Progress, Reachable, Request};
 use crate::error::Error;
-use crate::form::{FORMS, Fit, Form, OF_TWO, Tail};
+use crate::form::{Fit, Form, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
 use crate::reference::{Line, check_bounded, sample};
 use crate::target::Cost;
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// One form in one format.
 pub(super) struct Candidate<'a> {
@@ -106,14 +105,15 @@ impl<'a> Search<'a> {
             let fit = Rc::new(self.fit(tail));
             let cost = self.cost_of(tail);
             let rest = tail.rest(&self.lines);
-            let named =
-                |names: &[&str]| self.request.form.is_some_and(|form| names.contains(&form));
             // A second condition of one code is checked, and adds nothing.
-            let two = self.request.device.varied() == 2 || named(&OF_TWO);
-            let wanted = |name: &str| {
-                OF_TWO.contains(&name) == two && self.request.form.is_none_or(|form| form == name)
+            let two = self.request.device.varied() == 2 || self.request.form.is_some_and(reads_two);
+            let forms = if two {
+                TWO_CONDITION_FORMS
+            } else {
+                TEMPERATURE_FORMS
             };
-            let proposals = FORMS.iter().filter(|(name, _)| wanted(name));
+            let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
+            let proposals = forms.iter().filter(|(name, _)| wanted(name));
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
                 .into_iter()
@@ -322,24 +322,28 @@ impl<'a> Search<'a> {
         &self,
         failed: Vec<Candidate<'_>>,
         listen: Listen<'_>,
-    ) -> Result<Design, Error> {
+    ) -> Result<Design, Failure> {
         for candidate in self.likeliest(failed) {
             let (program, proof) = match self.prove(&candidate, f64::INFINITY, listen) {
                 Ok(found) => found,
                 Err(Error::Proof(_)) => continue,
-                Err(error) => return Err(error),
+                Err(error) => return Err(error.into()),
             };
             if proof.bounded.error <= self.bound() {
                 return Ok(candidate.proven(program, proof)); // one that seemed unlikely
             }
-            return Err(Error::Bound(Box::new(Reachable {
+            let reachable = Reachable {
                 asked: self.request.maximum_error,
                 best: proof.bounded.error * self.request.device.output.lsb,
                 maximum_distance: self.request.maximum_distance,
-                design: Arc::new(candidate.proven(program, proof)),
-            })));
+                form: candidate.form.describe(),
+            };
+            return Err(Failure {
+                error: Error::Bound(reachable.to_string()),
+                best: Some(Box::new(candidate.proven(program, proof))),
+            });
         }
-        Err(self.nothing())
+        Err(self.no_candidate().into())
     }
 
     /// What failed and has a program, the most exact first.
@@ -375,7 +379,7 @@ impl<'a> Search<'a> {
     }
 
     /// Why there is not even a candidate.
-    fn nothing(&self) -> Error {
+    fn no_candidate(&self) -> Error {
         let Request {
             form,
             target,

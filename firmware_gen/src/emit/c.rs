@@ -1,6 +1,6 @@
 //! A program as C text. Every conversion is written out, so that the text means the same on any width of `int`.
 
-use super::Local;
+use super::text::Local;
 use crate::ir::{IntegerType, Node, Operation, Program, Value};
 
 /// The function in C that names the two middle bytes of a product.

@@ -1,6 +1,6 @@
 //! Vectors of the self-test: few enough for the smallest memory, at every edge of the accepted codes.
 
-use super::literal_list;
+use super::text::literal_list;
 use crate::design::Design;
 use crate::device::{Axis, Device};
 use crate::ir::{IntegerType, Range};

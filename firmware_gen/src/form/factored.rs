@@ -6,8 +6,8 @@
 //! high byte of `x`, which costs nothing to get, makes it finer, `y = far - flat * u + lean * (x >> 8)`, or `steep` has
 //! eight binary places, and `x` is the middle of its product with `u`.
 
-use super::tail::plus;
-use super::{Fit, Form, center, warmth};
+use super::contract::{Fit, Form, center};
+use super::steps::{plus, temperature_index};
 use crate::ir::{Builder, Value};
 use crate::minimax::{Points, minimax};
 
@@ -237,7 +237,7 @@ impl Form for Factored {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let u = warmth(builder);
+        let u = temperature_index(builder);
         let mut steep = times(builder, u, self.steep);
         if self.places > 0 {
             steep = builder.shift_right(steep, self.places);

@@ -1,6 +1,7 @@
 //! One table entry for each temperature code: the largest, and the fastest.
 
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::temperature_index;
 use crate::ir::{Builder, Value};
 
 /// A full table of speed factors.
@@ -48,7 +49,7 @@ impl Form for FullTable {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let index = warmth(builder);
+        let index = temperature_index(builder);
         let table = builder.table(
             "speed",
             "speed factor at each temperature code".into(),

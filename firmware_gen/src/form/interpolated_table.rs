@@ -1,6 +1,7 @@
 //! A uniform table with a power of two of codes between entries, linear between them.
 
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::{floor_shift, temperature_index};
 use crate::ir::{Builder, Value};
 
 /// A uniform table with linear interpolation.
@@ -115,7 +116,7 @@ impl Form for InterpolatedTable {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let code = warmth(builder);
+        let code = temperature_index(builder);
         let note = format!("speed factor at every {} codes", 1 << self.bits);
         let table = builder.table("speed", note, self.entries.clone());
         let cell = builder.shift_right(code, self.bits);
@@ -130,7 +131,7 @@ impl Form for InterpolatedTable {
         let rise = builder.subtract(high, low);
         let rise = builder.name(rise, "rise", "its growth over the cell");
         let product = builder.multiply(within, rise);
-        let lift = super::tail::floor_shift(builder, product, self.bits);
+        let lift = floor_shift(builder, product, self.bits);
         builder.add(low, lift)
     }
 

@@ -1,7 +1,8 @@
 //! Straight segments of 256 codes: the cell is the upper byte of the code, the place in it the lower one, and slopes are
 //! bytes above a slope that all share. For cores that move bytes and cannot shift.
 
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::temperature_index;
 use crate::ir::{Builder, Value};
 
 /// Segments of 256 codes, each with a start of 16 bits and a slope of 8 bits above a slope that all share.
@@ -100,7 +101,7 @@ impl Form for Segments {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let code = warmth(builder);
+        let code = temperature_index(builder);
         let cell = builder.shift_right(code, BITS);
         let cell = builder.name(cell, "cell", "segment");
         let within = builder.low_bits(code, BITS);

@@ -3,6 +3,7 @@
 //! Whatever the effects are, the model at fixed conditions is close to `distance = factor * (echo - delay) - offset`;
 //! `delay` and `offset` are read off samples of the model, never off the names of effects.
 
+use super::steps::plus;
 use crate::device::Device;
 use crate::ir::{Builder, Value};
 use crate::reference::Line;
@@ -219,30 +220,6 @@ fn widths(narrow: u32, word: u32, device: &Device, target: Target) -> Vec<u32> {
     let bytes = device.output.is_coarse() && target.byte_shifts;
     let whole = bytes.then_some(narrow / 8 * 8);
     [narrow, word].into_iter().chain(whole).collect()
-}
-
-/// `value + constant`, written as a subtraction where the constant is negative and left out where it is zero.
-pub(super) fn plus(builder: &mut Builder<'_>, value: Value, constant: i64) -> Value {
-    match constant {
-        0 => value,
-        1.. => {
-            let constant = builder.constant(constant);
-            builder.add(value, constant)
-        }
-        _ => {
-            let constant = builder.constant(-constant);
-            builder.subtract(value, constant)
-        }
-    }
-}
-
-/// `value >> bits`, rounded down, also where `value` can be negative.
-pub(super) fn floor_shift(builder: &mut Builder<'_>, value: Value, bits: u32) -> Value {
-    let lowest = builder.range(value).minimum;
-    let lift = if lowest < 0 { 1 + (-lowest >> bits) } else { 0 };
-    let lifted = plus(builder, value, lift << bits);
-    let shifted = builder.shift_right(lifted, bits);
-    plus(builder, shifted, -lift)
 }
 
 /// The least and the largest offset \[unit\] that single lines would want beside this delay.

@@ -1,6 +1,7 @@
 //! The twin for many echo times at once: the same steps over lanes, every claim still checked on every lane.
 
-use super::{Operation, Overflow, Program, Value};
+use super::program::{Operation, Program, Value};
+use super::twin::Overflow;
 
 /// Echo times evaluated together.
 pub const LANES: usize = 512;

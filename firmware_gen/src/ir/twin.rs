@@ -1,6 +1,7 @@
 //! The bit-exact twin: a program evaluated on one input, every claim checked on the way.
 
-use super::{IntegerType, Node, Operation, Program, Range, Value};
+use super::program::{Node, Operation, Program, Value};
+use crate::types::{IntegerType, Range};
 
 /// A claim that does not hold: some value does not fit where the program says it fits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

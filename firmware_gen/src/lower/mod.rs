@@ -58,7 +58,8 @@ pub fn lower(
             continue; // at neutral parameters nothing is lost
         }
         if !accepted.iter().any(|id| id == term.facts().id) {
-            return Err(Error::Refused(Box::new(omission)));
+            let remedy = omission.remedy();
+            return Err(Error::Refused(format!("{omission}; {remedy}")));
         }
         kept.omissions.push(omission);
     }

@@ -49,7 +49,7 @@ pub struct Omission {
 impl Omission {
     /// What the user can do about a refusal; where no input would help, none is asked for.
     #[must_use]
-    pub fn way_out(&self) -> String {
+    pub fn remedy(&self) -> String {
         let accept = format!("accept it with --accept {}", self.effect.unwrap_or("law"));
         if self.quantity.is_some() {
             format!("give the device that input, or {accept}")

@@ -1,88 +1,22 @@
 //! The proof: the twin against the model on every input that the function accepts.
 
 mod checker;
+mod claim;
 mod straight;
 
 use crate::device::Device;
 use crate::error::Error;
 use crate::ir::Program;
-use crate::reference::Reference;
 use checker::{Checker, Row};
+
+pub use claim::{Claim, Proof, SEED, Worst, fold};
+
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// How often the caller hears about the progress.
 const TICK: Duration = Duration::from_millis(50);
-
-/// The input at which the error is largest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Worst {
-    /// |output - model| \[unit\].
-    pub error: f64,
-    /// Combination of conditions, as [`Device::codes`] counts them.
-    pub row: usize,
-    /// Echo code.
-    pub echo: i64,
-}
-
-impl Worst {
-    /// Before the first input; no proof has it, as none is of no inputs.
-    const NONE: Self = Self {
-        error: -1.0,
-        row: 0,
-        echo: 0,
-    };
-
-    fn or(self, other: Self) -> Self {
-        if other.error > self.error {
-            other
-        } else {
-            self
-        }
-    }
-}
-
-/// What holds for every input.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Proof {
-    /// Largest error where the model's distance is within the bounded domain.
-    pub bounded: Worst,
-    /// Largest error over all inputs.
-    pub overall: Worst,
-    /// Inputs that were checked.
-    pub inputs: u64,
-    /// Inputs within the bounded domain.
-    pub bounded_inputs: u64,
-    /// Hash of all outputs in order, see [`fold`].
-    pub hash: u32,
-}
-
-/// One step of the hash over outputs (FNV-1a with words for bytes): short enough to be repeated on any target.
-///
-/// Each row of echo times is folded from [`SEED`]; the rows' hashes are folded from [`SEED`] again.
-#[must_use]
-pub const fn fold(hash: u32, word: u32) -> u32 {
-    (hash ^ word).wrapping_mul(16_777_619)
-}
-
-/// Where the hash begins.
-pub const SEED: u32 = 2_166_136_261;
-
-/// What to prove a program against.
-#[derive(Clone, Copy)]
-pub struct Claim<'a> {
-    /// The inputs.
-    pub device: &'a Device,
-    /// The truth.
-    pub reference: &'a dyn Reference,
-    /// The bounded domain: distances up to this \[m\].
-    pub maximum_distance: f64,
-    /// The error in the bounded domain from which on the rest of the proof is of no use \[unit\].
-    pub most: f64,
-    /// Threads to use.
-    pub threads: usize,
-}
 
 type Message = Result<(usize, Row), Error>;
 

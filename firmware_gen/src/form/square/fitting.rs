@@ -1,7 +1,7 @@
 //! Choosing the constants of a square: minimax in real numbers, then a descent over integers that looks at every code.
 
-use super::{CODE_BITS, Layer, SQUARE_BITS, Square};
-use crate::form::{Fit, center};
+use super::constants::{CODE_BITS, Layer, SQUARE_BITS, Square};
+use crate::form::contract::{Fit, center};
 use crate::minimax::{Points, minimax};
 
 /// Points of a minimax fit.
