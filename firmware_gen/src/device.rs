@@ -25,7 +25,8 @@ pub struct Axis {
     pub ty: IntegerType,
 }
 
-/// The nearest code counts as inside: 0.1 degC is no binary fraction, and -20 degC must still be code -200.
+/// Tolerance of the ends of a range \[codes\]. 0.1 degC is no binary fraction, and -20 degC must still be code -200: the
+/// rounding error of such a quotient is below 1e-10 codes.
 const SLACK: f64 = 1e-9;
 
 impl Axis {

@@ -1,4 +1,4 @@
-//! The search: which form, which format, at least cost within the error bound.
+//! The search for the form and the format of least cost that meet the error bound.
 
 mod request;
 mod search;
@@ -11,8 +11,9 @@ use search::{Candidate, Search};
 
 pub use request::{Design, Failure, Listen, OUT_OF_RANGE, Progress, Reachable, Request};
 
-/// Candidates that may turn out not to meet the bound before only those are tried that probably do.
-const PATIENCE: usize = 200;
+/// Most candidates that are refined before the search restricts itself to the likely ones. Set by hand: it bounds the
+/// search time of designs with humidity.
+const REFINED: usize = 200;
 
 /// Find the cheapest program that meets the bound on every input.
 ///
@@ -33,7 +34,7 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Failur
         if candidate.screened == f64::INFINITY
             && candidate.floor() <= bound
             && candidate.least() <= bound
-            && (tried < PATIENCE || candidate.likely() <= bound)
+            && (tried < REFINED || candidate.likely() <= bound)
             && search.refine(&mut candidate)
         {
             tried += 1;
@@ -54,7 +55,7 @@ pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Failur
     search.unreachable(failed, listen)
 }
 
-/// Bound [m] above which somebody has most likely written millimeters.
+/// Largest bound [m] that is accepted. Set by hand: a larger number is most likely one of millimeters.
 const LOOSEST: f64 = 0.1;
 
 fn check(request: &Request<'_>) -> Result<(), Error> {

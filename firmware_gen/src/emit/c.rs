@@ -20,7 +20,7 @@ pub fn statements(program: &Program) -> (Vec<Local>, String) {
                 ty: node.computed.c_name(),
                 name: name.clone(),
                 expression: text.expression(Value(index)),
-                note: "exact, before its conversion".into(),
+                note: "intermediate value, before a type conversion".into(),
             });
         }
         if let Some((name, note)) = &node.name {

@@ -7,7 +7,8 @@ use crate::ir::{IntegerType, Range};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Codes of each axis inside its range, its ends among them.
+/// Codes of each axis inside its range, its ends among them. Set by hand: 4^3 vectors at most, so
+/// that they fit a small flash.
 const INSIDE: i64 = 4;
 
 /// One column of the vectors.

@@ -28,7 +28,7 @@ pub(super) struct TableText<'a> {
     place: &'static str,
 }
 
-/// Entries in one line of a table.
+/// Entries in one line of a table. Set by hand: 12 entries of 16 bits take 90 characters.
 const PER_LINE: usize = 12;
 
 pub(super) fn table_text(table: &Table) -> TableText<'_> {

@@ -29,11 +29,11 @@ pub struct Fit<'a> {
     pub maximum_table: usize,
     /// Where it is to run.
     pub core: Target,
-    /// Polynomials in the second condition, by degree, once somebody asked for them.
+    /// Polynomials in the second condition, by degree; each is computed at its first use.
     pub lines: [OnceLock<Lines>; DEGREES],
 }
 
-/// Degrees of [`Fit::lines`], from 0 on.
+/// Number of degrees of [`Fit::lines`]: 0 to 3, the highest that a form asks for (`grid`).
 const DEGREES: usize = 4;
 
 impl Fit<'_> {
@@ -61,23 +61,23 @@ pub trait Form: Debug + Send + Sync {
     /// The error \[unit\] that no rounding of this form can undercut.
     fn floor(&self) -> f64;
 
-    /// The error \[unit\] that its parts reach where the others are ideal, as they are rounded: it can hardly undercut
-    /// that. What parts are tried for one candidate is known for the next that has them.
+    /// The error \[unit\] that one rounded part leaves if the other parts are ideal: the whole form can hardly have less.
+    /// Candidates with the same part share this result.
     fn least(&self, _fit: &Fit<'_>) -> f64 {
         self.floor()
     }
 
-    /// The error \[unit\] that it has where those of its parts meet.
+    /// The error \[unit\] that it has where the errors of its parts add up.
     fn likely(&self, fit: &Fit<'_>) -> f64 {
         self.least(fit)
     }
 
-    /// The error \[unit\] that refining left, before the distance is rounded, where that is known.
+    /// The error \[unit\] after refining, before the distance is rounded, if it is known.
     fn reached(&self) -> Option<f64> {
         None
     }
 
-    /// What it costs, where that is known without building a program.
+    /// Its cost, if it is known without building a program.
     fn estimate(&self) -> Option<Cost> {
         None
     }
@@ -88,7 +88,7 @@ pub trait Form: Debug + Send + Sync {
     /// Round its constants jointly, so that the largest error is as small as the form allows.
     fn refine(&mut self, fit: &Fit<'_>);
 
-    /// The same once more.
+    /// A copy.
     fn duplicate(&self) -> Box<dyn Form>;
 }
 
@@ -100,7 +100,7 @@ pub fn factors(form: &dyn Form, fit: &Fit<'_>) -> Vec<i64> {
     builder.per_row(value).to_vec()
 }
 
-/// Exchanges after which [`center`] has settled, or never will.
+/// Most exchanges of [`center`]. Set by hand; the loop ends earlier once the constant repeats.
 const EXCHANGES: usize = 12;
 
 /// The constant that leaves the least error beside `settled`: where the two worst errors, weighted, are opposite.

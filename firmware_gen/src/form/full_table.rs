@@ -10,7 +10,7 @@ struct FullTable {
     entries: Vec<i64>,
 }
 
-/// Entries beyond which a table is no answer for a microcontroller.
+/// Most entries that are proposed: 16 KiB of 16-bit entries, half the flash of an ATmega328P.
 const MOST: usize = 8192;
 
 /// Name of the form.

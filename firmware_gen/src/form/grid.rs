@@ -8,13 +8,15 @@ use crate::minimax::horner;
 
 /// Name of the form.
 pub const NAME: &str = "grid";
-/// Most entries that are proposed.
+/// Most entries that are proposed: 8 KiB of 16-bit entries, a quarter of the flash of an ATmega328P.
 const MOST: usize = 4096;
-/// Passes in which entries move to the middle of the errors around them.
+/// Passes in which entries move to the middle of the errors around them. Set by hand.
 const PASSES: usize = 8;
-/// Degree of the polynomial that stands for a row of the second condition between the codes looked at.
+/// Degree of the polynomial that interpolates a row of the second condition between the codes that are sampled. Set by
+/// hand: moist air is nearly linear in the humidity.
 const DEGREE: usize = 3;
-/// Share of the first table's error that no moving of entries undercuts.
+/// The error of the best table is taken to be at least this share of the first table's. In one dimension,
+/// moving the entries of a parabola halves the error; 0.4 leaves a margin. Set by hand.
 const SPARE: f64 = 0.4;
 
 /// Entries row by row, a row for each temperature.
@@ -174,28 +176,41 @@ impl Form for Grid {
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let temperature = temperature_index(builder);
         let humidity = humidity_index(builder);
-        let note = "speed factors, a row of the second code for each temperature".into();
+        let note =
+            "speed factors: one row for each temperature, one column for each humidity".into();
         let table = builder.table("speed", note, self.entries.clone());
         let row = builder.shift_right(temperature, self.bits.0);
         let columns = builder.constant(self.columns as i64);
         let row = builder.multiply(row, columns);
         let column = builder.shift_right(humidity, self.bits.1);
         let cell = builder.add(row, column);
-        let cell = builder.name(cell, "cell", "first entry of the cell");
+        let cell = builder.name(cell, "cell", "index of the first entry of the cell");
         let down = builder.low_bits(temperature, self.bits.0);
-        let down = builder.name(down, "down", "temperature codes into the cell");
+        let down = builder.name(
+            down,
+            "down",
+            "position in the cell along temperature [codes]",
+        );
         let along = builder.low_bits(humidity, self.bits.1);
-        let along = builder.name(along, "along", "humidity codes into the cell");
+        let along = builder.name(
+            along,
+            "along",
+            "position in the cell along humidity [codes]",
+        );
         let [a, b, c, d] =
             [0, 1, self.columns, self.columns + 1].map(|more| entry(builder, table, cell, more));
         let upper = self.between(builder, a, b, along, self.bits.1);
         let upper = builder.name(
             upper,
-            "upper",
-            "speed factor at the cell's lower temperature",
+            "first_row",
+            "speed factor at the cell's first temperature code",
         );
         let lower = self.between(builder, c, d, along, self.bits.1);
-        let lower = builder.name(lower, "lower", "and at its higher one");
+        let lower = builder.name(
+            lower,
+            "next_row",
+            "speed factor at the next cell's first temperature code",
+        );
         self.between(builder, upper, lower, down, self.bits.0)
     }
 

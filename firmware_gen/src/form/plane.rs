@@ -4,9 +4,9 @@ use super::contract::{Fit, Form, Lines, factors};
 use crate::device::Device;
 use crate::minimax::{Points, minimax};
 
-/// Share of the bound that the rounding of the other forms may take from a form's first fit.
+/// Share of the bound that a form is fitted to; the rounding of the other forms takes the rest. Set by hand.
 pub(super) const SPARE: f64 = 0.9;
-/// Narrowest interval, as a share of the bound: where the others leave none, this form cannot help.
+/// Least width of an interval, as a share of the bound. It only keeps the weights finite where no value meets the bound.
 const NARROWEST: f64 = 1e-3;
 
 /// The targets of a [`Fit`], seen as a row of codes of the second condition for each temperature.

@@ -8,7 +8,7 @@ pub(super) fn temperature_index(builder: &mut Builder<'_>) -> Value {
     let (lowest, note) = (
         axis.codes.minimum,
         format!(
-            "temperature code less the code of {} {}",
+            "temperature code minus the code of {} {}",
             axis.value(axis.codes.minimum),
             axis.unit
         ),

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// How often the caller hears about the progress.
+/// Interval between two reports of the progress. Set by hand.
 const TICK: Duration = Duration::from_millis(50);
 
 type Message = Result<(usize, Row), Error>;
@@ -55,7 +55,7 @@ impl Work {
         }
     }
 
-    /// Take the rows as they come, and tell the caller now and then.
+    /// Collect the rows as they arrive, and report the progress.
     fn listen(
         &self,
         receive: &mpsc::Receiver<Message>,
@@ -86,8 +86,8 @@ impl Work {
     }
 }
 
-/// How far the next row to be checked lies from the last: each comes once, and soon some from everywhere, so that a
-/// program that goes too far somewhere does so early.
+/// The distance between consecutively checked rows. Every row is checked once. The first rows are spread over all
+/// conditions, so that a program with too large an error is dropped early.
 fn stride(rows: usize) -> usize {
     let divisor = |a: usize, b: usize| {
         let (mut a, mut b) = (a, b);
@@ -102,11 +102,11 @@ fn stride(rows: usize) -> usize {
         .unwrap_or(1)
 }
 
-/// Check `program` on every input. `progress` hears how many inputs are done and says whether to go on.
+/// Check `program` on every input. `progress` receives the number of checked inputs; it returns `false` to stop.
 ///
 /// # Errors
 /// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, the
-/// error goes beyond the claim, no input is within the bounded domain, or `progress` said stop.
+/// error exceeds the claim, no input is within the bounded domain, or `progress` returned `false`.
 pub fn prove(
     program: &Program,
     claim: Claim<'_>,
@@ -152,7 +152,6 @@ fn gather(found: &[Option<Row>], device: &Device) -> Result<Proof, Error> {
         proof.hash = fold(proof.hash, row.hash);
     }
     if proof.bounded_inputs == 0 {
-        // Its worst input would be none that the function accepts.
         return Err(Error::Request(
             "no input is within the largest bounded distance: nothing would be proven".into(),
         ));

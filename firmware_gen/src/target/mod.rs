@@ -1,4 +1,4 @@
-//! Targets: what an operation costs there, and what the text must respect.
+//! Targets: the cost of each operation, and the types and tables that the C text uses.
 
 mod features;
 mod weights;

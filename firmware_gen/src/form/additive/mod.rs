@@ -13,12 +13,11 @@ use std::sync::{Arc, OnceLock};
 /// Name of the form.
 pub const NAME: &str = "additive";
 
-/// Binary places that the product with the second condition loses.
+/// Binary places that the product with the second condition loses: whole bytes first. Set by hand.
 const SHIFTS: [u32; 2] = [8, 11];
-/// A form dominates another although its error is larger, if the difference is at most this share of the bound. Set by
-/// hand: well below the step of 0.6 between the bounds that `echocal.explore` asks for.
+/// A form dominates another although its error is larger, if the difference is at most this share of the bound. Set by hand.
 const NEAR: f64 = 0.05;
-/// Binary places that the second condition's square loses first.
+/// Binary places that the square of the second condition loses first: one byte, so that the shift moves whole bytes.
 const SQUARE_SHIFTS: [u32; 1] = [8];
 
 /// Forms of the temperature, and how they are joined by the second condition.
@@ -272,7 +271,7 @@ impl Form for Additive {
             let value = builder.name(
                 value,
                 "part",
-                "what the square adds to the growth with humidity",
+                "contribution of the squared humidity index to the change per humidity code",
             );
             builder.set_prefix(before);
             value
@@ -281,13 +280,17 @@ impl Form for Additive {
         let slope = self.slope.build(builder);
         let slope = bend.map_or(slope, |bend| builder.add(slope, bend));
         let note = format!(
-            "growth with humidity, 2^-{} of the last place of speed per code",
+            "change of speed per humidity code [2^-{} units of speed]",
             self.bits
         );
         let slope = builder.name(slope, "growth", note);
         let product = builder.multiply(humidity, slope);
         let part = floor_shift(builder, product, self.bits);
-        let part = builder.name(part, "part", "what humidity adds to the speed");
+        let part = builder.name(
+            part,
+            "part",
+            "contribution of the humidity [units of speed]",
+        );
         builder.set_prefix("dry_");
         let base = self.base.build(builder);
         builder.set_prefix(before);

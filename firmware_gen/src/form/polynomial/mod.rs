@@ -11,10 +11,17 @@ use super::steps::{plus, temperature_index};
 use crate::ir::{Builder, Value};
 use fitting::{Inner, Remaining, Search, exp2};
 
-/// Highest degree that is proposed.
+/// Highest degree that is proposed. Set by hand.
 const DEGREES: usize = 5;
 /// Names of the stages in C.
-const NAMES: [&str; DEGREES + 1] = ["speed", "slope", "bend", "third", "fourth", "fifth"];
+const NAMES: [&str; DEGREES + 1] = [
+    "speed",
+    "slope",
+    "curvature",
+    "third_order",
+    "fourth_order",
+    "fifth_order",
+];
 
 /// An integer polynomial.
 #[derive(Clone, Debug)]
@@ -138,7 +145,7 @@ impl Polynomial {
         builder.name(
             spread,
             "spread",
-            "so that products are shifted by whole bytes",
+            "temperature index, scaled so that products are shifted by whole bytes",
         )
     }
 
@@ -184,8 +191,11 @@ impl Polynomial {
                 }
             }
         };
-        let sign = if flipped { ", its sign left out" } else { "" };
-        let note = format!("2^-{} of the last place of speed{sign}", self.places[stage]);
+        let sign = if flipped { ", sign inverted" } else { "" };
+        let note = format!(
+            "step of Horner's rule [2^-{} units of speed]{sign}",
+            self.places[stage]
+        );
         Inner::Signed {
             value: builder.name(sum, NAMES[stage], note),
             negated: flipped,

@@ -1,8 +1,8 @@
 //! The constants of a completed square, and its value in integers.
 
-/// Binary places of the multiplier of the code.
+/// Binary places of the multiplier of the code: one byte, so that the shift moves whole bytes.
 pub(super) const CODE_BITS: u32 = 8;
-/// Binary places that a square loses.
+/// Binary places that a square loses: two bytes, so that the shift moves whole bytes.
 pub(super) const SQUARE_BITS: u32 = 16;
 
 /// One squaring: `constant + sign * (w * w >> 16)`.

@@ -10,7 +10,7 @@ use crate::ir::{Builder, Value};
 use constants::{CODE_BITS, SQUARE_BITS, Square};
 use fitting::Ideal;
 
-/// Most squares, one of the other.
+/// Most nested squares: degree 8. Set by hand.
 const LAYERS: usize = 3;
 /// Names of the inner squares in C.
 const NAMES: [&str; LAYERS - 1] = ["square", "fourth_power"];
@@ -71,13 +71,17 @@ impl Form for Square {
         let product = builder.multiply(code, multiplier);
         let way = builder.shift_right(product, CODE_BITS);
         let root = signed(builder, self.start, self.sign, way);
-        let mut value = builder.name(root, "root", "straight in the code");
+        let mut value = builder.name(root, "root", "linear in the temperature index");
         for (index, layer) in self.layers.iter().enumerate() {
             let square = builder.multiply(value, value);
             let high = builder.shift_right(square, SQUARE_BITS);
             value = signed(builder, layer.constant, layer.sign, high);
             if index + 1 < self.layers.len() {
-                value = builder.name(value, NAMES[index], "its square, 2^-16, and a constant");
+                value = builder.name(
+                    value,
+                    NAMES[index],
+                    "square of the value above [2^-16], and a constant",
+                );
             }
         }
         value
