@@ -32,7 +32,7 @@ MODULES = {module(path): path for path in FILES}
 
 
 def imports(path: Path) -> set[Path]:
-    """Return the files that a file names by ``crate::``, by ``super::``, or as its own submodules in ``use``."""
+    """Return the files that a file names: by ``crate::``, ``super::``, or as submodules in ``use``."""
     here, code = module(path), text(path)
     found: set[tuple[str, ...]] = set()
     for root, names in re.findall(r"\b(crate|super|self)::((?:\w+::)*\w+|\{)", code):

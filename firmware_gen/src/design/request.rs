@@ -1,4 +1,4 @@
-//! What a search is asked for, and what it returns.
+//! The request of a search, and its result.
 
 use crate::device::Device;
 use crate::error::Error;
@@ -9,10 +9,10 @@ use crate::reference::Reference;
 use crate::target::{Prefer, Target};
 use std::fmt;
 
-/// What is asked for.
+/// A request.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    /// The truth.
+    /// The model to follow.
     pub reference: &'a dyn Reference,
     /// The inputs.
     pub device: &'a Device,
@@ -22,26 +22,26 @@ pub struct Request<'a> {
     pub maximum_distance: f64,
     /// Largest tables allowed, together \[byte\].
     pub maximum_table: usize,
-    /// Where it is to run.
+    /// The core that runs it.
     pub target: Target,
     /// The only form to try; `None`: all of them.
     pub form: Option<&'a str>,
-    /// What to save.
+    /// Whether to save bytes or cycles.
     pub prefer: Prefer,
     /// Threads for the proof.
     pub threads: usize,
 }
 
-/// What was found, with its proof.
+/// A function, with its proof.
 #[derive(Debug)]
 pub struct Design {
-    /// How the speed factor comes about.
+    /// How the speed factor is computed.
     pub form: Box<dyn Form>,
-    /// How the distance follows from it.
+    /// How the distance is computed from it.
     pub tail: Tail,
     /// The function.
     pub program: Program,
-    /// What holds for it on every input.
+    /// What was proven on every input.
     pub proof: Proof,
 }
 
@@ -64,10 +64,10 @@ impl Design {
     }
 }
 
-/// The best that can be had when the bound cannot.
+/// The smallest error that is possible, if the bound cannot be met.
 #[derive(Clone, Debug)]
 pub struct Reachable {
-    /// The bound that was asked for \[m\].
+    /// The requested bound \[m\].
     pub asked: f64,
     /// The error that the best candidate was proven to have \[m\].
     pub best: f64,
@@ -81,7 +81,7 @@ impl fmt::Display for Reachable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let asked = (self.asked * 1e12).round() / 1e9;
         let best = self.best * 1e3;
-        // The way out must hold when it is typed: rounded up, not to nearest.
+        // Rounded up, so that the suggested bound can be met as it is printed.
         let enough = (best * 1e4).ceil() / 1e4;
         write!(
             f,
@@ -91,11 +91,11 @@ impl fmt::Display for Reachable {
     }
 }
 
-/// What the caller hears of.
+/// Progress of a search.
 pub enum Progress<'a> {
-    /// A candidate goes into the proof.
+    /// The proof of a candidate begins.
     Candidate(&'a str),
-    /// So many inputs of it are checked.
+    /// Number of its inputs checked so far.
     Checked(u64),
 }
 
@@ -114,5 +114,5 @@ impl From<Error> for Failure {
     }
 }
 
-/// How the caller listens; `false` stops.
+/// Called with each progress; it returns `false` to stop the search.
 pub type Listen<'a> = &'a mut dyn FnMut(Progress<'_>) -> bool;

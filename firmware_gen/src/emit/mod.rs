@@ -1,4 +1,4 @@
-//! Texts: the header, the source, the golden vectors, the report. Identical input gives identical bytes.
+//! Texts: the header, the source, the golden vectors, the report. Equal input gives equal bytes.
 
 mod c;
 mod golden;

@@ -12,7 +12,7 @@ pub type Lines = Vec<(Vec<f64>, f64)>;
 /// A function that proposes the candidates of one form for a [`Fit`].
 pub type Propose = fn(&Fit<'_>) -> Vec<Box<dyn Form>>;
 
-/// What a form must follow: the speed factor at every combination of conditions.
+/// The speed factors that a form approximates: one for each combination of conditions.
 #[derive(Debug)]
 pub struct Fit<'a> {
     /// The device.
@@ -27,7 +27,7 @@ pub struct Fit<'a> {
     pub bound: f64,
     /// Largest tables allowed, together [byte].
     pub maximum_table: usize,
-    /// Where it is to run.
+    /// The core that runs it.
     pub core: Target,
     /// Polynomials in the second condition, by degree; each is computed at its first use.
     pub lines: [OnceLock<Lines>; DEGREES],
@@ -52,7 +52,7 @@ pub trait Form: Debug + Send + Sync {
     /// Its name in reports.
     fn name(&self) -> &'static str;
 
-    /// What it is, in words.
+    /// Its description in words.
     fn describe(&self) -> String;
 
     /// The integers that define it, for the report.

@@ -32,7 +32,7 @@ pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
     ),
 ];
 
-/// What a firmware leaves out, and what that costs.
+/// An effect or a condition that a firmware leaves out, and the error that results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Omission {
     /// The effect; `None` for the law itself.

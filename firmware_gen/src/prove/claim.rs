@@ -1,4 +1,4 @@
-//! What is claimed of a program, and what the proof of it states.
+//! The claim to be proven for a program, and the result of the proof.
 
 use crate::device::Device;
 use crate::reference::Reference;
@@ -15,7 +15,7 @@ pub struct Worst {
 }
 
 impl Worst {
-    /// Before the first input; no proof has it, as none is of no inputs.
+    /// Initial value, before the first input.
     pub(super) const NONE: Self = Self {
         error: -1.0,
         row: 0,
@@ -31,7 +31,7 @@ impl Worst {
     }
 }
 
-/// What holds for every input.
+/// What was proven for every input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
     /// Largest error where the model's distance is within the bounded domain.
@@ -54,19 +54,19 @@ pub const fn fold(hash: u32, word: u32) -> u32 {
     (hash ^ word).wrapping_mul(16_777_619)
 }
 
-/// Where the hash begins.
+/// Initial value of the hash: the offset basis of FNV-1a for 32 bits.
 pub const SEED: u32 = 2_166_136_261;
 
-/// What to prove a program against.
+/// What is to be proven.
 #[derive(Clone, Copy)]
 pub struct Claim<'a> {
     /// The inputs.
     pub device: &'a Device,
-    /// The truth.
+    /// The model.
     pub reference: &'a dyn Reference,
     /// The bounded domain: distances up to this \[m\].
     pub maximum_distance: f64,
-    /// The error in the bounded domain from which on the rest of the proof is of no use \[unit\].
+    /// The proof stops if the error in the bounded domain exceeds this \[unit\].
     pub most: f64,
     /// Threads to use.
     pub threads: usize,

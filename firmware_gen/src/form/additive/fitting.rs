@@ -1,5 +1,6 @@
-//! Choosing the forms' constants one after the other, each given the others as they are rounded: at every temperature
-//! the bound leaves an interval for the value that is sought, and the form is fitted to its middle, weighted by its width.
+//! The constants of the forms are chosen one form after the other, each with the others already rounded. At every
+//! temperature the bound leaves an interval for the value of the form. The form is fitted to the middle of this interval,
+//! weighted by its width.
 
 use super::{Additive, Base, Growth, Settled, duplicate_bend};
 use crate::form::contract::factors;

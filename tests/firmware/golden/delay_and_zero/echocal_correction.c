@@ -22,7 +22,7 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)temperature_index * (uint32_t)slope) >> 10) + 40827U);
     /* echo time minus the delay [echo codes] */
     const uint16_t flight = (uint16_t)(echo_us - 31U);
-    /* distance [um], too large by -4000 */
+    /* distance [um], too small by 4000 */
     const uint32_t distance = ((uint32_t)flight * (uint32_t)speed) >> 8;
     /* intermediate value, before a type conversion */
     const uint32_t exact = distance + 4000U;
