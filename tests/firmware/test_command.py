@@ -116,7 +116,7 @@ def test_the_best_reachable_is_measured_where_that_is_wanted(
     ("words", "message"),
     [
         (("--temperature-range=-20",), "give LOW:HIGH"),
-        (("--humidity-range=0:1",), "give their step with --humidity-lsb too"),
+        (("--humidity-range=0:1",), "--humidity-range needs --humidity-lsb"),
         (("--temperature-range=60:-20",), "low <= high"),
         (("--assume", "relative_humidity"), "give NAME=VALUE"),
         (("--target", "pdp11"), "unknown target 'pdp11'"),

@@ -106,7 +106,9 @@ def test_a_coarse_tick_rounds_no_default_up_to_a_time_out() -> None:
     )
     assert codes(made)[1] * 58 == 34_974
     farther = float(MODELS["dry"].distance(34_990e-6, temperature=-20.0))
-    with pytest.raises(DomainWarning, match="echo times end at 34974 us, before the largest distance"):
+    with pytest.raises(
+        DomainWarning, match="echo times end at 34974 us, before the requested largest distance"
+    ):
         firmware.generate(
             MODELS["dry"],
             temperature=HALF_DEGREES,
