@@ -1,0 +1,160 @@
+"""The columns of every effect that the data could show."""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.onsets import places
+from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.candidates.variant import Candidates, Variant
+from echocal.registry import Effect, Parameter, effects
+
+__all__ = ["effect_candidates"]
+
+Column = NDArray[np.float64]
+
+
+def effect_candidates(found: Candidates, scene: Scene) -> None:
+    """Add the columns of every effect that the data could show.
+
+    A size that theory knows enters with coefficient one, at every value of its shape that the
+    trade uses and beside the shape's tangent; any other size enters by its tangent.
+    """
+    for effect in effects():
+        reason = _why_not(effect, scene)
+        if reason:
+            found.skipped[effect.id] = reason
+            continue
+        sizes = [p for p in effect.parameters if p.role == "size"]
+        form = _known if all(p.known for p in sizes) else _free
+        variants = form(found, effect, scene)
+        if not variants:
+            found.skipped[effect.id] = "too few distances before the one where it would begin"
+            continue
+        total = sum(v.weight for v in variants)
+        found.variants += [replace(v, weight=v.weight / total) for v in variants]
+
+
+def _why_not(effect: Effect, scene: Scene) -> str:
+    recorded = scene.conditions
+    missing = [name for name in effect.requires if name not in recorded]
+    superseded = [name for name in effect.excludes if name in recorded]
+    assumed = [name for name in effect.excludes if name in scene.base.air]
+    if not scene.base.allows(effect):
+        return "the base accounts for it"
+    asked = effect.id == "fixed_speed" and scene.base.device_speed is not None
+    if scene.echoes and effect.stage == "firmware" and not asked:  # the device's own arithmetic comes after
+        return "echo times were recorded"
+    if missing:
+        return f"not recorded: {', '.join(missing)}"
+    if superseded:
+        return f"recorded: {', '.join(superseded)}"
+    if assumed:
+        return f"assumed by the base: {', '.join(assumed)}"
+    return ""
+
+
+def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
+    id_, shapes = effect.id, [p for p in effect.parameters if p.role == "shape"]
+    sizes = {p.name: float(p.known[0]) for p in effect.parameters if p.role == "size"}
+    speed = scene.base.device_speed
+    if id_ == "fixed_speed" and speed is not None:  # the base says which speed it is
+        at = {**sizes, "speed": speed}
+        return [Variant(id_, at, found.columns.shift(id_, at, scene.levels(id_, at)))]
+    variants = [
+        Variant(
+            id_,
+            at := {**sizes, p.name: float(value)},
+            found.columns.shift(id_, at, scene.levels(id_, at)),
+        )
+        for p in shapes
+        for value in p.known
+    ]
+    at = {**sizes, **{p.name: p.neutral for p in shapes}}
+    levels = scene.levels(id_, at)
+    whole = Variant(id_, at, found.columns.shift(id_, at, levels))
+    for name, size in sizes.items():
+        column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
+        found.size_tangents[id_] = (column, size)
+    usual = [p.prior_scale for p in shapes]
+    variants.append(_freed(found, whole, shapes, usual, at_work=True, levels=levels) if shapes else whole)
+    if effect.extends and effect.calls:  # it stands in for the law: the law's own uncertainty comes in
+        middle = scene.settings.priors.law_middle
+        law = scene.settings.priors.law_uncertainty * scene.base.expected(scene.distance, scene.conditions)
+        celsius = np.asarray(scene.conditions.get("temperature", middle))
+        own = [found.columns.store(column) for column in (law, law * (celsius - middle) / middle)]
+        unbounded = ((-np.inf, np.inf),) * len(own)
+        variants = [replace(v, free=(*v.free, *own), bounds=(*v.bounds, *unbounded)) for v in variants]
+    return variants
+
+
+def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
+    """Sizes by their tangents, for every shape that is tried, with the usual and with a tail's prior."""
+    sizes = [p for p in effect.parameters if p.role == "size"]
+    neutral = {p.name: p.neutral for p in effect.parameters}
+    variants = []
+    for form, weight in _forms(effect, scene):
+        at = {**neutral, **form}
+        scales = [_scale(p, scene) for p in sizes]
+        variants.append(_freed(found, Variant(effect.id, at, weight=weight), sizes, scales))
+        if any(p.tail > 1 for p in sizes):
+            wide = [p.tail * scale for p, scale in zip(sizes, scales, strict=True)]
+            variants.append(
+                _freed(
+                    found,
+                    Variant(effect.id, at, weight=scene.settings.priors.tail_weight * weight),
+                    sizes,
+                    wide,
+                )
+            )
+    return variants
+
+
+def _forms(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]:
+    """Values of the nonlinear parameters that are tried, each with its share of the prior."""
+    shapes = [p for p in effect.parameters if p.role == "shape"]
+    fixed = [
+        [(p.name, float(x)) for x in (*p.known, *p.tried) or (p.neutral,)]
+        for p in shapes
+        if not p.tried_along
+    ]
+    at = [(dict(values), 1.0) for values in product(*fixed)]
+    for p in (p for p in shapes if p.tried_along):
+        at = [({**a, p.name: x}, w) for a, _ in at for x, w in places(effect, p, a, scene)]
+    return at
+
+
+def _scale(parameter: Parameter, scene: Scene) -> float:
+    """Prior standard deviation of a size in a table that spans this much."""
+    if parameter.over is None:
+        return parameter.prior_scale
+    quantity, usual = parameter.over
+    span = float(np.ptp(scene.conditions[quantity]))
+    return parameter.prior_scale * usual / span if span > 0 else parameter.prior_scale
+
+
+def _freed(
+    found: Candidates,
+    variant: Variant,
+    parameters: list[Parameter],
+    scales: list[float],
+    *,
+    at_work: bool = False,
+    levels: Column | None = None,
+) -> Variant:
+    """Let parameters of a variant move around where they stand, by prior standard deviations."""
+    each = list(zip(parameters, scales, strict=True))
+    low_high = [tuple((b - variant.at[p.name]) / scale for b in p.bounds) for p, scale in each]
+    tangents = [
+        found.columns.tangent(variant.cause, variant.at, p.name, scale, at_work=at_work, levels=levels)
+        for p, scale in each
+    ]
+    return replace(
+        variant,
+        free=tuple(tangents),
+        names=tuple(p.name for p in parameters),
+        scales=tuple(float(scale) for scale in scales),
+        bounds=tuple((low, high) for low, high in low_high),
+    )

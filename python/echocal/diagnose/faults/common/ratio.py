@@ -1,0 +1,66 @@
+"""Readings and references that differ by a known factor."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.observations import Observations
+
+__all__ = ["Factor", "divided", "factor_of"]
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor between readings and references that most rows share."""
+
+    value: float
+    ratio: float
+    log_bayes: float
+
+
+def factor_of(view: View, factors: tuple[float, ...], settings: FaultSettings) -> Factor | None:
+    """The factor that turns readings into references, if one of these does.
+
+    Rows out of physical range take part: a wrong unit is what puts them there.
+    """
+    if view.reference is None:
+        return None
+    (low, high), limits = view.ratios, settings.factor
+    beyond = 1.0001 * float(np.exp(limits.near))
+    if all(low > factor * beyond or high < factor / beyond for factor in factors):
+        return None  # no row is near any of them
+    with np.errstate(all="ignore"):
+        log_ratio = np.log(view.indication / view.reference)
+    log_ratio = log_ratio[np.isfinite(log_ratio)]
+    if len(log_ratio) == 0:
+        return None
+    center = float(np.median(log_ratio))
+    nearest = min(factors, key=lambda factor: abs(center - np.log(factor)))
+    off = center - float(np.log(nearest))
+    shared = float(np.mean(np.abs(log_ratio - np.log(nearest)) < limits.near))
+    if abs(off) > limits.near or shared < limits.most:
+        return None
+    without, with_it = (1.5 * np.log1p((x / limits.spread) ** 2) for x in (center, off))
+    gain = len(log_ratio) * max(shared - 0.5, 0.0)  # many rows, one story
+    return Factor(nearest, float(np.exp(center)), min(float(without - with_it) + gain, settings.cap))
+
+
+def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Observations:
+    """Divide echo times and readings; rows that were out of range only by the factor come back."""
+    observations = view.observations
+    reading = None if observations.reading is None else observations.reading / factor
+    unusable = observations.unusable.astype(object)
+    names = {observations.source_names.get(name, name) for name in ("reading", "echo_time")} | {column}
+    sane: NDArray[np.bool_] = (view.indication / factor > 0) & (view.indication / factor <= 100.0)
+    sane &= np.not_equal(factor, 1.0)
+    for name in names:
+        unusable[sane & (unusable == f"{name} out of range")] = ""
+    return replace(
+        observations,
+        echo_time=observations.echo_time / factor,
+        reading=reading,
+        unusable=unusable.astype(str),
+    )

@@ -1,0 +1,53 @@
+"""What was written down: values as they stand, and rows that are far off."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FarRows
+
+__all__ = ["chance_far", "far", "millimeters", "recorded", "repeats"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def recorded(view: View) -> Column:
+    """Values as the logger wrote them: readings, else echo times."""
+    reading = view.observations.reading
+    return view.observations.echo_time if reading is None else reading
+
+
+def far(view: View, settings: FarRows) -> Mask:
+    """Rows farther off than noise or air."""
+    if view.farthest <= settings.deviations * view.scatter:
+        return np.zeros(len(view), dtype=bool)
+    with np.errstate(invalid="ignore"):
+        limit = np.maximum(settings.deviations * view.scatter, settings.part * np.abs(view.expected))
+        return np.asarray(view.good & (np.abs(view.deviation) > limit))
+
+
+def chance_far(view: View, settings: FarRows) -> float:
+    """Rows that heavy-tailed noise alone would put that far: Student's t of 3 degrees, whole table."""
+    from scipy.special import stdtr  # takes long to import
+
+    with np.errstate(invalid="ignore"):
+        whole = np.maximum(settings.deviations * view.scatter, settings.part * np.abs(view.expected))
+    limit = whole[view.good]
+    part = len(limit) / max(len(limit[::97]), 1)
+    scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
+    return float(2 * part * stdtr(3, -limit[::97] / scale).sum()) + 1e-3
+
+
+def repeats(values: Column) -> float:
+    """Part of the rows whose value some other row has too, to a part in 1e9."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return 0.0
+    _, counts = np.unique(np.round(finite / max(abs(float(np.median(finite))), 1e-12), 9), return_counts=True)
+    return float(counts[counts > 1].sum() / len(finite))
+
+
+def millimeters(value: float) -> str:
+    """A distance as people read it."""
+    return f"{1e3 * value:.1f} mm"

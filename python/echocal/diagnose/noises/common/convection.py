@@ -1,0 +1,58 @@
+"""Whether autocorrelation grows with the distance, as warm cells that drift through the path make it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Stack, Weighed
+from echocal.diagnose.inference.innovation import log_likelihood
+from echocal.diagnose.inference.noise import Convection, Noise, all_convections
+
+__all__ = ["convections"]
+
+
+def convections(case: Case, weighed: Sequence[Weighed], carried: Stack) -> list[Convection]:
+    """Find the convections that may be the noise beside the best hypothesis, or beside the least.
+
+    Parameters
+    ----------
+    case : Case
+    weighed : sequence of Weighed
+        Hypotheses under noise with the same autocorrelation at all distances, most probable first.
+    carried : Stack
+        Its noises.
+
+    Returns
+    -------
+    list of Convection
+        Empty where all rows are at one distance or the noise is white.
+    """
+    settings = case.settings.noises
+    if not case.at_distances or _autocorrelated(weighed, carried) < settings.autocorrelated:
+        return []
+    simplest = min(weighed, key=lambda one: len(one.hypothesis.variants))
+    found: set[Convection] = set()
+    for one in {id(one): one for one in (weighed[0], simplest)}.values():
+        found |= _beside(case, one, carried.likeliest(one)[0], settings.convection_behind)
+    return [one for one in all_convections(case.settings.noise_models) if one in found]
+
+
+def _autocorrelated(weighed: Sequence[Weighed], carried: Stack) -> float:
+    """Probability that the noise is autocorrelated."""
+    log = np.array([one.log_posterior for one in weighed])
+    share = np.exp(log - log.max())
+    remembers = np.array([noise.rho > 0.0 for noise in carried.noises])
+    part = np.array([one.noise[remembers].sum() for one in weighed])
+    return float(share @ part / share.sum())
+
+
+def _beside(case: Case, one: Weighed, usual: Noise, behind: float) -> set[Convection]:
+    """Convections that are likely enough beside one hypothesis."""
+    rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
+    left, order = case.left(one, rows), case.sums.order.at(rows)
+    every = all_convections(case.settings.noise_models)
+    noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in every)
+    logs = [log_likelihood(left, order, noise) for noise in noises]
+    least = max(log_likelihood(left, order, usual), *logs) - behind
+    return {each for each, log in zip(every, logs, strict=True) if log > least}

@@ -1,0 +1,122 @@
+"""What a hypothesis on the mean leaves, as the likelihoods of noises look at it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+
+__all__ = ["KERNELS", "Likelihood", "Trace", "log_density", "scale_of"]
+
+Column = NDArray[np.float64]
+
+KERNELS = (np.inf, 8.0, 4.0, 2.5)
+"""Degrees of freedom of the noise below everything: normal, and heavier tails."""
+
+_ROUNDS = 8  # of the fixed point for a scale
+
+
+def log_density(values: Column, scale: Column | float, freedom: float) -> Column:
+    """Log density of Student's t, or of the normal distribution for infinite degrees of freedom."""
+    unit = values / scale
+    return np.asarray(_core.log_density(unit.ravel(), freedom).reshape(unit.shape) - np.log(scale))
+
+
+def scale_of(values: Column, freedom: float) -> Column:
+    """Scale of greatest likelihood, along the last axis."""
+    square = values**2
+    scale = np.sqrt(square.mean(axis=-1, keepdims=True)) + 1e-12
+    for _ in range(0 if np.isinf(freedom) else _ROUNDS):
+        weight = (freedom + 1) / (freedom + square / scale**2)
+        scale = np.sqrt((weight * square).mean(axis=-1, keepdims=True)) + 1e-12
+    return np.asarray(scale[..., 0])
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """A noise fitted to a trace.
+
+    Attributes
+    ----------
+    log : float
+        Log likelihood, less what its free parameters cost.
+    parameters : mapping of str to (float, float)
+        Value and standard uncertainty.
+    because : str
+        A sentence that a person can check.
+    matters : bool
+        Whether a verdict counts it.
+    """
+
+    log: float
+    parameters: dict[str, tuple[float, float]]
+    because: str
+    matters: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Residuals of one hypothesis.
+
+    Attributes
+    ----------
+    left : ndarray, shape (n,)
+        Reading less base less the hypothesis's causes, in the order recorded [m].
+    innovation : ndarray, shape (n,)
+        The same with the memory of the noise and the stands' own errors taken out [m].
+    distance : ndarray, shape (n,)
+        Expected distance [m].
+    speed : ndarray, shape (n,)
+        Speed of sound that the device converts with [m/s].
+    free_mean : bool
+        Whether the hypothesis found a level of its own, so that zero means nothing.
+    stretch : ndarray of int, shape (n,)
+        Segment of rows with one target, undisturbed, that each row belongs to.
+    """
+
+    left: Column
+    innovation: Column
+    distance: Column
+    speed: Column
+    free_mean: bool
+    stretch: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.left)
+
+    @cached_property
+    def stretch_median(self) -> Column:
+        """Median of what is left over the row's stretch [m]."""
+        order = np.lexsort((self.left, self.stretch))
+        count = np.bincount(self.stretch)
+        firsts = np.cumsum(count) - count
+        middle = [firsts + (count - 1) // 2, firsts + count // 2]
+        medians = 0.5 * (self.left[order][middle[0]] + self.left[order][middle[1]])
+        return np.asarray(medians[self.stretch])
+
+    def skewed(self, worth: float) -> bool:
+        """Whether a moment is so many standard errors off as one-sided delays would move it."""
+        count, mean, spread = len(self), float(self.left.mean()), float(self.left.std()) + 1e-12
+        unit = (self.left - mean) / spread
+        square = unit * unit  # powers of other than two take long
+        skew = float(np.mean(square * unit)) * np.sqrt(count / 6)
+        flat = (3 - float(np.mean(square * square))) * np.sqrt(count / 24)
+        late = 0.0 if self.free_mean else mean / spread * np.sqrt(count)
+        return skew > worth or flat > worth or late > 2 * worth
+
+    @cached_property
+    def plain(self) -> float:
+        """Log likelihood of noise without a name, its kernel averaged.
+
+        Of the rows as they are, or less what the guards know, whichever is likelier: what the guards
+        take from heavy tails makes other rows look wild.
+        """
+        either = (_averaged(self.innovation), _averaged(self.left))
+        return float(np.logaddexp(*either) - np.log(2) - 0.5 * np.log(len(self)))
+
+
+def _averaged(values: Column) -> float:
+    logs = [log_density(values, scale_of(values, freedom), freedom).sum() for freedom in KERNELS]
+    return float(np.logaddexp.reduce(logs) - np.log(len(KERNELS)))

@@ -1,0 +1,104 @@
+"""The base simulation that the measurement is compared with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from numbers import Real
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.errors import ModelError, UsageError
+from echocal.model import Model
+from echocal.registry import Effect, find_effect
+
+__all__ = ["Base"]
+
+Column = NDArray[np.float64]
+Parameters = Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class Base:
+    """A base simulation: what the device's readings would be if nothing were wrong.
+
+    A base law that is a fixed speed describes a device, not the air: the base says that a reading
+    is the distance. The air then follows the linear law, and whether that matters is what the
+    effect ``fixed_speed`` answers, its speed being known.
+
+    Attributes
+    ----------
+    law : str
+        Law for the air on the path.
+    effects : mapping
+        Effects that the base accounts for already.
+    air : mapping of str to float
+        Values that the base assumes where nothing was recorded.
+    device_speed : float or None
+        Speed that the device converts every echo with [m/s]; None: the law's own.
+    """
+
+    law: str
+    effects: Parameters
+    air: Mapping[str, float] = field(default_factory=dict)
+    device_speed: float | None = None
+
+    @classmethod
+    def of(cls, base: "str | float | Model") -> "Base":
+        """Read a law's name, an expression, a fixed speed or a model."""
+        if isinstance(base, Model):
+            base.refuse_shape("the base of a diagnosis")
+            return cls(base.law, base.effects, base.air)
+        speed = isinstance(base, Real) and not isinstance(base, bool)
+        law = Model(str(base) if speed else cast("str", base)).law  # which refuses what is neither
+        try:
+            device_speed = float(law)
+        except ValueError:
+            return cls(law, {})
+        (low, high) = next(p.bounds for p in find_effect("fixed_speed").parameters if p.name == "speed")
+        if not low <= device_speed <= high:
+            message = f"the base is a fixed speed of {law} m/s; give one of {low:g} .. {high:g}, or a law"
+            raise UsageError(message)
+        return cls("linear", {}, device_speed=device_speed)
+
+    @cached_property
+    def plain(self) -> Model:
+        """The base as it is."""
+        return self.model()
+
+    @property
+    def reading_speed(self) -> str:
+        """Speed that a device has used that nobody says anything about, as a law's name or expression."""
+        return self.law if self.device_speed is None else str(self.device_speed)
+
+    def indication(self, echo_time: Column, conditions: Mapping[str, Column]) -> Column:
+        """Reading [m] that belongs to an echo time [s]."""
+        reading: Column = Model(self.reading_speed, air=self.air).distance(echo_time, **conditions)
+        return reading
+
+    def model(self, extra: Parameters | None = None, **more: Any) -> Model:
+        """Return the base extended by effects; `more` goes to `Model`."""
+        return Model(self.law, {**self.effects, **(extra or {})}, air=self.air, **more)
+
+    def expected(self, distance: Column, conditions: Mapping[str, Column]) -> Column:
+        """Reading [m] that the base simulation predicts at a distance [m]."""
+        expected: Column = self.plain.indicate(distance, **conditions)
+        return expected
+
+    def allows(self, effect: Effect) -> bool:
+        """Whether an effect can extend this base."""
+        if effect.id in self.effects:
+            return False
+        terms = [(id_, list(own.items())) for id_, own in self.effects.items()]
+        try:
+            _core.Model(self.law, [*terms, (effect.id, [])])
+        except ModelError:
+            return False
+        return True
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in ``echocal.diagnosis/1``."""
+        effects = {id_: dict(parameters) for id_, parameters in self.effects.items()}
+        return {"law": self.law, "effects": effects, "device_speed": self.device_speed}

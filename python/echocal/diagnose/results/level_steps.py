@@ -1,0 +1,47 @@
+"""Steps of an unknown level, as a person wants them: when, and how large."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from echocal.diagnose.preprocess.table import Table
+from echocal.observations import Observations
+
+__all__ = ["LevelStep", "steps_of"]
+
+_WINDOW = 13  # rows on each side whose medians tell the size
+
+
+@dataclass(frozen=True)
+class LevelStep:
+    """A jump of the level.
+
+    Attributes
+    ----------
+    row : int
+        First row of the new segment; row 1 is the first, as in messages.
+    time : str or None
+        Its time, ISO 8601 in UTC.
+    size_m : float
+        New level less old [m].
+    """
+
+    row: int
+    time: str | None
+    size_m: float
+
+    def __str__(self) -> str:
+        when = "" if self.time is None else f", {self.time[:16].replace('T', ' ')}"
+        return f"row {self.row}{when}: {1e3 * self.size_m:+.1f} mm"
+
+
+def steps_of(table: Table, observations: Observations) -> tuple[LevelStep, ...]:
+    """Describe the steps that were found in a table."""
+    steps = []
+    for row in table.steps.tolist():
+        at = int(np.searchsorted(table.row, row))
+        before = table.indication[max(0, at - _WINDOW) : at]
+        after = table.indication[at : at + _WINDOW]
+        time = None if observations.time is None else str(observations.time[row].astype("datetime64[s]"))
+        steps.append(LevelStep(row + 1, time, float(np.median(after) - np.median(before))))
+    return tuple(steps)

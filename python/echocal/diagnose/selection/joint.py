@@ -1,0 +1,92 @@
+"""One posterior over mean causes, noises and faults together."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Cause
+from echocal.diagnose.inference.hypothesis import Stack
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.findings import noise_findings
+from echocal.diagnose.noises.common.weighing import NoiseShares
+from echocal.diagnose.selection.claims import Ranking, posterior_sets
+from echocal.diagnose.settings import Settings
+
+__all__ = ["Joint", "join"]
+
+Sets = dict[tuple[str, ...], float]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The posterior with every kind of cause in it.
+
+    Attributes
+    ----------
+    sets : dict
+        Probability of each set of ids, most probable first; sums to one.
+    findings : tuple of Finding
+        Faults and noises that are more probable than not.
+    settings : Settings
+    """
+
+    sets: Sets
+    findings: tuple[Finding, ...]
+    settings: Settings
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """The findings as a diagnosis lists them; no model of the mean has them."""
+        return tuple(
+            Cause(f.cause, f.facts.kind, f.probability, f.parameters, f.rivals, f.because, in_model=False)
+            for f in self.findings
+        )
+
+    @property
+    def decisive(self) -> tuple[Finding, ...]:
+        """Findings that a verdict counts."""
+        listed_only, least = registry.listed_only(), self.settings.noises.matters
+        return tuple(f for f in self.findings if f.share > least and f.cause not in listed_only)
+
+
+def join(
+    ranking: Ranking,
+    found: Iterable[Finding],
+    shares: NoiseShares,
+    carried: Stack,
+) -> Joint:
+    """Cross the posterior over mean causes with the noises beside each, and with the faults.
+
+    A fault is decided on other features of the table than the means are (values that repeat, rows
+    far off, lattices), so that the probabilities multiply.
+    """
+    claims, never = ranking.settings.claims, ranking.settings.noises.split
+    least = claims.listed_from
+    sets: Sets = {}
+    for ids, p in posterior_sets(ranking).items():
+        shapes = shares.shape_of(ids)
+        split = {ids: p * max(1 - sum(shapes.values()), 0.0)}
+        split |= {tuple(sorted((*ids, shape))): p * part for shape, part in shapes.items()}
+        split = {named: part for named, part in split.items() if part >= least}
+        for guard, probability in shares.guard_of(ids).items():
+            is_open = never < probability < 1 - never
+            split = _crossed(split, guard, probability if is_open else round(probability), least)
+        for named, part in split.items():
+            sets[named] = sets.get(named, 0.0) + part
+    found = tuple(found)
+    for finding in found:
+        sets = _crossed(sets, finding.cause, finding.probability, least)
+    total = sum(sets.values())
+    ordered = sorted(((ids, p / total) for ids, p in sets.items()), key=lambda item: -item[1])
+    seen = [f for f in found if f.probability >= claims.reported_from]
+    noises = noise_findings(dict(ordered), shares, carried, claims.reported_from)
+    return Joint(dict(ordered), (*seen, *noises), ranking.settings)
+
+
+def _crossed(sets: Sets, cause: str, probability: float, least: float) -> Sets:
+    crossed: Sets = {}
+    for ids, p in sets.items():
+        for named, part in ((ids, 1 - probability), (tuple(sorted({*ids, cause})), probability)):
+            if p * part >= least:
+                crossed[named] = crossed.get(named, 0.0) + p * part
+    return crossed
