@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import echocal
 from echocal import domain
-from echocal.conditions import QUANTITIES
 from echocal.domain import warn_outside
+from echocal.quantities import QUANTITIES
 
 
 def names(codes: np.ndarray) -> list[str]:

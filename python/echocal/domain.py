@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.conditions import numbers
 from echocal.errors import DomainWarning, UsageError
+from echocal.quantities import AIR, DEFAULTS
 
 __all__ = ["DEPARTURES", "departures", "describe", "warn_outside"]
 
@@ -15,7 +16,7 @@ DEPARTURES: tuple[str, ...] = tuple(_core.departure_names())
 """What each code of `departures` says lies outside; empty for inside."""
 
 
-_NAMES = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction", "frequency")
+_NAMES = (*AIR, "frequency")
 
 
 def _arrays(*values: ArrayLike) -> list[NDArray[np.float64]]:
@@ -24,9 +25,9 @@ def _arrays(*values: ArrayLike) -> list[NDArray[np.float64]]:
 
 def departures(
     temperature: ArrayLike,
-    relative_humidity: ArrayLike = 0.0,
-    pressure: ArrayLike = 101325.0,
-    co2_mole_fraction: ArrayLike = 4e-4,
+    relative_humidity: ArrayLike = DEFAULTS["relative_humidity"],
+    pressure: ArrayLike = DEFAULTS["pressure"],
+    co2_mole_fraction: ArrayLike = DEFAULTS["co2_mole_fraction"],
     *,
     law: str | None = "cramer",
     frequency: ArrayLike = 0.0,
@@ -85,9 +86,9 @@ def departures(
 
 def warn_outside(
     temperature: ArrayLike,
-    relative_humidity: ArrayLike = 0.0,
-    pressure: ArrayLike = 101325.0,
-    co2_mole_fraction: ArrayLike = 4e-4,
+    relative_humidity: ArrayLike = DEFAULTS["relative_humidity"],
+    pressure: ArrayLike = DEFAULTS["pressure"],
+    co2_mole_fraction: ArrayLike = DEFAULTS["co2_mole_fraction"],
     *,
     law: str | None = "cramer",
     frequency: ArrayLike = 0.0,

@@ -17,6 +17,7 @@ from echocal.diagnose.signals.unexplained import Basis, column_of
 from echocal.diagnose.terms.parts import OF_THIS_TABLE, Unexplained
 from echocal.diagnose.terms.sentences import spoken
 from echocal.model import Model, Shape
+from echocal.quantities import BY_COLUMN
 
 __all__ = ["with_its_shape"]
 
@@ -90,4 +91,4 @@ def described(found: Unexplained) -> str:
 
 
 def _quantity(name: str) -> str:
-    return "elapsed_time" if name == "time" else name
+    return BY_COLUMN[name].id if name in BY_COLUMN else name

@@ -17,13 +17,14 @@ from echocal.diagnose.signals.columns import Columns
 from echocal.diagnose.terms.parts import Shifted
 from echocal.model import Model
 from echocal.observations.quantiles import quantiles
+from echocal.quantities import QUANTITIES
 
 __all__ = ["shifted"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-_ALONG = ("distance", "temperature", "relative_humidity")
+_ALONG = ("distance", *(name for name, facts in QUANTITIES.items() if facts.judged_outside))
 _INNER = (0.2, 0.8)  # part of the rows, by the column, that a model is fitted to
 _FEWEST = 8  # rows to fit, and to judge by
 _PLACES = 5  # distinct values: fewer have no middle to fit to

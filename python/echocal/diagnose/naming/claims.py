@@ -12,6 +12,7 @@ from echocal.diagnose.evidence.hypotheses import preferred
 from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh, weigh_each
 from echocal.diagnose.naming.parsimony import Ids, shown
 from echocal.diagnose.signals.candidates import UNKNOWN, Candidates, Variant
+from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = [
@@ -101,7 +102,8 @@ class Ranking:
 def _out_of_reach(ids: Sequence[str]) -> int:
     """Count the effects that no device can compensate from what it measures."""
     effects = [find_effect(id_) for id_ in ids]
-    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail != "relative_humidity"]
+    measured = {name for name, facts in QUANTITIES.items() if facts.codes is not None}
+    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail not in measured]
     return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 

@@ -1,30 +1,13 @@
-"""An effect in words and in millimeters that a person can picture."""
-
-from collections.abc import Mapping
+"""Summary of an effect: its facts in words, and its typical error in millimeters."""
 
 from echocal.model.composition import Model
+from echocal.quantities import QUANTITIES
 from echocal.registry import Effect
 
 __all__ = ["DISTANCE", "TEMPERATURES", "facts", "millimeters", "typical_errors"]
 
 DISTANCE = 2.0  # [m]
 TEMPERATURES = (0.0, 20.0, 40.0)  # [degC]
-RECORDED: Mapping[str, float] = {
-    "relative_humidity": 0.5,
-    "pressure": 95e3,
-    "co2_mole_fraction": 1e-3,
-    "elapsed_time": 3600.0,
-    "supply_voltage": 4.8,
-    "angle": 0.1,
-    "wind_speed": 3.0,
-    "radiation": 500.0,
-    "amplitude": 0.5,
-    "temperature_rate": 1e-3,
-    **{f"temperature_later_{rows}": 20.0 + 0.3 * rows for rows in range(1, 6)},
-    "radiation_rate": 0.1,
-    "position_in_group": 0.0,
-    "hour_angle": 0.0,
-}
 
 
 def typical_errors(effect: Effect) -> tuple[float, ...]:
@@ -41,7 +24,7 @@ def typical_errors(effect: Effect) -> tuple[float, ...]:
     sizes = [parameter for parameter in effect.parameters if parameter.role == "size"]
     values = {p.name: p.known[0] if p.known else p.neutral + p.prior_scale for p in sizes}
     model = Model(effect.extends[0] if effect.extends else "linear", {effect.id: values})
-    recorded = {name: RECORDED[name] for name in effect.requires if name in RECORDED}
+    recorded = {name: QUANTITIES[name].example for name in effect.requires if name != "temperature"}
     indications = (model.indicate(DISTANCE, temperature=t, **recorded) for t in TEMPERATURES)
     return tuple(indication - DISTANCE for indication in indications)
 
@@ -62,7 +45,7 @@ def facts(effect: Effect) -> dict[str, str]:
     """
     device = {
         "folded": "compensated within the tables",
-        "needs": f"compensated where the device has {effect.firmware_detail}",
+        "needs": f"compensated where the device has {effect.firmware_detail}{_obstacle(effect)}",
         "refused": f"not compensated: {effect.firmware_detail}",
     }
     typical = zip(typical_errors(effect), TEMPERATURES, strict=True)
@@ -79,3 +62,9 @@ def facts(effect: Effect) -> dict[str, str]:
         "source": effect.source,
     }
     return {name: text for name, text in all_.items() if text}
+
+
+def _obstacle(effect: Effect) -> str:
+    """Why no device has the quantity that the effect needs; empty where one can."""
+    needed = QUANTITIES.get(effect.firmware_detail or "")
+    return f"; {needed.why_no_codes}" if needed and needed.codes is None else ""
