@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import echocal
 from echocal.cli import app, main
 from echocal.diagnose.catalogue import irregularities
-from echocal.diagnose.terms.facts import CauseFacts
+from echocal.diagnose.findings.facts import CauseFacts
 from echocal.quantities import QUANTITIES
 from echocal.registry import Effect, find_effect
 

@@ -122,7 +122,9 @@ def test_words_are_for_people(facts: QuantityFacts) -> None:
     from echocal.diagnose import __path__ as rooms  # the room of sentences has moved more than once
 
     assert re.fullmatch(r"[A-Za-z0-9 ]+", facts.words), "words without underscores"
-    assert not re.search(r'"%s": \("' % facts.id, "".join(p.read_text() for p in Path(rooms[0]).rglob("*.py")))
+    assert not re.search(
+        r'"%s": \("' % facts.id, "".join(p.read_text() for p in Path(rooms[0]).rglob("*.py"))
+    )
     assert np.isfinite(facts.shown.factor)
     assert facts.shown.factor > 0
 
