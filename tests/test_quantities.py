@@ -12,7 +12,7 @@ import quantities_page
 
 import echocal
 from echocal import firmware
-from echocal.diagnose.catalogue import causes
+from echocal.diagnose.findings.sentences import quantity_text, shown, spoken
 from echocal.observations.units import FORMS
 from echocal.plots.sweep import sweep_figure
 from echocal.quantities import AIR, DEFAULTS, QUANTITIES, Form, QuantityFacts, _entry
@@ -83,7 +83,7 @@ def test_a_sweep_takes_it_by_name(facts: QuantityFacts, form: Form, symbol: str)
 
 @EVERY
 def test_a_sweep_has_it_with_words_and_unit(facts: QuantityFacts) -> None:
-    grid = echocal.sweep("linear", **{"temperature": 20.0, facts.id: [0.0, 1.0]})
+    grid = echocal.sweep("linear", **{"temperature": 20.0, facts.id: [facts.example, facts.example + 0.1]})
     assert grid[facts.id].attrs["units"]
     assert grid[facts.id].attrs["long_name"] == facts.words
     figure = sweep_figure(grid)
@@ -118,15 +118,13 @@ def test_recorded_or_derived(facts: QuantityFacts) -> None:
 
 
 @EVERY
-def test_words_are_for_people(facts: QuantityFacts) -> None:
-    from echocal.diagnose import __path__ as rooms  # the room of sentences has moved more than once
-
+def test_sentences_and_axes_say_its_words_and_unit(facts: QuantityFacts) -> None:
     assert re.fullmatch(r"[A-Za-z0-9 ]+", facts.words), "words without underscores"
-    assert not re.search(
-        r'"%s": \("' % facts.id, "".join(p.read_text() for p in Path(rooms[0]).rglob("*.py"))
-    )
-    assert np.isfinite(facts.shown.factor)
-    assert facts.shown.factor > 0
+    values, label = shown(facts.id, np.array([facts.example]))
+    assert spoken(facts.id) == facts.words
+    assert label == f"{facts.words} [{facts.shown.unit}]".removesuffix(" []")
+    assert values[0] == facts.example * facts.shown.factor
+    assert quantity_text(facts.id, facts.example) == f"{values[0]:.3g} {facts.shown.unit}".rstrip()
 
 
 @EVERY
@@ -148,7 +146,6 @@ def test_effects_read_only_these() -> None:
     read_ = {name for effect in echocal.effects() for name in (*effect.reads, *effect.requires)}
     assert read_ <= set(QUANTITIES)
     assert set(DEFAULTS) < set(AIR) < set(QUANTITIES)
-    assert causes()
 
 
 def test_no_other_file_lists_quantities() -> None:

@@ -43,11 +43,6 @@ def facts(effect: Effect) -> dict[str, str]:
     >>> facts(find_effect("humidity"))["firmware"]
     'compensated where the device has relative_humidity'
     """
-    device = {
-        "folded": "compensated within the tables",
-        "needs": f"compensated where the device has {effect.firmware_detail}{_obstacle(effect)}",
-        "refused": f"not compensated: {effect.firmware_detail}",
-    }
     typical = zip(typical_errors(effect), TEMPERATURES, strict=True)
     all_ = {
         f"typical at {DISTANCE:g} m": ", ".join(f"{millimeters(e, 2)} at {t:g} degC" for e, t in typical),
@@ -58,13 +53,19 @@ def facts(effect: Effect) -> dict[str, str]:
         "only beside": ", ".join(f"law {law}" for law in effect.extends),
         "holds for": effect.domain,
         "check": effect.check,
-        "firmware": device[effect.firmware],
+        "firmware": _on_a_device(effect),
         "source": effect.source,
     }
     return {name: text for name, text in all_.items() if text}
 
 
-def _obstacle(effect: Effect) -> str:
-    """Why no device has the quantity that the effect needs; empty where one can."""
-    needed = QUANTITIES.get(effect.firmware_detail or "")
-    return f"; {needed.why_no_codes}" if needed and needed.codes is None else ""
+def _on_a_device(effect: Effect) -> str:
+    """Say whether a firmware compensates the effect, and why not."""
+    if effect.firmware == "folded":
+        return "compensated within the tables"
+    detail = str(effect.firmware_detail)
+    if effect.firmware == "refused":
+        return f"not compensated: {detail}"
+    if QUANTITIES[detail].codes is None:
+        return f"not compensated: it needs {detail} ({QUANTITIES[detail].why_no_codes})"
+    return f"compensated where the device has {detail}"
