@@ -44,7 +44,7 @@ def row(facts: QuantityFacts) -> str:
     low, high = facts.field_range
     origin = f" from {facts.field_from}" if facts.field_from else ""
     source = facts.derived_from or f"`{facts.si_column}`"
-    device = facts.codes.__name__ if facts.codes else f"no: {facts.why_no_codes}"
+    device = facts.codes.__name__ if facts.codes else facts.why_no_codes
     cells = (
         f"`{facts.id}`",
         printed(facts.unit) or "1",
