@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Observations", "demand"]
+__all__ = ["Observations", "require_observations"]
 
 Column = NDArray[np.float64]
 
@@ -126,7 +126,7 @@ class Observations:
             raise DataError(message)
 
 
-def demand(given: object, who: str) -> None:
+def require_observations(given: object, who: str) -> None:
     """Raise `UsageError` where a function got anything but observations."""
     if not isinstance(given, Observations):
         message = (
