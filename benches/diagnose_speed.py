@@ -24,7 +24,7 @@ import echocal
 from echocal import _core
 from echocal.diagnose import engine, pipeline
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.inference import case, posterior
+from echocal.diagnose.inference import case, examine, posterior
 from echocal.diagnose.results import report
 from echocal.diagnose.selection import select
 
@@ -36,8 +36,8 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (engine, "read", "reading"),
     (pipeline, "find_faults", "faults"),
     (pipeline, "prepare", "usable rows, stations, series"),
-    (case, "effect_candidates", "where steps and edges may lie"),
-    (case, "term_candidates", "smooth functions"),
+    (examine, "effect_candidates", "where steps and edges may lie"),
+    (examine, "term_candidates", "smooth functions"),
     (Columns, "products", "columns and their products"),
     (case.Case, "stack", "whitening"),
     (_core, "posterior", "hypotheses"),
