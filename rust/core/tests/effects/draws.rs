@@ -13,10 +13,26 @@ pub fn laws() -> Vec<Law> {
     names.iter().map(|name| Law::parse(name).unwrap()).collect()
 }
 
-/// The range in which a quantity is tried: where it can lie in the field.
+/// The range in which a quantity is tried: its range in the field, or a wider or narrower one where an
+/// effect would otherwise react too seldom.
 pub fn range(quantity: Quantity) -> (f64, f64) {
-    let origin = quantity.facts().field_from.unwrap_or(quantity);
-    origin.facts().field
+    match quantity {
+        Quantity::RelativeHumidity => (0.05, 0.95),
+        Quantity::Pressure => (60e3, 110e3),
+        Quantity::Co2MoleFraction => (0.0, 0.01),
+        Quantity::ElapsedTime => (0.0, 1e4),
+        Quantity::SupplyVoltage => (3.0, 5.5),
+        Quantity::Angle => (-0.5, 0.5),
+        Quantity::WindSpeed => (0.0, 20.0),
+        Quantity::TemperatureRate => (-0.05, 0.05),
+        Quantity::RadiationRate => (-1.0, 1.0),
+        Quantity::PositionInGroup => (0.0, 2.0),
+        Quantity::HourAngle => (-3.0, 3.0),
+        _ => {
+            let origin = quantity.facts().field_from.unwrap_or(quantity);
+            origin.facts().field
+        }
+    }
 }
 
 /// A place in every quantity's range.
