@@ -14,7 +14,9 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "errors"},
-    {"conditions", "codes", "outputs", "checksums"},
+    {"codes", "outputs", "checksums"},
+    {"quantities"},
+    {"conditions"},
     {"domain", "air", "registry"},
     {"model"},
     {"observations"},

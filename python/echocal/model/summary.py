@@ -1,30 +1,13 @@
-"""An effect in words and in millimeters that a person can picture."""
-
-from collections.abc import Mapping
+"""Summary of an effect: its facts in words, and its typical error in millimeters."""
 
 from echocal.model.composition import Model
+from echocal.quantities import QUANTITIES
 from echocal.registry import Effect
 
 __all__ = ["DISTANCE", "TEMPERATURES", "facts", "millimeters", "typical_errors"]
 
 DISTANCE = 2.0  # [m]
 TEMPERATURES = (0.0, 20.0, 40.0)  # [degC]
-RECORDED: Mapping[str, float] = {
-    "relative_humidity": 0.5,
-    "pressure": 95e3,
-    "co2_mole_fraction": 1e-3,
-    "elapsed_time": 3600.0,
-    "supply_voltage": 4.8,
-    "angle": 0.1,
-    "wind_speed": 3.0,
-    "radiation": 500.0,
-    "amplitude": 0.5,
-    "temperature_rate": 1e-3,
-    **{f"temperature_later_{rows}": 20.0 + 0.3 * rows for rows in range(1, 6)},
-    "radiation_rate": 0.1,
-    "position_in_group": 0.0,
-    "hour_angle": 0.0,
-}
 
 
 def typical_errors(effect: Effect) -> tuple[float, ...]:
@@ -41,7 +24,7 @@ def typical_errors(effect: Effect) -> tuple[float, ...]:
     sizes = [parameter for parameter in effect.parameters if parameter.role == "size"]
     values = {p.name: p.known[0] if p.known else p.neutral + p.prior_scale for p in sizes}
     model = Model(effect.extends[0] if effect.extends else "linear", {effect.id: values})
-    recorded = {name: RECORDED[name] for name in effect.requires if name in RECORDED}
+    recorded = {name: QUANTITIES[name].example for name in effect.requires if name != "temperature"}
     indications = (model.indicate(DISTANCE, temperature=t, **recorded) for t in TEMPERATURES)
     return tuple(indication - DISTANCE for indication in indications)
 
@@ -60,11 +43,6 @@ def facts(effect: Effect) -> dict[str, str]:
     >>> facts(find_effect("humidity"))["firmware"]
     'compensated where the device has relative_humidity'
     """
-    device = {
-        "folded": "compensated within the tables",
-        "needs": f"compensated where the device has {effect.firmware_detail}",
-        "refused": f"not compensated: {effect.firmware_detail}",
-    }
     typical = zip(typical_errors(effect), TEMPERATURES, strict=True)
     all_ = {
         f"typical at {DISTANCE:g} m": ", ".join(f"{millimeters(e, 2)} at {t:g} degC" for e, t in typical),
@@ -75,7 +53,19 @@ def facts(effect: Effect) -> dict[str, str]:
         "only beside": ", ".join(f"law {law}" for law in effect.extends),
         "holds for": effect.domain,
         "check": effect.check,
-        "firmware": device[effect.firmware],
+        "firmware": _on_a_device(effect),
         "source": effect.source,
     }
     return {name: text for name, text in all_.items() if text}
+
+
+def _on_a_device(effect: Effect) -> str:
+    """Say whether a firmware compensates the effect, and why not."""
+    if effect.firmware == "folded":
+        return "compensated within the tables"
+    detail = str(effect.firmware_detail)
+    if effect.firmware == "refused":
+        return f"not compensated: {detail}"
+    if QUANTITIES[detail].codes is None:
+        return f"not compensated: it needs {detail} ({QUANTITIES[detail].why_no_codes})"
+    return f"compensated where the device has {detail}"
