@@ -59,7 +59,6 @@ FACTS = CauseFacts(
     check="look the rows up in the notes they were typed from",
     prior=0.02,
     formula="reading' = reading with two digits swapped, one lost, one too many, or another decimal point",
-    needs=("reading",),
     repair="corrects the rows to the nearest value that one edit gives",
 )
 

@@ -88,7 +88,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
             Parameter("factor", found.value, 0.0, "1"),
             Parameter("rows", float(view.observations.usable.sum()), 0.0, "1"),
         ),
-        view.observations.usable,
+        np.ones(len(view), dtype=bool),
         divided(view, found.value, "reading_m"),
     )
 

@@ -89,7 +89,8 @@ def find_faults(
     Faults
         Whatever was repaired or left out stands in a finding, with its rows.
     """
-    settings = settings or FaultSettings()
+    settings, noise_settings = settings or FaultSettings(), noise_settings or NoiseSettings()
+    settings.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
     known = not constant and (given is not None or observations.reference_distance is not None)
     view = View(observations, base, given, known)
     found = []
@@ -107,7 +108,7 @@ def find_faults(
             view = view.after(finding.repaired)
     harmless: list[str] = []
     if view.good.any():
-        steps, harmless, view = find_steps(view, noise_settings or NoiseSettings())
+        steps, harmless, view = find_steps(view, noise_settings)
         found += steps
     reported = [f for f in found if f.probability >= settings.accepted and f.facts.kind != "noise"]
     notes = tuple(f"{f.cause}: {f.because}" for f in reported)
