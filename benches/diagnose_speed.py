@@ -40,7 +40,7 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (Columns, "products", "columns and their products"),
     (case.Case, "stack", "whitening"),
     (_core, "posterior", "hypotheses"),
-    (belief, "weigh_noises", "noises with a likelihood of their own"),
+    (belief, "infer_noises", "noises with a likelihood of their own"),
     (verdict, "judge", "rows never fitted"),
     (belief, "unsteady", "one size in every part"),
     (verdict, "propose", "next measurements"),

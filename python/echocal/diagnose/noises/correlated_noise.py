@@ -74,7 +74,7 @@ def because(values: Values) -> str:
 
 
 def rivals(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:
-    """Noise with a long memory is a function of the row like any other."""
+    """Noise with a long correlation time is a function of the row like any other."""
     rows = 1 / (1 - values["autoregression"][0])
     return ((UNKNOWN,), _NOTE) if _TURNS * rows > degrees else ((), "")
 

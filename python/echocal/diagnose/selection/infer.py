@@ -12,7 +12,7 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.posterior import posterior
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.convection import convections
-from echocal.diagnose.noises.common.weighing import NoiseShares, weigh_noises
+from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.selection.claims import (
     Claim,
@@ -45,7 +45,7 @@ class Belief:
     ----------
     stack, carried : Stack
         Products under every noise, and under those that any hypothesis allows.
-    shares : NoiseShares
+    shares : NoisePosterior
     ranking : Ranking
     best : Weighed
         The hypothesis whose causes are claimed, sized as the model has them.
@@ -63,7 +63,7 @@ class Belief:
 
     stack: Stack
     carried: Stack
-    shares: NoiseShares
+    shares: NoisePosterior
     ranking: Ranking
     best: Weighed
     listed: Sequence[Claim]
@@ -85,7 +85,7 @@ def believe(case: Case, faults: Faults, work: Steps) -> Belief:
         weighed, carried = posterior(case.found, stack)
     steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]
     work.begin("weighing noises")
-    shares = weigh_noises(case, weighed, carried, steps)
+    shares = infer_noises(case, weighed, carried, steps)
     ranking = rank(shares.weighed, case.found.competing)
     best, listed = _claimed(case, ranking, carried, shares)
     whole = best
@@ -102,7 +102,7 @@ def believe(case: Case, faults: Faults, work: Steps) -> Belief:
 
 
 def _claimed(
-    case: Case, ranking: Ranking, carried: Stack, shares: NoiseShares
+    case: Case, ranking: Ranking, carried: Stack, shares: NoisePosterior
 ) -> tuple[Weighed, list[Claim]]:
     """Claims of the best hypothesis.
 
@@ -124,9 +124,9 @@ def _claimed(
     return best, claimed
 
 
-def _in_doubt(rows: int, ranking: Ranking, shares: NoiseShares) -> float:
+def _in_doubt(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
     """Probability of no effect below which some effect is told."""
-    guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
+    guards = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]
     there = (sum(found.get(noise.facts.id, 0.0) for found in guards) for noise in registry.nuisances())
     if max(there, default=0.0) > _UNUSUAL:
         return _IN_DOUBT_AMID_NOISE

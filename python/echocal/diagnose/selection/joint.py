@@ -8,8 +8,8 @@ from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.findings import noise_findings
+from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.noises.common.settings import NoiseSettings
-from echocal.diagnose.noises.common.weighing import NoiseShares
 from echocal.diagnose.selection.claims import Ranking, posterior_sets
 
 __all__ = ["NAMED", "Joint", "join"]
@@ -58,7 +58,7 @@ class Joint:
 def join(
     ranking: Ranking,
     found: Iterable[Finding],
-    shares: NoiseShares,
+    shares: NoisePosterior,
     carried: Stack,
     settings: NoiseSettings | None = None,
 ) -> Joint:
@@ -70,11 +70,11 @@ def join(
     settings = settings or NoiseSettings()
     sets: Sets = {}
     for ids, p in posterior_sets(ranking).items():
-        shapes = shares.shape_of(ids)
+        shapes = shares.fitted_of(ids)
         split = {ids: p * max(1 - sum(shapes.values()), 0.0)}
         split |= {tuple(sorted((*ids, shape))): p * part for shape, part in shapes.items()}
         split = {named: part for named, part in split.items() if part >= _LEAST}
-        for guard, probability in shares.guard_of(ids).items():
+        for guard, probability in shares.nuisance_of(ids).items():
             is_open = settings.split < probability < 1 - settings.split
             split = _crossed(split, guard, probability if is_open else round(probability))
         for named, part in split.items():
