@@ -25,7 +25,7 @@ from echocal import _core
 from echocal.diagnose import engine, verdict
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.inference import case, hypotheses
-from echocal.diagnose.selection import belief
+from echocal.diagnose.selection import infer
 
 HERE = Path(__file__).parent
 RUNS = {1_000: 9, 100_000: 5, 1_000_000: 3}
@@ -40,9 +40,9 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (Columns, "products", "columns and their products"),
     (case.Case, "stack", "whitening"),
     (_core, "posterior", "hypotheses"),
-    (belief, "infer_noises", "noises with a likelihood of their own"),
+    (infer, "infer_noises", "noises with a likelihood of their own"),
     (verdict, "judge", "rows never fitted"),
-    (belief, "unsteady", "one size in every part"),
+    (infer, "unsteady", "one size in every part"),
     (verdict, "propose", "next measurements"),
     (verdict, "notes", "notes"),
     (verdict, "_cause", "sentences"),
