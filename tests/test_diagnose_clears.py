@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.faults.registry import FAULTS
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
 
 ROWS = 120
 Table = dict[str, np.ndarray]

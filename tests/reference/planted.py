@@ -7,6 +7,7 @@ import numpy as np
 import echocal
 from echocal.diagnose.faults import Faults, FaultSettings, find_faults
 from echocal.diagnose.findings.facts import Columns
+from echocal.diagnose.noises import NoiseSettings
 from echocal.diagnose.preprocess.base import Base
 from echocal.observations.plan import EVERYTHING
 
@@ -31,7 +32,9 @@ def search(table: Columns, settings: FaultSettings | None = None) -> tuple[echoc
     law = "linear" if "temperature_C" in table else "343"
     with warnings.catch_warnings(action="ignore"):  # what is wrong with the table is what it is for
         data = echocal.read_observations(table, reading_speed=law, trust=(EVERYTHING,))
-        return data, find_faults(data, Base.of(law), None, "distance_m" not in table, settings)
+        constant = "distance_m" not in table
+        faults = find_faults(data, Base.of(law), None, constant, settings or FaultSettings(), NoiseSettings())
+    return data, faults
 
 
 def accepted(table: Columns, settings: FaultSettings | None = None) -> list[str]:

@@ -5,7 +5,7 @@ the rows, the repair and the evidence. `registry` lists them; `common` is what t
 """
 
 from echocal.diagnose.faults.common.search import Faults, find_faults, gross_faults, row_faults
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.settings.faults import FaultSettings
 
 __all__ = ["FaultSettings", "Faults", "Finding", "find_faults", "gross_faults", "row_faults"]

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FAULT"]
 

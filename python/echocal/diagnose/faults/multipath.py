@@ -6,12 +6,12 @@ import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.faults.common.outliers import count_evidence, one_sided_outliers
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FAULT"]
 

@@ -5,8 +5,8 @@ from importlib import import_module
 from typing import Literal
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.settings import FaultSettings
-from echocal.diagnose.findings.thresholds import Threshold, listed_thresholds
+from echocal.diagnose.settings.causes import Threshold, listed_thresholds
+from echocal.diagnose.settings.faults import FaultSettings
 
 __all__ = ["FAULTS", "every_threshold", "of_kind"]
 

@@ -4,11 +4,11 @@ import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.faults.common.ratio import divided, factor_of
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
 
 __all__ = ["FAULT"]
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 
 __all__ = ["FAULT"]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.candidates.effects import UNKNOWN, Variant
-from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.candidates.variant import UNKNOWN, Variant
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.sums import Whitened
 
 __all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
@@ -187,6 +187,6 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> W
 def weigh_each(hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False) -> list[Weighed]:
     """Weigh several hypotheses, each by itself, on several threads."""
     forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
-    given = stack.products, stack.log_weight, stack.degrees, FINEST**2
+    given = stack.products, stack.log_weight, stack.degrees, VARIANCE_FLOOR**2
     found = _core.weigh(*given, forms, one_width)
     return [Weighed(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]

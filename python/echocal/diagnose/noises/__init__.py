@@ -7,7 +7,7 @@ detector. `registry` lists them; `common` is what they share.
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.quantization import find_steps
-from echocal.diagnose.noises.common.settings import NoiseSettings
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NoiseSettings", "find_steps", "noises"]
 

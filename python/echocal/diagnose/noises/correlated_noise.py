@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values

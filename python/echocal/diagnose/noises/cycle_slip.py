@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
 

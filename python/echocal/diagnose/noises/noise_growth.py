@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import KERNELS, Likelihood, Trace, log_density, scale_of
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
 

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NOISE"]
 

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from importlib import import_module
 
-from echocal.diagnose.findings.thresholds import Threshold, listed_thresholds
 from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
-from echocal.diagnose.noises.common.settings import NoiseSettings
+from echocal.diagnose.settings.causes import Threshold, listed_thresholds
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "nuisances", "quantizations"]
 

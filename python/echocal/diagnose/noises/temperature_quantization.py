@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.findings.thresholds import threshold
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.preprocess.quantization_grid import find_lattice
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
 

@@ -6,9 +6,9 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NOISE"]
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.scene import Table
+from echocal.diagnose.preprocess.table import Table
 
 __all__ = ["Folds", "Rows"]
 
@@ -14,8 +14,6 @@ Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 Rows = Mask | slice
 """Rows by a mask, or by where they begin and end."""
-
-_FOLDS = 5
 
 
 @dataclass(frozen=True)
@@ -43,21 +41,21 @@ class Folds:
     known: dict[bytes, Rows] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, table: Table, held_out: Mask | None, held_text: str = "") -> "Folds":
-        """Hold out what the user says; else stands in turn, or runs of rows in turn."""
+    def of(cls, table: Table, held_out: Mask | None, held_text: str = "", *, count: int) -> "Folds":
+        """Hold out what the user says; else stations in turn, or runs of rows in turn, in `count` folds."""
         if held_out is not None:
             return cls(
                 held_out.astype(np.int64), (np.array([False, True]),), np.array([True, False]), held_text
             )
-        stands = 1 + int(table.groups.max())
-        if table.reference is not None and stands >= _FOLDS:
-            blocks, by = table.groups % _FOLDS, "stand"
+        stations = 1 + int(table.groups.max())
+        if table.reference is not None and stations >= count:
+            blocks, by = table.groups % count, "station"
         else:
-            blocks = np.arange(len(table)) * _FOLDS // len(table)
+            blocks = np.arange(len(table)) * count // len(table)
             by = "time" if "elapsed_time" in table.conditions else "row order"
-        held = tuple(np.arange(_FOLDS) == fold for fold in range(_FOLDS))
+        held = tuple(np.arange(count) == fold for fold in range(count))
         return cls(
-            blocks.astype(np.int64), held, np.ones(_FOLDS, dtype=bool), f"blocked by {by}, {_FOLDS} folds"
+            blocks.astype(np.int64), held, np.ones(count, dtype=bool), f"blocked by {by}, {count} folds"
         )
 
     @property

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.scene import Table
+from echocal.diagnose.preprocess.table import Table
 from echocal.errors import UsageError
 from echocal.observations import Observations
 
@@ -16,7 +16,6 @@ __all__ = ["between", "held_out"]
 Mask = NDArray[np.bool_]
 
 OUTSIDE = "outside the time asked for"
-_FEWEST = 8  # rows to fit, and to judge by
 _DATE = len("2022-07-20")
 
 
@@ -50,7 +49,9 @@ def between(observations: Observations, since: str | None, until: str | None) ->
     return replace(observations, unusable=reasons.astype(str))
 
 
-def held_out(observations: Observations, table: Table, after: str | float | None) -> tuple[Mask | None, str]:
+def held_out(
+    observations: Observations, table: Table, after: str | float | None, fewest: int
+) -> tuple[Mask | None, str]:
     """Rows that the user wants held out, and how to say so."""
     if after is None:
         return None, ""
@@ -63,10 +64,10 @@ def held_out(observations: Observations, table: Table, after: str | float | None
             raise UsageError(message)
         held = elapsed >= after
     judged = int(held.sum())
-    if min(judged, len(held) - judged) < _FEWEST:
+    if min(judged, len(held) - judged) < fewest:
         message = (
             f"holding out after {after} leaves {len(held) - judged} rows to fit and {judged} to judge by; "
-            f"both need at least {_FEWEST}"
+            f"both need at least {fewest}"
         )
         raise UsageError(message)
     return held, f"rows from {after} on, held out from everything"

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.findings.facts import CauseFacts, Columns
 from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.thresholds import NoThresholds
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.causes import NoThresholds
+from echocal.diagnose.settings.faults import FaultSettings
 
 __all__ = ["Fault"]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
 from echocal.observations import Observations
 
 __all__ = ["Factor", "divided", "factor_of"]

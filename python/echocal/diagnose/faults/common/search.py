@@ -3,13 +3,13 @@
 from dataclasses import dataclass, field, replace
 
 from echocal.diagnose.faults import registry
-from echocal.diagnose.faults.common.settings import FaultSettings
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises.common.quantization import find_steps
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
 
 __all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]
@@ -36,6 +36,17 @@ class Faults:
     def accepted(self) -> tuple[Finding, ...]:
         """Faults that the table was repaired of."""
         return tuple(f for f in self.found if f.probability >= self.settings.accepted)
+
+    @property
+    def quantizations(self) -> list[str]:
+        """Ids of the quantizations among them."""
+        return [f.cause for f in self.accepted if f.facts.kind == "noise"]
+
+    @property
+    def explain_a_refusal(self) -> bool:
+        """Whether a fault of a whole column was repaired and rows are left to use."""
+        gross = any(f.facts.kind == "gross" for f in self.accepted)
+        return gross and bool(self.observations.usable.any())
 
 
 def gross_faults() -> tuple[CauseFacts, ...]:
@@ -67,8 +78,8 @@ def find_faults(
     base: Base,
     given: float | None,
     constant: bool,
-    settings: FaultSettings | None = None,
-    noise_settings: NoiseSettings | None = None,
+    settings: FaultSettings,
+    noise_settings: NoiseSettings,
 ) -> Faults:
     """Look for every fault in turn, each in the table that the ones before left.
 
@@ -80,8 +91,8 @@ def find_faults(
         Reference distance of every row [m], where the user said it.
     constant : bool
         Whether the distance is only known to be constant.
-    settings : FaultSettings, optional
-    noise_settings : NoiseSettings, optional
+    settings : FaultSettings
+    noise_settings : NoiseSettings
         Of the search for quantization.
 
     Returns
@@ -89,7 +100,6 @@ def find_faults(
     Faults
         Whatever was repaired or left out stands in a finding, with its rows.
     """
-    settings, noise_settings = settings or FaultSettings(), noise_settings or NoiseSettings()
     settings.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
     known = not constant and (given is not None or observations.reference_distance is not None)
     view = View(observations, base, given, known)

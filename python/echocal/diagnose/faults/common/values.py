@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.settings import FarRows
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FarRows
 
 __all__ = ["chance_far", "far", "millimeters", "recorded", "repeats"]
 

@@ -7,15 +7,12 @@ import numpy as np
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack, Weighed
 from echocal.diagnose.inference.innovation import log_likelihood
-from echocal.diagnose.inference.noise import CONVECTIONS, Convection, Noise
-from echocal.diagnose.noises.common.settings import NoiseSettings
+from echocal.diagnose.inference.noise import Convection, Noise, all_convections
 
 __all__ = ["convections"]
 
 
-def convections(
-    case: Case, weighed: Sequence[Weighed], carried: Stack, settings: NoiseSettings | None = None
-) -> list[Convection]:
+def convections(case: Case, weighed: Sequence[Weighed], carried: Stack) -> list[Convection]:
     """Find the convections that may be the noise beside the best hypothesis, or beside the least.
 
     Parameters
@@ -25,21 +22,20 @@ def convections(
         Hypotheses under noise with the same autocorrelation at all distances, most probable first.
     carried : Stack
         Its noises.
-    settings : NoiseSettings, optional
 
     Returns
     -------
     list of Convection
-        Of `CONVECTIONS`; empty where all rows are at one distance or the noise is white.
+        Empty where all rows are at one distance or the noise is white.
     """
-    settings = settings or NoiseSettings()
+    settings = case.settings.noises
     if not case.at_distances or _autocorrelated(weighed, carried) < settings.autocorrelated:
         return []
     simplest = min(weighed, key=lambda one: len(one.hypothesis.variants))
     found: set[Convection] = set()
     for one in {id(one): one for one in (weighed[0], simplest)}.values():
         found |= _beside(case, one, carried.likeliest(one)[0], settings.convection_behind)
-    return [one for one in CONVECTIONS if one in found]
+    return [one for one in all_convections(case.settings.noise_models) if one in found]
 
 
 def _autocorrelated(weighed: Sequence[Weighed], carried: Stack) -> float:
@@ -55,7 +51,8 @@ def _beside(case: Case, one: Weighed, usual: Noise, behind: float) -> set[Convec
     """Convections that are likely enough beside one hypothesis."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     left, order = case.left(one, rows), case.sums.order.at(rows)
-    noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in CONVECTIONS)
+    every = all_convections(case.settings.noise_models)
+    noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in every)
     logs = [log_likelihood(left, order, noise) for noise in noises]
     least = max(log_likelihood(left, order, usual), *logs) - behind
-    return {each for each, log in zip(CONVECTIONS, logs, strict=True) if log > least}
+    return {each for each, log in zip(every, logs, strict=True) if log > least}

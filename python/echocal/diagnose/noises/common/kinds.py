@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns
 from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.thresholds import NoThresholds
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.causes import NoThresholds
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "Quantization", "Values"]
 

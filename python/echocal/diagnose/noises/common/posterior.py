@@ -6,16 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.inference.innovation import innovation
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.inference.posterior import PRIOR
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NoisePosterior", "infer_noises"]
 
@@ -24,7 +23,7 @@ Ids = tuple[str, ...]
 
 @dataclass
 class NoisePosterior:
-    """Probability of each noise beside each set of causes.
+    """What the noises are beside each set of causes.
 
     Attributes
     ----------
@@ -61,9 +60,8 @@ def infer_noises(
     weighed: list[Weighed],
     carried: Stack,
     steps: Collection[str],
-    settings: NoiseSettings | None = None,
 ) -> NoisePosterior:
-    """Compare the likeliest sets of causes, and none, beside each noise.
+    """Weigh the likeliest sets of causes, and none, beside each noise.
 
     Parameters
     ----------
@@ -74,13 +72,12 @@ def infer_noises(
         The nuisance noises that were carried along.
     steps : collection of str
         Quantizations found before; what they imitate is not looked for.
-    settings : NoiseSettings, optional
 
     Returns
     -------
     NoisePosterior
     """
-    settings = settings or NoiseSettings()
+    settings = case.settings.noises
     weighed = _with_nothing(case, weighed, carried)
     best: dict[Ids, Weighed] = {}
     for one in weighed:
@@ -115,7 +112,8 @@ def _with_nothing(case: Case, weighed: list[Weighed], carried: Stack) -> list[We
     if any(not w.hypothesis.variants for w in weighed):
         return weighed
     shapes = any(v.cause == UNKNOWN for v in case.found.variants)
-    prior = PRIOR["nothing"] * ((1 - PRIOR[UNKNOWN]) if shapes else 1.0)
+    priors = case.settings.priors
+    prior = priors.no_cause * ((1 - priors.unexplained_term) if shapes else 1.0)
     return [*weighed, weigh(Hypothesis((), prior), carried)]
 
 

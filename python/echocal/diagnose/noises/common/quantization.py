@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises import registry
-from echocal.diagnose.noises.common.settings import NoiseSettings
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["find_steps"]
 

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.findings.thresholds import CauseSettings, threshold
-from echocal.diagnose.preprocess.quantization_grid import HARMLESS, NEGLIGIBLE
+from echocal.diagnose.settings.causes import CauseSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NoiseSettings"]
 
@@ -26,10 +26,10 @@ class NoiseSettings(CauseSettings):
         0.5, "1", "probability from which on a quantization is there: more likely than not"
     )
     harmless: float = threshold(
-        HARMLESS, "1", "part of the noise's variance below which a quantization is a note, not a cause"
+        0.01, "1", "part of the noise's variance below which a quantization is a note, not a cause"
     )
     negligible: float = threshold(
-        NEGLIGIBLE, "m", "standard deviation of a quantization below which no user of such a sensor cares"
+        1.5e-4, "m", "standard deviation of a quantization below which no user of such a sensor cares"
     )
     sets: int = threshold(4, "1", "most probable sets of effects that noises are compared beside; judgement")
     segments: int = threshold(5, "1", "segments of a long table that the likelihoods look at; judgement")

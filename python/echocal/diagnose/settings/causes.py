@@ -2,29 +2,14 @@
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.errors import UsageError
 
-__all__ = ["CauseSettings", "NoThresholds", "Threshold", "listed_thresholds", "threshold"]
+__all__ = ["CauseSettings", "NoThresholds", "Threshold", "listed_thresholds"]
 
 T = TypeVar("T")
-
-
-def threshold(value: float, unit: str, source: str) -> Any:
-    """Field of a dataclass of thresholds.
-
-    Parameters
-    ----------
-    value : float
-        Default.
-    unit : str
-        SI; ``"1"`` for a pure number.
-    source : str
-        What the number means and where it comes from.
-    """
-    return field(default=value, metadata={"unit": unit, "source": source})
 
 
 @dataclass(frozen=True)
@@ -91,6 +76,8 @@ class CauseSettings:
         own = self.thresholds.get(facts.id)
         if own is None:
             return kind()
+        if isinstance(own, Mapping):  # as a diagnosis records it
+            return kind(**own)
         if not isinstance(own, kind):
             message = (
                 f"thresholds of {facts.id} are a {type(own).__name__}; give a {kind.__module__}.Thresholds"

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from echocal.diagnose.findings.thresholds import CauseSettings, threshold
+from echocal.diagnose.settings.causes import CauseSettings
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FarRows", "FaultSettings", "Outliers", "SharedFactor"]
 
