@@ -40,10 +40,10 @@ def diagnose(
 ) -> Diagnosis:
     """Name what a base simulation gets wrong about a table of echoes.
 
-    Every effect that the table could show, every pair and the best triples compete with
-    "nothing" and with smooth shapes that have no cause, by the evidence of their columns. Noise
-    with memory and an error per stand are reckoned with before anything is named. The gain is
-    measured on rows that no parameter was fitted to.
+    Every effect that the table could show, every pair of effects and the best larger sets compete
+    with no effect and with smooth functions that have no cause (docs/method.md). Autocorrelated
+    noise and an error per station are part of every hypothesis. The gain is measured on rows that
+    no parameter was fitted to.
 
     Parameters
     ----------
@@ -121,5 +121,6 @@ def diagnose(
     how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
     if not isinstance(observations, Observations):
         how["reading_speed"] = reading_speed or request.base.reading_speed
-    diagnosis = run(read(observations, how), request, work)
+    reading = read(observations, how)
+    diagnosis = run(reading, request, work)
     return replace(diagnosis, seconds=time.perf_counter() - start)

@@ -9,14 +9,14 @@ import warnings
 from echocal.diagnose.experiment_design.members import members
 from echocal.diagnose.experiment_design.next_measurements import propose
 from echocal.diagnose.faults import find_faults
-from echocal.diagnose.inference.case import examine
+from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
-from echocal.diagnose.preprocess.window import between, held_out
+from echocal.diagnose.preprocess.window import between
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.results.diagnosis import Diagnosis
@@ -58,15 +58,15 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         work.begin("looking for faults")
         observations = between(reading.observations, request.since, request.until)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
-        reading.refuse_unless(faults.explain_a_refusal)
+        if reading.refusal is not None and not faults.explain_a_refusal:
+            raise reading.refusal
         observations = faults.observations
         ranges = request.ranges(list(observations.conditions))
         level_steps: list[int] = []
         while True:
             work.begin("building columns")
             table = prepare(observations, base, distance, constant, settings.rows, level_steps)
-            held = held_out(observations, table, request.hold_out_after, settings.rows.fewest)
-            folds = Folds.of(table, *held, count=settings.rows.folds)
+            folds = Folds.of(table, observations, request.hold_out_after, settings.rows)
             case = examine(table, base, folds, request.seed, settings)
 
             work.begin("weighing causes")

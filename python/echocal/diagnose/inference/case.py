@@ -1,4 +1,4 @@
-"""Everything between the rows and the verdict."""
+"""A table with the columns of its candidates and the sums over its rows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -7,26 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import effect_candidates
-from echocal.diagnose.candidates.scene import Scene
-from echocal.diagnose.candidates.unexplained_terms import term_candidates
-from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
-from echocal.diagnose.inference.alias import Geometry
-from echocal.diagnose.inference.autocorrelation import at_first, that_may_be_there
+from echocal.diagnose.candidates.variant import Candidates, Variant
 from echocal.diagnose.inference.hypothesis import Stack, Weighed
-from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Convection, Memory, Noise, noises
-from echocal.diagnose.inference.shortlist import set_aside
+from echocal.diagnose.inference.noise import Convection, Memory, Noise, noises
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
-from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.settings import PriorSettings, Settings
+from echocal.diagnose.settings import Settings
 
-__all__ = ["INVISIBLE", "Case", "examine"]
-
-INVISIBLE = "cannot show in these data"
-"""Why a cause was left out that no size would make visible."""
+__all__ = ["Case"]
 
 
 @dataclass(frozen=True)
@@ -110,67 +100,3 @@ class Case:
         """Whitened products over some blocks, one per noise."""
         products, log_weight = self.sums.whiten_all(self.noises, blocks)
         return Stack(products, log_weight, self.sums.degrees(blocks), self.noises)
-
-
-def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Settings) -> Case:
-    """Build the columns and pass over them once."""
-    distance = table.distance(base.model())
-    groups = None if table.reference is not None else table.groups
-    residual = table.indication - base.expected(distance, table.conditions)
-    scene = Scene(base, distance, table.conditions, table.distance, groups, residual, settings, table.echoes)
-    found = Candidates(scene.columns())
-    found.columns.slope()  # first: what a group's own level adds
-    effect_candidates(found, scene)
-    order, rows = _order(table), np.flatnonzero(folds.fit[folds.blocks])
-    found.aside = set_aside(scene, order, table.known(), table.extra, rows, len(found.columns))
-    against = {name: column for name, column in table.against().items() if name not in found.aside}
-    term_candidates(found, against, settings.terms, known_distance=groups is None)
-    found.columns.store(residual)  # last: what is to be explained
-    sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))
-    _drop_infinite(found, sums)
-    _drop_invisible(found, sums, residual, settings.priors)
-    if sums.memories == (WHITE,):
-        others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
-        sums = sums.with_memories(found.columns, others) if others else sums
-    return Case(table, base, found, residual, sums, folds, seed, settings)
-
-
-def _order(table: Table) -> Order:
-    distance = table.indication if table.reference is None else table.reference
-    return Order(table.starts, table.groups, distance, flat_level=table.reference is None)
-
-
-def _drop_infinite(found: Candidates, sums: Sums) -> None:
-    """Drop causes whose columns are not finite in these data."""
-    finite = sums.clear_infinite()
-    if finite.all():
-        return
-    broken = {v.cause for v in found.variants if not finite[list(v.columns)].all()}
-    found.skipped.update(dict.fromkeys(broken, "not finite in these data"))
-    found.variants[:] = [v for v in found.variants if v.cause not in broken]
-
-
-def _drop_invisible(
-    found: Candidates, sums: Sums, residual: NDArray[np.float64], settings: PriorSettings
-) -> None:
-    """Drop causes that could not show in these data even at three times their usual size.
-
-    Weighing them would only spread probability over causes that nobody can see.
-    """
-    used = np.ones(len(sums.rows), dtype=bool)
-    products = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), used).products
-    variance = min(_of_steps(residual, sums.order), products[-1, -1] / sums.degrees())
-    shape = Geometry(products, max(variance, VARIANCE_FLOOR**2))
-    shown = settings.usual_multiple * shape.visibilities(found.variants)
-    visible = shown > settings.fewest_snr
-    kept = {v.cause for v, shows in zip(found.variants, visible, strict=True) if shows or v.cause == UNKNOWN}
-    for variant in found.variants:
-        if variant.cause not in kept:
-            found.skipped[variant.cause] = INVISIBLE
-    found.variants[:] = [v for v in found.variants if v.cause in kept]
-
-
-def _of_steps(residual: NDArray[np.float64], order: Order) -> float:
-    """Variance of the noise alone [m^2], whatever slow effects there are: half the mean square step."""
-    steps = np.diff(residual)[~order.starts[1:]]
-    return float(np.nansum(steps**2)) / 2 / max(len(steps), 1)

@@ -162,8 +162,9 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> W
     """Average the likelihood over noises, sizes and the unknown variance of the noise.
 
     The coefficients have normal priors, in a mixture of three widths, cut off at their bounds;
-    the variance has Jeffreys's prior, and within the coefficients' prior it stands at its
-    estimate (a Laplace approximation).
+    the variance has Jeffreys's prior. The coefficients' prior is scaled by the variance over its
+    least-squares estimate; with that both integrals are exact, but for the cut at bounds
+    (docs/method.md, Eq. 11 to 16).
 
     Parameters
     ----------

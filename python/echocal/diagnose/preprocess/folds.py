@@ -7,6 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.preprocess.window import instant, times
+from echocal.diagnose.settings.rows import RowSettings
+from echocal.errors import UsageError
+from echocal.observations import Observations
 
 __all__ = ["Folds", "Rows"]
 
@@ -41,8 +45,12 @@ class Folds:
     known: dict[bytes, Rows] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, table: Table, held_out: Mask | None, held_text: str = "", *, count: int) -> "Folds":
-        """Hold out what the user says; else stations in turn, or runs of rows in turn, in `count` folds."""
+    def of(
+        cls, table: Table, observations: Observations, after: str | float | None, settings: RowSettings
+    ) -> "Folds":
+        """Hold out what the user says; else stations in turn, or runs of rows in turn."""
+        count = settings.folds
+        held_out, held_text = _held_out(observations, table, after, settings.fewest)
         if held_out is not None:
             return cls(
                 held_out.astype(np.int64), (np.array([False, True]),), np.array([True, False]), held_text
@@ -86,3 +94,27 @@ class Folds:
         mask = held[self.blocks]
         first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
         return slice(first, last) if last - first == int(mask.sum()) else mask
+
+
+def _held_out(
+    observations: Observations, table: Table, after: str | float | None, fewest: int
+) -> tuple[Mask | None, str]:
+    """Rows that the user wants held out, and how to say so."""
+    if after is None:
+        return None, ""
+    if isinstance(after, str):
+        held = times(observations, after)[table.row] >= instant(after)
+    else:
+        elapsed = table.conditions.get("elapsed_time")
+        if elapsed is None:
+            message = "cannot hold out by time: the table has no column of times (map one to time_s)"
+            raise UsageError(message)
+        held = elapsed >= after
+    judged = int(held.sum())
+    if min(judged, len(held) - judged) < fewest:
+        message = (
+            f"holding out after {after} leaves {len(held) - judged} rows to fit and {judged} to judge by; "
+            f"both need at least {fewest}"
+        )
+        raise UsageError(message)
+    return held, f"rows from {after} on, held out from everything"

@@ -1,5 +1,6 @@
 """Rows that cannot be what they seem: another echo, or no reading at all."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -179,17 +180,25 @@ def without_outliers(
 
     if reference is None:
         far = far_rows(usable.indication, None, orders, settings)
-        return usable.without(far, FAR), None
+        return _without(usable, far, FAR), None
     far = far_rows(usable.indication, some(reference, usable.rows), orders, settings)
     if far.any():
         far &= ~far_as_a_whole(far, stations(observations, reference, usable.rows, settings), settings)
-    usable = usable.without(far, FAR)
+    usable = _without(usable, far, FAR)
     if not len(usable.rows):
         return usable, None
     labels, warm = stations(observations, reference, usable.rows, settings), columns[1]
     temperature = None if warm is None else some(warm, usable.rows)
     far = far_from_station(usable.indication, labels, temperature, settings)
     if far.any():
-        usable = usable.without(far, OFF_STATION)
+        usable = _without(usable, far, OFF_STATION)
         labels = stations(observations, reference, usable.rows, settings)
     return usable, labels
+
+
+def _without(usable: Usable, rows: Mask, reason: str) -> Usable:
+    """Leave out some of the rows."""
+    if not rows.any():
+        return usable
+    left_out = Counter(usable.left_out) + Counter({reason: int(rows.sum())})
+    return Usable(usable.rows[~rows], usable.indication[~rows], left_out)

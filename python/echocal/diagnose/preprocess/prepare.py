@@ -79,5 +79,6 @@ def prepare(
         starts=series_starts(elapsed, breaks, settings.gap),
         steps=rows[steps],
         unusable=unusable,
+        total=len(observations),
         echoes=observations.reading is None or "echo_time" in observations.source_names,
     )

@@ -26,11 +26,6 @@ class Reading:
     observations: Observations
     refusal: DataError | None = None
 
-    def refuse_unless(self, explained: bool) -> None:
-        """Raise the refusal, if there is one and no fault explains it."""
-        if self.refusal is not None and not explained:
-            raise self.refusal
-
 
 def read(source: Any, how: Mapping[str, Any]) -> Reading:
     """Read a table; one that is refused for its values is read as it is, with the refusal.

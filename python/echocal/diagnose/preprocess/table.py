@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.conditions import QUANTITIES
+from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
 from echocal.observations.quantiles import median
 
@@ -38,6 +40,8 @@ class Table:
         Source rows at which the level jumps.
     unusable : mapping of str to int
         Rows left out, by reason.
+    total : int
+        Rows of the source.
     echoes : bool
         Whether the indication comes from recorded echo times, which the device's own arithmetic has
         not touched; also where the readings stand beside them.
@@ -52,10 +56,17 @@ class Table:
     starts: NDArray[np.bool_]
     steps: Labels
     unusable: Mapping[str, int]
+    total: int
     echoes: bool = False
 
     def __len__(self) -> int:
         return len(self.row)
+
+    @cached_property
+    def order(self) -> Order:
+        """How the rows belong together."""
+        distance = self.indication if self.reference is None else self.reference
+        return Order(self.starts, self.groups, distance, flat_level=self.reference is None)
 
     def distance(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
         """Distance of every row [m] if a model were right: the reference, or each group's median.

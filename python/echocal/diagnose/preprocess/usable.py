@@ -34,13 +34,6 @@ class Usable:
     indication: Column
     left_out: Mapping[str, int]
 
-    def without(self, rows: NDArray[np.bool_], reason: str) -> "Usable":
-        """Leave out some of the rows."""
-        if not rows.any():
-            return self
-        left_out = Counter(self.left_out) + Counter({reason: int(rows.sum())})
-        return Usable(self.rows[~rows], self.indication[~rows], left_out)
-
 
 def usable_rows(observations: Observations, base: Base, reference: Column | None) -> Usable:
     """Find the rows with everything that a diagnosis needs.

@@ -6,9 +6,10 @@ import numpy as np
 
 from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.findings.sentences import enumerated
-from echocal.diagnose.inference.case import INVISIBLE, Case
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
 from echocal.diagnose.inference.shortlist import MEASURE
+from echocal.diagnose.inference.visible import INVISIBLE
 from echocal.diagnose.results.level_steps import LevelStep
 from echocal.diagnose.selection.claims import free_size, without
 from echocal.diagnose.selection.tension import reconciled

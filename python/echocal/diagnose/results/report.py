@@ -56,14 +56,14 @@ def report(
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
-        rows=_rows(case.table, len(observations), steps),
+        rows=_rows(case.table, steps),
         base=case.base.to_dict(),
         noise=_noise(selection),
         notes=(
             *selection.varying.values(),
             *_passed_over(ranking, selection, validation),
             *notes(case, observations, validation, inference.stack, steps),
-            *_outside(case.table, len(observations), validation),
+            *_outside(case.table, validation),
         ),
         settings=case.settings,
         model=validation.model,
@@ -121,9 +121,9 @@ def _passed_over(ranking: Ranking, selection: Selection, validation: Validation)
     ]
 
 
-def _rows(table: Table, total: int, steps: Sequence[LevelStep]) -> dict[str, Any]:
+def _rows(table: Table, steps: Sequence[LevelStep]) -> dict[str, Any]:
     return {
-        "total": total,
+        "total": table.total,
         "used": len(table),
         "unusable": dict(table.unusable),
         "level_steps_at_rows": (table.steps + 1).tolist(),
@@ -142,13 +142,13 @@ def _noise(selection: Selection) -> dict[str, float]:
     }
 
 
-def _outside(table: Table, total: int, validation: Validation) -> list[str]:
+def _outside(table: Table, validation: Validation) -> list[str]:
     """Where the extended model is used outside a law's domain, with row numbers of the source."""
 
     def spread(column: NDArray[np.float64]) -> NDArray[np.float64]:
-        if len(column) == total:
+        if len(column) == table.total:
             return column
-        whole = np.full(total, np.nan)
+        whole = np.full(table.total, np.nan)
         whole[table.row] = column
         return whole
 
