@@ -105,8 +105,9 @@ def _irregularity(cause: CauseFacts) -> Group:
     table.add_column("parameter", style="bold")
     table.add_column("unit")
     table.add_column("meaning")
+    table.add_column("bounds")
     for quantity in cause.parameters:
-        table.add_row(quantity.name, quantity.unit, quantity.meaning)
+        table.add_row(quantity.name, quantity.unit, quantity.meaning, quantity.range)
     return Group(title, Text(cause.sentence), table, _details(cause.details()))
 
 

@@ -1,16 +1,18 @@
-"""Wild rows on one side of what is expected: shared by crosstalk and multipath."""
+"""Outliers on one side of what is expected: shared by crosstalk and multipath."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.values import chance_far, far
 from echocal.diagnose.preprocess.view import View
-from echocal.diagnose.settings.faults import FaultSettings, WildRows
+from echocal.diagnose.settings.faults import FaultSettings, Outliers
 
-__all__ = ["count_evidence", "wild_side"]
+__all__ = ["count_evidence", "one_sided_outliers"]
 
 
-def wild_side(view: View, sign: int, settings: FaultSettings, least: float = 0.0) -> NDArray[np.bool_]:
+def one_sided_outliers(
+    view: View, sign: int, settings: FaultSettings, least: float = 0.0
+) -> NDArray[np.bool_]:
     """Far rows that read too long (+1) or too short (-1), by a part of the distance at least.
 
     No row, if most rows before or after some moment are off as far (then the sensor moved), or if
@@ -21,11 +23,13 @@ def wild_side(view: View, sign: int, settings: FaultSettings, least: float = 0.0
         return rows
     with np.errstate(invalid="ignore"):
         rows = rows & (sign * view.deviation > least * np.abs(view.expected))
-    none = rows.sum() > settings.wild.most * view.good.sum() or _moved(view, rows, sign, settings.wild)
+    none = rows.sum() > settings.outliers.most * view.good.sum() or _moved(
+        view, rows, sign, settings.outliers
+    )
     return np.zeros_like(rows) if none else rows
 
 
-def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: WildRows) -> bool:
+def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: Outliers) -> bool:
     """Whether these rows begin or end a table, among rows most of which are off by as much."""
     where = np.flatnonzero(rows)
     if len(where) < settings.moved_rows:
@@ -48,5 +52,5 @@ def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: WildRows) -
 def count_evidence(view: View, count: int, settings: FaultSettings) -> float:
     """Log Bayes factor of a fault that hits some percent of the rows against heavy tails alone."""
     total = int(view.good.sum())
-    chance, usual = 0.5 * chance_far(view, settings.far), settings.wild.usual * total + 0.5
+    chance, usual = 0.5 * chance_far(view, settings.far), settings.outliers.usual * total + 0.5
     return float(min(count * np.log(max(usual, 1.0) / chance) - (usual - chance), settings.cap))

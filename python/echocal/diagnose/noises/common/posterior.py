@@ -16,51 +16,51 @@ from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["NoiseShares", "weigh_noises"]
+__all__ = ["NoisePosterior", "infer_noises"]
 
 Ids = tuple[str, ...]
 
 
 @dataclass
-class NoiseShares:
+class NoisePosterior:
     """What the noises are beside each set of causes.
 
     Attributes
     ----------
     weighed : list of Weighed
         The hypotheses with their evidence under every noise, most probable first.
-    shapes : dict
+    fitted : dict
         Per evaluated set of causes: probability of each fitted noise given the set.
-    guards : dict
+    nuisances : dict
         Per set of causes: probability of each nuisance noise given the set.
     fits : dict
         Per evaluated set of causes: the fitted likelihoods.
     """
 
     weighed: list[Weighed]
-    shapes: dict[Ids, dict[str, float]] = field(default_factory=dict)
-    guards: dict[Ids, dict[str, float]] = field(default_factory=dict)
+    fitted: dict[Ids, dict[str, float]] = field(default_factory=dict)
+    nuisances: dict[Ids, dict[str, float]] = field(default_factory=dict)
     fits: dict[Ids, dict[str, Likelihood]] = field(default_factory=dict)
 
-    def shape_of(self, ids: Ids) -> Mapping[str, float]:
+    def fitted_of(self, ids: Ids) -> Mapping[str, float]:
         """Probabilities of the fitted noises beside a set; those of the likeliest set where not evaluated."""
-        return self.shapes.get(ids) or next(iter(self.shapes.values()), {})
+        return self.fitted.get(ids) or next(iter(self.fitted.values()), {})
 
-    def guard_of(self, ids: Ids) -> Mapping[str, float]:
+    def nuisance_of(self, ids: Ids) -> Mapping[str, float]:
         """Probabilities of the nuisance noises beside a set."""
-        return self.guards.get(ids, {})
+        return self.nuisances.get(ids, {})
 
     def fit_of(self, id_: str) -> Likelihood | None:
         """Fit of a noise beside the likeliest set that has one."""
         return next((fits[id_] for fits in self.fits.values() if id_ in fits), None)
 
 
-def weigh_noises(
+def infer_noises(
     case: Case,
     weighed: list[Weighed],
     carried: Stack,
     steps: Collection[str],
-) -> NoiseShares:
+) -> NoisePosterior:
     """Weigh the likeliest sets of causes, and none, beside each noise.
 
     Parameters
@@ -75,7 +75,7 @@ def weigh_noises(
 
     Returns
     -------
-    NoiseShares
+    NoisePosterior
     """
     settings = case.settings.noises
     weighed = _with_nothing(case, weighed, carried)
@@ -87,22 +87,22 @@ def weigh_noises(
     skipped = {id_ for noise in registry.quantizations() if noise.facts.id in steps for id_ in noise.imitates}
     tried = [noise for noise in registry.fitted() if noise.facts.id not in skipped]
     gains: dict[Ids, float] = {}
-    shares = NoiseShares([])
+    shares = NoisePosterior([])
     rows = _looked_at(case, settings)
     for ids in chosen:
         trace = _trace(case, best[ids], carried.likeliest(best[ids])[0], rows)
-        gains[ids], shares.shapes[ids], shares.fits[ids] = _beside(trace, tried, settings)
+        gains[ids], shares.fitted[ids], shares.fits[ids] = _beside(trace, tried, settings)
     least = min(gains.values())
     shares.weighed = sorted(
         (w.raised(gains.get(w.hypothesis.ids, least)) for w in weighed),
         key=lambda w: -w.log_posterior,
     )
     order = list(dict.fromkeys(w.hypothesis.ids for w in shares.weighed))
-    shares.shapes = {ids: shares.shapes[ids] for ids in order if ids in shares.shapes}
+    shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
     shares.fits = {ids: shares.fits[ids] for ids in order if ids in shares.fits}
     nuisances = [_NuisancePrior.of(noise, case, carried, settings) for noise in registry.nuisances()]
     for ids in order:
-        shares.guards[ids] = _nuisances(best[ids], nuisances, shares.shape_of(ids))
+        shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
     _doubt(shares, nuisances)
     return shares
 
@@ -153,7 +153,7 @@ def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) 
         innovation=innovation(left, order, noise),
         distance=order.distance,
         speed=case.base.indication(np.full(len(rows), 2.0), conditions),
-        stretch=_segments(case, rows),
+        segment=_segments(case, rows),
         free_mean=flat or bool(weighed.hypothesis.variants),
     )
 
@@ -196,7 +196,7 @@ class _NuisancePrior:
         return cls(noise.facts.id, settings.prior(noise.facts), assumed, concerned)
 
 
-def _doubt(shares: NoiseShares, nuisances: Collection[_NuisancePrior]) -> None:
+def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> None:
     """Lower the probabilities of nuisance noises to what their priors as causes allow.
 
     To be on the safe side the fits assume such noise in every other table. It is reported only if
@@ -212,20 +212,20 @@ def _doubt(shares: NoiseShares, nuisances: Collection[_NuisancePrior]) -> None:
         with_it = float(total @ part) / before * nuisance.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
         believed = with_it / max(with_it + without, 1e-300)
-        given = np.array([shares.guard_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.weighed])
+        given = np.array([shares.nuisance_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.weighed])
         usual = float(total @ given) / float(total.sum())
         factor = min(believed / max(usual, 1e-12), 1.0)
-        for found in shares.guards.values():
+        for found in shares.nuisances.values():
             if id_ in found:
                 found[id_] *= factor
 
 
 def _nuisances(
-    weighed: Weighed, nuisances: Collection[_NuisancePrior], shapes: Mapping[str, float]
+    weighed: Weighed, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
 ) -> dict[str, float]:
     """Probability that each nuisance noise is there, and not only reckoned with."""
     without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
-    mixed = sum(shapes.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
+    mixed = sum(fitted.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
     found = {}
     for nuisance in nuisances:
         before, prior = nuisance.assumed, nuisance.prior
