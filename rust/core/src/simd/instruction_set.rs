@@ -54,7 +54,7 @@ impl InstructionSet {
 
 /// The level in use: the widest available unless one was forced.
 #[inline]
-pub(crate) fn active() -> InstructionSet {
+pub fn active() -> InstructionSet {
     match CHOSEN.load(Ordering::Relaxed) {
         1 => InstructionSet::Baseline,
         2 => InstructionSet::Avx2,
