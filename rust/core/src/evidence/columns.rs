@@ -71,13 +71,13 @@ impl Columns<'_> {
         let mut slope = Line::of(1.0);
         for first in (0..self.distance.len()).step_by(BLOCK) {
             let count = BLOCK.min(self.distance.len() - first);
-            let base = reader.base(first, count);
+            let (base, tools) = reader.base(first, count);
             for (k, recipe) in self.recipes.iter().enumerate() {
                 let Recipe::Tangent(term, level, ..) = recipe else {
                     continue;
                 };
-                reader.make(&base, recipe, first, count, &mut lines[k]);
-                reader.slope(&base, term, level, first, count, &mut slope);
+                tools.make(&base, recipe, first, count, &mut lines[k]);
+                tools.slope(&base, term, level, first, count, &mut slope);
                 for row in 0..count {
                     taken[k][groups[first + row] as usize] += lines[k].0[row] / slope.0[row];
                 }
@@ -99,9 +99,9 @@ impl Columns<'_> {
             let mut line = Line::of(0.0);
             move |first: usize, sums: &mut [f64]| {
                 for (block, sums) in (first..).step_by(BLOCK).zip(sums.chunks_mut(BLOCK)) {
-                    let base = reader.base(block, sums.len());
+                    let (base, tools) = reader.base(block, sums.len());
                     for &(recipe, factor) in chosen {
-                        reader.leveled(&base, recipe, block, sums.len(), &mut line);
+                        tools.leveled(&base, recipe, block, sums.len(), &mut line);
                         for (sum, value) in sums.iter_mut().zip(line.0) {
                             *sum += factor * value;
                         }
@@ -133,9 +133,9 @@ impl Columns<'_> {
             if here.is_some_and(<[usize]>::is_empty) {
                 continue;
             }
-            let base = reader.base(first, count);
+            let (base, tools) = reader.base(first, count);
             for (k, &recipe) in chosen.iter().enumerate() {
-                reader.leveled(&base, recipe, first, count, &mut line);
+                tools.leveled(&base, recipe, first, count, &mut line);
                 let target = &mut found[k * length + written..];
                 match here {
                     None => target[..count].copy_from_slice(&line.0[..count]),

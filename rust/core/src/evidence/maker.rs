@@ -17,9 +17,15 @@ use crate::simd::{InstructionSet, active};
 
 /// One thread's memory for the columns of a table.
 pub(super) struct Maker<'a> {
-    of: &'a Columns<'a>,
     given: Given,
-    passes: [Pass; 3],
+    base: Pass,
+    tools: Tools<'a>,
+}
+
+/// What columns are made with, beside the base simulation.
+pub(super) struct Tools<'a> {
+    of: &'a Columns<'a>,
+    passes: [Pass; 2],
     following: Following,
     polynomials: Polynomials,
     waves: Waves,
@@ -44,17 +50,20 @@ impl Reader for Maker<'_> {
 impl<'a> Maker<'a> {
     pub(super) fn new(of: &'a Columns<'a>) -> Self {
         Self {
-            of,
             given: Given::new(
                 Column::of(of.distance),
                 of.recorded.each_ref().map(Numbers::column),
             ),
-            passes: [Pass::new(), Pass::new(), Pass::new()],
-            following: Following::new(),
-            polynomials: Polynomials::default(),
-            waves: Waves::default(),
-            distance: Line::of(0.0),
-            ranges: [None; Quantity::COUNT],
+            base: Pass::new(),
+            tools: Tools {
+                of,
+                passes: [Pass::new(), Pass::new()],
+                following: Following::new(),
+                polynomials: Polynomials::default(),
+                waves: Waves::default(),
+                distance: Line::of(0.0),
+                ranges: [None; Quantity::COUNT],
+            },
         }
     }
 
@@ -66,26 +75,31 @@ impl<'a> Maker<'a> {
 
     #[inline(always)]
     fn read_all(&mut self, first: usize, count: usize, into: &mut [Line]) {
-        let base = self.base(first, count);
+        let (base, tools) = self.base(first, count);
         for (recipe, line) in into.iter_mut().enumerate() {
-            self.leveled(&base, recipe, first, count, line);
+            tools.leveled(&base, recipe, first, count, line);
         }
     }
 
     /// The base simulation with its derivative to the distance.
-    pub(super) fn base(&mut self, first: usize, count: usize) -> Reading {
+    pub(super) fn base(&mut self, first: usize, count: usize) -> (Reading<'_>, &mut Tools<'a>) {
         // SAFETY: the distance and the recorded columns are as long as the table.
         let block = unsafe { self.given.block(first, count) };
-        self.following.forget();
-        self.ranges = [None; Quantity::COUNT];
-        self.passes[0].run(self.of.base, block.to_distance(true), Stage::Indication)
+        let tools = &mut self.tools;
+        tools.following.forget();
+        tools.ranges = [None; Quantity::COUNT];
+        let distance = block.to_distance(true);
+        let base = self.base.run(tools.of.base, distance, Stage::Indication);
+        (base, tools)
     }
+}
 
+impl Tools<'_> {
     /// A column, without what an unknown level takes up.
     #[inline(always)]
     pub(super) fn leveled(
         &mut self,
-        base: &Reading,
+        base: &Reading<'_>,
         recipe: usize,
         first: usize,
         count: usize,
@@ -110,7 +124,7 @@ impl<'a> Maker<'a> {
     #[inline(always)]
     pub(super) fn make(
         &mut self,
-        base: &Reading,
+        base: &Reading<'_>,
         recipe: &Recipe,
         first: usize,
         count: usize,
@@ -184,7 +198,7 @@ impl<'a> Maker<'a> {
     #[inline(always)]
     fn tangent(
         &mut self,
-        base: &Reading,
+        base: &Reading<'_>,
         term: &Term,
         (level, parameter): (&Level, usize),
         scale: f64,
@@ -205,7 +219,7 @@ impl<'a> Maker<'a> {
     /// What a tangent at the base has beyond one that sets in later.
     fn between(
         &mut self,
-        base: &Reading,
+        base: &Reading<'_>,
         (term, later, parameter): (&Term, &Term, usize),
         scale: f64,
         (first, count): (usize, usize),
@@ -235,16 +249,16 @@ impl<'a> Maker<'a> {
     }
 
     /// The reading with an effect, and its derivative to a parameter.
-    fn beside(
-        &mut self,
-        base: &Reading,
+    fn beside<'b>(
+        &'b mut self,
+        base: &Reading<'b>,
         term: &Term,
         level: &Level,
         seed: Option<usize>,
         first: usize,
         count: usize,
-    ) -> Reading {
-        let [_, at_level, there] = &mut self.passes;
+    ) -> Reading<'b> {
+        let [at_level, there] = &mut self.passes;
         let Some(moved) = moved(&self.of.groups, level, first, count, &mut self.distance) else {
             return there.beside(self.of.base, base, term, seed);
         };
@@ -255,7 +269,7 @@ impl<'a> Maker<'a> {
     /// Derivative of the reading to the distance with an effect at work.
     pub(super) fn slope(
         &mut self,
-        base: &Reading,
+        base: &Reading<'_>,
         term: &Term,
         level: &Level,
         first: usize,
@@ -267,7 +281,7 @@ impl<'a> Maker<'a> {
         }
         let moved = moved(&self.of.groups, level, first, count, &mut self.distance);
         let block = moved.map_or(*base, |moved| base.at(moved));
-        let there = self.passes[2].with(self.of.base, block.to_distance(true), term);
+        let there = self.passes[1].with(self.of.base, block.to_distance(true), term);
         there.slopes(Stage::Indication, line);
     }
 }
