@@ -41,7 +41,7 @@ impl Following {
     pub(super) fn tangent(
         &mut self,
         model: &Model,
-        base: &Reading,
+        base: &Reading<'_>,
         (term, parameter): (&Term, usize),
         scale: f64,
         into: &mut Line,

@@ -84,7 +84,7 @@ pub struct SensitivityBlock<'b> {
     first: usize,
     count: usize,
     model: &'b Model,
-    base: Reading,
+    base: Reading<'b>,
     at_level: &'b mut Pass,
     there: &'b mut Pass,
     following: &'b mut Following,
@@ -147,7 +147,12 @@ impl SensitivityBlock<'_> {
     }
 
     /// The reading with an effect, and its derivative to a parameter.
-    fn beside(&mut self, term: &Term, at: ExpansionPoint<'_>, seed: Option<usize>) -> Reading {
+    fn beside<'r>(
+        &'r mut self,
+        term: &Term,
+        at: ExpansionPoint<'r>,
+        seed: Option<usize>,
+    ) -> Reading<'r> {
         let ExpansionPoint::Moved(distance) = at else {
             return self.there.beside(self.model, &self.base, term, seed);
         };
