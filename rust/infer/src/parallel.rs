@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The spans of a table, at most: as many sums are added up in the end.
+/// The spans of a table, at most: as many sums are kept, and added up in the end.
 const SPANS: usize = 16;
-/// Rows that are worth a span.
+/// Rows that are worth a span: some 17 blocks.
 const WORTH: usize = 4096;
 
 /// What each span of rows gives, in order. Where spans begin and end depends on the table alone.
@@ -92,7 +92,7 @@ pub(crate) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
     done.into_iter().flatten().collect()
 }
 
-/// Items that are handed over at once, at most.
+/// Items that are handed over at once, at most: so few that no thread waits long for the last.
 const MANY: usize = 8;
 
 /// Fills each item's part of some numbers, as many for each, and returns what each gives, in order.

@@ -5,7 +5,8 @@
 use super::sampling::spread;
 use echocal_core::batch::Line;
 
-/// Rows whose polynomials go on at the same time: each waits for its own last one.
+/// Rows whose polynomials go on at the same time, because each waits for its own last one: a vector of
+/// AVX-512.
 const ABREAST: usize = 8;
 
 /// A column, the values that stand for -1 and 1, and the first row of a block.

@@ -4,7 +4,7 @@
 
 use echocal_core::simd::{OnVectors, Vector, on_vectors};
 
-/// Columns that lie side by side; others are padded to whole groups of so many.
+/// Columns that lie side by side: a line of the cache. Others are padded to whole groups of so many.
 pub(crate) const GROUP: usize = 8;
 
 /// Rows of columns, of which [`GROUP`] lie side by side: a panel.

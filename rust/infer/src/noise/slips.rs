@@ -5,11 +5,11 @@
 use super::density::NoiseDensity;
 use crate::numeric::{PACK, Pack, on_widest};
 
-/// Rounds of expectation and maximization, at most.
+/// Rounds of expectation and maximization, at most; [`GAIN`] ends most fits before.
 const ROUNDS: usize = 40;
-/// Log likelihood that a round must add.
+/// Log likelihood that a round must add: less changes no odds that a report shows.
 const GAIN: f64 = 1e-3;
-/// Probability that a group keeps.
+/// Probability that a group keeps, so that its logarithm is a number.
 const LEAST: f64 = 1e-12;
 /// Scale below which no group scatters \[m\].
 const FINEST: f64 = 1e-5;

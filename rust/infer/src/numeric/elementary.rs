@@ -34,8 +34,14 @@ pub(crate) fn ln(x: f64) -> f64 {
 /// ln 2 in two parts: a power of two times the first is exact.
 const LN2: (f64, f64) = (6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10);
 
-/// Exponential of a number, of none below -700 and none above 700: fdlibm's `e_exp.c` (Sun
-/// Microsystems 1993), within 2^-59 before rounding.
+/// Exponential that saturates: positive and finite for every number, `exp(-700)` below -700 and
+/// `exp(700)` above 700. fdlibm's `e_exp.c` (Sun Microsystems 1993), within 2^-59 before rounding.
+///
+/// The physics has another one, `exp64` of `echocal-core`, and the two differ in what they compute.
+/// That one goes down to zero and up to infinity, and is made of fused operations, each of them a call
+/// of some 3 ns on a processor without FMA. This one fuses nothing, so that it stays inline arithmetic
+/// on every instruction set: a search takes one for each noise of each hypothesis. A weight that is
+/// never zero keeps a quotient of weights a number.
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
     const P: [f64; 5] = [

@@ -2,7 +2,8 @@
 
 use super::hypothesis::HypothesisColumns;
 
-/// Mixture of prior widths, the widest last: nobody knows a magnitude well.
+/// Widths of the mixture of normal priors on a size, in prior standard deviations, the widest last: an
+/// even mixture that spans a decade, because the typical size of an effect is rarely known better.
 pub const WIDTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 /// Position of the widest.
 pub(super) const WIDEST: usize = WIDTHS.len() - 1;

@@ -2,13 +2,18 @@
 #![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
+use super::prior_widths::WIDTHS;
 use crate::numeric::cholesky::{backward, dot, factor, forward};
 use crate::numeric::on_widest;
 
-/// Rounds of the fixed point: the variance sets the ridge, and the ridge the variance.
+/// Rounds of the fixed point: the variance sets the ridge, and the ridge the variance. The ridge is
+/// small beside the squares of columns that matter, so that each round changes far less than the last.
 const ROUNDS: usize = 3;
-/// Part of a sum of squares that arithmetic leaves behind.
+/// Part of a sum of squares that arithmetic leaves behind: a few thousand roundings of 1.1e-16.
 const ROUNDING: f64 = 1e-12;
+
+/// Square of the widest prior, in prior standard deviations; see [`WIDTHS`].
+const WIDEST_SQUARED: f64 = WIDTHS[WIDTHS.len() - 1] * WIDTHS[WIDTHS.len() - 1];
 
 /// Variance that the columns between the first and the last of some products leave of the last.
 ///
@@ -38,7 +43,7 @@ pub fn residual_variance(
         ..Ridge::default()
     };
     (0..ROUNDS).fold(variance, |variance, _| {
-        ridge.round(degrees, variance.max(variance_floor) / 9.0)
+        ridge.round(degrees, variance.max(variance_floor) / WIDEST_SQUARED)
     })
 }
 

@@ -7,11 +7,13 @@ use super::stack::{NoiseTable, Noises, Place};
 use crate::numeric::pack_cholesky::{backward, factor, forward, invert, less, squares};
 use crate::numeric::{Pack, on_widest};
 
-/// Part of a sum of squares that arithmetic leaves behind.
+/// Part of a sum of squares that arithmetic leaves behind: a few thousand roundings of 1.1e-16.
 const ROUNDING: f64 = 1e-12;
-/// Part of a column's square that whitening may leave in doubt: slow noise takes most of it away.
+/// Part of a column's square that whitening may leave in doubt: slow noise takes all but a part in
+/// 10^7 of it away, and the roundings of what it takes away remain.
 const WHITENED: f64 = 1e-9;
-/// Ratios of a pivot and its precision, each of at most one over [`WHITENED`], that fit in a number.
+/// Ratios of a pivot and its precision, each of at most one over [`WHITENED`], whose product fits in a
+/// double: `10^(9 * 30) = 10^270`, below `10^308`.
 const FACTORS: usize = 30;
 
 /// Evidence for one combination of widths, up to what all have in common, and the variance.
