@@ -9,7 +9,7 @@ use super::recipe::{Level, Recipe, Shape};
 use super::source::Reader;
 use super::waves::Waves;
 use crate::batch::Column;
-use crate::batch::staged::{Given, Line, Pass, Reading};
+use crate::batch::staged::{BlockReader, Line, Pass, Reading};
 use crate::chain::Stage;
 use crate::conditions::Quantity;
 use crate::model::Term;
@@ -17,7 +17,7 @@ use crate::simd::{InstructionSet, active};
 
 /// One thread's memory for the columns of a table.
 pub(super) struct Maker<'a> {
-    given: Given,
+    given: BlockReader,
     base: Pass,
     tools: Tools<'a>,
 }
@@ -50,7 +50,7 @@ impl Reader for Maker<'_> {
 impl<'a> Maker<'a> {
     pub(super) fn new(of: &'a Columns<'a>) -> Self {
         Self {
-            given: Given::new(
+            given: BlockReader::new(
                 Column::of(of.distance),
                 of.recorded.each_ref().map(Numbers::column),
             ),

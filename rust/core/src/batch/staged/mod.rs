@@ -11,4 +11,4 @@ mod pass;
 mod tracks;
 
 pub(crate) use pass::{Pass, is_alone, prepare};
-pub(crate) use tracks::{BLOCK, Given, Line, Reading, TRACKS, tracks_of};
+pub(crate) use tracks::{BLOCK, BlockReader, Line, Reading, TRACKS, tracks_of};
