@@ -36,14 +36,14 @@ impl CoreFirmware {
             .map_err(|error| to_python(&error))
     }
 
-    /// What the search ranked this design by: bytes and cycles of a cost model, never of a measurement.
+    /// Bytes and cycles (or instructions) by the cost model that ranked this design. Not measured.
     fn ranked_by(&self) -> PyResult<(u64, u64)> {
         let target = Target::parse(&self.provenance.target).map_err(|error| to_python(&error))?;
         let cost = target.expected(&self.design.program);
         Ok((cost.size.div_ceil(10), cost.time.div_ceil(10)))
     }
 
-    /// The kinds of step in the function and how many there are of each: what a cost model weighs.
+    /// The kinds of step in the function and how many there are of each: the input of the cost model.
     fn steps(&self) -> Vec<(&'static str, u32)> {
         let counts = target::features(&self.design.program);
         target::FEATURES.into_iter().zip(counts).collect()
@@ -109,7 +109,7 @@ impl From<Measured> for Measurement {
     }
 }
 
-/// What Python asks for.
+/// The request from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct FirmwareRequest {
@@ -154,7 +154,7 @@ pub fn echo_times(
     interrupted.map_or_else(|| found.map_err(|error| to_python(&error)), Err)
 }
 
-/// Design, prove and write a firmware; `progress(form, checked, total)` is told of each candidate and its proof.
+/// Design, prove and write a firmware. `progress(form, checked, total)` is called for each candidate and during its proof.
 #[pyfunction]
 pub fn design_firmware(
     py: Python<'_>,
@@ -178,7 +178,7 @@ pub fn design_firmware(
     interrupted.map_or_else(|| result.map_err(|failure| failure.raise(py)), Err)
 }
 
-/// Why no firmware came out, and the best that could be had where it was the bound.
+/// The reason why no firmware was generated; if it is the error bound, the firmware with the smallest error.
 struct Failure {
     error: Error,
     best: Option<Box<CoreFirmware>>,
@@ -239,7 +239,7 @@ fn meet(
     Package::parse(&request.package)?; // before the proof, which may take a minute
     let device = device(request)?;
     let lowered = lowered(model, &device, request)?;
-    let wanted = Request {
+    let search = Request {
         reference: &lowered,
         device: &device,
         maximum_error: request.maximum_error,
@@ -251,7 +251,7 @@ fn meet(
         threads: request.threads,
     };
     let mut form = String::new();
-    let found = design(wanted, &mut |event| match event {
+    let found = design(search, &mut |event| match event {
         Progress::Candidate(candidate) => {
             candidate.clone_into(&mut form);
             progress(&form, 0, device.inputs())
@@ -277,12 +277,13 @@ fn meet(
     };
     match found {
         Ok(design) => Ok(firmware(Arc::new(design))),
-        Err(Error::Bound(reachable)) => {
-            let best = Some(Box::new(firmware(Arc::clone(&reachable.design))));
-            let error = Error::Bound(reachable);
+        Err(failure) => {
+            let best = failure
+                .best
+                .map(|design| Box::new(firmware(Arc::from(design))));
+            let error = failure.error;
             Err(Failure { error, best })
         }
-        Err(error) => Err(error.into()),
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::Air;
 use super::saturation::saturation_pressure_of_rows;
-pub use super::saturation::{ZERO_CELSIUS, saturation_pressure, saturation_pressure_giacomo};
 use crate::scalar::{Rows, Scalar};
+
+pub use super::vapor_pressure::{ZERO_CELSIUS, saturation_pressure, saturation_pressure_giacomo};
 
 /// Molar gas constant \[J/(mol K)\], SI brochure 9th edition (exact).
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;

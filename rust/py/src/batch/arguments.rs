@@ -28,14 +28,7 @@ pub struct Options<'a, 'py> {
 
 /// Threads that a caller allows: at least one.
 #[derive(Clone, Copy)]
-pub struct Threads(usize);
-
-impl Threads {
-    /// How many.
-    pub fn count(self) -> usize {
-        self.0
-    }
-}
+pub struct Threads(pub(super) usize);
 
 impl<'py> FromPyObject<'_, 'py> for Threads {
     type Error = PyErr;

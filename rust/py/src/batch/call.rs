@@ -87,7 +87,10 @@ fn filled<'py>(py: Python<'py>, input: &Input<'_, 'py>) -> Bound<'py, PyAny> {
 
 fn threads(asked: Option<Threads>) -> usize {
     static AVAILABLE: OnceLock<usize> = OnceLock::new();
-    asked.map_or_else(|| *AVAILABLE.get_or_init(available_threads), Threads::count)
+    asked.map_or_else(
+        || *AVAILABLE.get_or_init(available_threads),
+        |Threads(count)| count,
+    )
 }
 
 fn keywords<'py>(

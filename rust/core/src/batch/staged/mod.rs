@@ -11,4 +11,5 @@ mod pass;
 mod tracks;
 
 pub(crate) use pass::{Pass, is_alone, prepare};
-pub(crate) use tracks::{BLOCK, BlockReader, Line, Reading, TRACKS, tracks_of};
+pub use tracks::{BLOCK, Line};
+pub(crate) use tracks::{BlockReader, Reading, TRACKS, tracks_of};

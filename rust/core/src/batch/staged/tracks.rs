@@ -12,10 +12,10 @@ use core::ops::Range;
 use core::slice::from_raw_parts;
 
 /// Rows at once: a multiple of every vector width; what is in use of a block stays near.
-pub(crate) const BLOCK: usize = 240;
+pub const BLOCK: usize = 240;
 
 /// One number per row of a block.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Line(pub [f64; BLOCK]);
 
