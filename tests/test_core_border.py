@@ -177,7 +177,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "echo_code has 2 rows, temperature_code has 1",
     ),
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
-    "air of one number": (_designed, TypeError, "Wish.assumed"),
+    "air of one number": (_designed, TypeError, "FirmwareRequest.assumed"),
     "a cell far away": (lambda: _slips(cells=[2**63 - 1] * 48), ValueError, "cells has label 92233"),
     "a stretch below nought": (lambda: _slips(stretches=[-1] * 48), ValueError, "stretches has label -1"),
     "combinations for ever": (
