@@ -23,9 +23,9 @@ from measure import processor
 import echocal
 from echocal import _core
 from echocal.diagnose import engine, verdict
-from echocal.diagnose.evidence import case, hypotheses
-from echocal.diagnose.naming import belief
-from echocal.diagnose.signals.columns import Columns
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.inference import case, hypotheses
+from echocal.diagnose.selection import belief
 
 HERE = Path(__file__).parent
 RUNS = {1_000: 9, 100_000: 5, 1_000_000: 3}

@@ -3,7 +3,7 @@
 import pytest
 
 import echocal
-from echocal.diagnose.planning.average import Member, averaged
+from echocal.diagnose.experiment_design.average import Member, averaged
 
 LATE = echocal.Model("linear", effects={"fixed_delay": {"delay": 30e-6}})
 WARMING = echocal.Model("linear", effects={"temperature_self_heating": {"rise": 0.5}})

@@ -8,8 +8,8 @@ import pytest
 
 import echocal
 from echocal.diagnose.faults import _GROSS, _ROWS
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.view import View
 
 ROWS = 120
 Table = dict[str, np.ndarray]

@@ -6,14 +6,14 @@ from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 import echocal
-from echocal.diagnose.evidence.innovation import innovation
-from echocal.diagnose.evidence.noise import CONVECTIONS, Convection, Noise, noises
-from echocal.diagnose.evidence.sums import Sums, Whitened
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, weigh, weigh_each
-from echocal.diagnose.signals.candidates import Candidates, Variant
-from echocal.diagnose.signals.columns import Columns
-from echocal.diagnose.signals.unexplained import HOUR, Basis, column_of, shape_candidates
-from echocal.diagnose.table.order import Order
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.candidates.effects import Candidates, Variant
+from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of, shape_candidates
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh, weigh_each
+from echocal.diagnose.inference.innovation import innovation
+from echocal.diagnose.inference.noise import CONVECTIONS, Convection, Noise, noises
+from echocal.diagnose.inference.sums import Sums, Whitened
+from echocal.diagnose.preprocess.order import Order
 
 
 def sums(

@@ -7,7 +7,7 @@ import pytest
 
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
-from echocal.diagnose.telling.explain import explain, lead, proposal_text
+from echocal.diagnose.results.explain import explain, lead, proposal_text
 
 EFFECT = Cause("clock_error", "effect", 0.97, (), ("oblique_target",), "far rows read more")
 SLIP = Cause("cycle_slip", "noise", 1.0, (), (), "some rows jump", in_model=False)

@@ -5,7 +5,7 @@ import pytest
 from hidden_effects.designs import remembering
 
 import echocal
-from echocal.diagnose.evidence import memories
+from echocal.diagnose.inference import memories
 
 ROWS = 24_000  # more than a short table
 

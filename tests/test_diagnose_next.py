@@ -10,11 +10,11 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
 from echocal import Model
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.planning.average import Member
-from echocal.diagnose.planning.design import best_plan
-from echocal.diagnose.planning.prospect import Prospect
-from echocal.diagnose.planning.ranges import grid, guards, parsed_ranges
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.experiment_design.design import best_plan
+from echocal.diagnose.experiment_design.prospect import Prospect
+from echocal.diagnose.experiment_design.ranges import grid, guards, parsed_ranges
+from echocal.diagnose.inference.noise import Noise
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.table.lattice import find_lattice
+from echocal.diagnose.preprocess.quantization_grid import find_lattice
 
 N = 400
 Table = dict[str, np.ndarray]

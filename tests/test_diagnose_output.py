@@ -14,7 +14,7 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 from matplotlib.figure import Figure
 
 import echocal
-from echocal.diagnose.terms.sentences import Recorded, tendency
+from echocal.diagnose.findings.sentences import Recorded, tendency
 from echocal.plots.diagnosis import plot_residuals, save_diagnosis
 
 TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"

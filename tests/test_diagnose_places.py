@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from echocal.diagnose.signals.candidates import Scene
-from echocal.diagnose.signals.look import Divided, Look
-from echocal.diagnose.signals.places import places
-from echocal.diagnose.table.base import Base
+from echocal.diagnose.candidates.effects import Scene
+from echocal.diagnose.candidates.onset_search import Divided, Look
+from echocal.diagnose.candidates.onsets import places
+from echocal.diagnose.preprocess.base import Base
 from echocal.registry import find_effect
 
 ROWS, BUMPED = 3000, 1891

@@ -11,7 +11,7 @@ from rich.console import Console
 
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
-from echocal.diagnose.telling.grouped import grouped
+from echocal.diagnose.results.grouped import grouped
 from echocal.plots.diagnosis import plot_gain, save_diagnosis, telling
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior

@@ -5,7 +5,7 @@ import pytest
 from hidden_effects.cases import Spec, build
 
 import echocal
-from echocal.diagnose.evidence import hypotheses
+from echocal.diagnose.inference import hypotheses
 
 CASES = (
     ("a", ()),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.table.rows import far_rows
-from echocal.diagnose.table.scene import FAR
+from echocal.diagnose.preprocess.rows import far_rows
+from echocal.diagnose.preprocess.scene import FAR
 
 ROWS = 400
 

@@ -13,7 +13,7 @@ import echocal
 from echocal.cli import app, main
 from echocal.conditions import QUANTITIES
 from echocal.diagnose.catalogue import irregularities
-from echocal.diagnose.terms.facts import CauseFacts
+from echocal.diagnose.findings.facts import CauseFacts
 from echocal.model.portrait import RECORDED
 from echocal.registry import Effect, find_effect
 

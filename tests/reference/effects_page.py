@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from echocal.diagnose.catalogue import irregularities
-from echocal.diagnose.terms.facts import CauseFacts
+from echocal.diagnose.findings.facts import CauseFacts
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, Parameter, effects
 

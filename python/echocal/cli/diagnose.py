@@ -26,7 +26,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.diagnose.planning.ranges import parsed_ranges
+from echocal.diagnose.experiment_design.ranges import parsed_ranges
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.report import print_diagnosis

@@ -14,7 +14,7 @@ from rich.text import Text
 from echocal.cli import _made_by
 from echocal.cli._outputs import Force, Output, check_outputs, pass_on
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
-from echocal.diagnose.terms.facts import CauseFacts
+from echocal.diagnose.findings.facts import CauseFacts
 from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, effects
 

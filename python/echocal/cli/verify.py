@@ -26,7 +26,7 @@ from echocal.cli._tables import (
     toml_files,
     write_json,
 )
-from echocal.diagnose.terms.sentences import quantity_text
+from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.sweep import parse

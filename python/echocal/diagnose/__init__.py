@@ -2,31 +2,39 @@
 
 Its rooms, from the ground up; each imports what stands below it alone:
 
-``terms``
-    What a diagnosis is made of, and how its numbers are said.
-``table``
+``findings``
+    What the stages hand on: facts of a cause, findings, claims, gains.
+``preprocess``
     Which rows are used, and how they belong together.
-``signals``
-    What each cause, and each shape without one, would add to the readings.
-``evidence``
-    Sums over the rows, the noise that is reckoned with, and how probable each set of causes is.
+``candidates``
+    What each cause, and each smooth function without a cause, would add to the readings.
+``inference``
+    Sums over the rows, the noise models, and the posterior over sets of causes.
 ``noises``, ``faults``
     Causes in the scatter and in single rows, a file each.
-``naming``
-    What is claimed, with its rivals, and what remains.
-``judging``
-    Claims before rows that no fit saw, and the gain measured there.
-``planning``
-    What the members of a credible set predict, and the rows that tell them apart.
-``telling``
-    The diagnosis as a person reads it.
+``selection``
+    Which causes are claimed, with those that the data cannot separate from them.
+``validation``
+    The claims on held-out rows, and the gain measured there.
+``experiment_design``
+    What the members of a credible set predict, and the rows that separate them.
+``results``
+    The diagnosis as data and as sentences.
 """
 
 from echocal.diagnose.engine import diagnose
 from echocal.diagnose.faults import gross_faults, row_faults
+from echocal.diagnose.findings.parts import (
+    Cause,
+    Gain,
+    NextMeasurement,
+    Parameter,
+    Refuted,
+    Traces,
+    Unexplained,
+)
 from echocal.diagnose.noises import noises
-from echocal.diagnose.telling.result import Diagnosis
-from echocal.diagnose.terms.parts import Cause, Gain, NextMeasurement, Parameter, Refuted, Traces, Unexplained
+from echocal.diagnose.results.result import Diagnosis
 
 __all__ = [
     "Cause",

@@ -3,8 +3,8 @@
 from functools import cache
 
 from echocal.diagnose.faults import gross_faults, row_faults
+from echocal.diagnose.findings.facts import CauseFacts
 from echocal.diagnose.noises import noises
-from echocal.diagnose.terms.facts import CauseFacts
 from echocal.registry import Effect, effects, found
 
 __all__ = ["causes", "find_cause", "irregularities"]

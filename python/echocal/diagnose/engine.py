@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from echocal.diagnose.evidence.case import examine
+from echocal.diagnose.experiment_design.ranges import checked_ranges
 from echocal.diagnose.faults import find_faults
-from echocal.diagnose.planning.ranges import checked_ranges
+from echocal.diagnose.inference.case import examine
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.folds import Folds
+from echocal.diagnose.preprocess.scene import prepare, refuse_distance
+from echocal.diagnose.preprocess.window import between, held_out
 from echocal.diagnose.progress import Progress, Steps
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.folds import Folds
-from echocal.diagnose.table.scene import prepare, refuse_distance
-from echocal.diagnose.table.window import between, held_out
-from echocal.diagnose.telling.level_steps import further_step
-from echocal.diagnose.telling.result import Diagnosis
+from echocal.diagnose.results.level_steps import further_step
+from echocal.diagnose.results.result import Diagnosis
 from echocal.diagnose.verdict import conclude
 from echocal.errors import DataError, DomainWarning, EchocalError, UsageError
 from echocal.model import Model

@@ -7,23 +7,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.experiment_design.members import members
+from echocal.diagnose.experiment_design.next_measurements import propose
+from echocal.diagnose.experiment_design.ranges import Ranges
 from echocal.diagnose.faults import Faults
-from echocal.diagnose.judging.gain import errors
-from echocal.diagnose.judging.judge import Judgment, judge
-from echocal.diagnose.judging.remaining_shape import with_its_shape
-from echocal.diagnose.naming.belief import Belief, believe
-from echocal.diagnose.naming.claims import Claim, alternatives, parameters
-from echocal.diagnose.naming.joint import NAMED, Joint, join
-from echocal.diagnose.planning.members import members
-from echocal.diagnose.planning.next_measurements import propose
-from echocal.diagnose.planning.ranges import Ranges
+from echocal.diagnose.findings.parts import Cause, Parameter, Traces, Verdict
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.progress import Steps
-from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.telling.level_steps import steps_of
-from echocal.diagnose.telling.notes import because, notes
-from echocal.diagnose.telling.result import Diagnosis
-from echocal.diagnose.terms.parts import Cause, Parameter, Traces, Verdict
+from echocal.diagnose.results.level_steps import steps_of
+from echocal.diagnose.results.notes import because, notes
+from echocal.diagnose.results.result import Diagnosis
+from echocal.diagnose.selection.claims import Claim, alternatives, parameters
+from echocal.diagnose.selection.infer import Belief, believe
+from echocal.diagnose.selection.joint import NAMED, Joint, join
+from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.validation.refute import Judgment, judge
+from echocal.diagnose.validation.unexplained_term import with_its_shape
 from echocal.errors import DomainWarning
 from echocal.observations import Observations
 from echocal.registry import find_effect

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.terms.sentences import Recorded, shown, telling_column
+from echocal.diagnose.findings.sentences import Recorded, shown, telling_column
 from echocal.errors import writing
 from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from echocal.diagnose import Diagnosis, NextMeasurement
-from echocal.diagnose.telling.explain import proposal_text
-from echocal.diagnose.terms.sentences import shown
+from echocal.diagnose.findings.sentences import shown
+from echocal.diagnose.results.explain import proposal_text
 
 __all__ = ["next_figure", "plot_next"]
 

@@ -6,8 +6,8 @@ from collections.abc import Set
 from matplotlib.axes import Axes
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.telling.explain import lead
-from echocal.diagnose.telling.grouped import LEAST, Group, grouped, in_common
+from echocal.diagnose.results.explain import lead
+from echocal.diagnose.results.grouped import LEAST, Group, grouped, in_common
 from echocal.plots.labels import title_beside
 
 __all__ = ["plot_posterior"]

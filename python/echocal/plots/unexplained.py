@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.signals.unexplained import column_of
-from echocal.diagnose.terms.sentences import shown
+from echocal.diagnose.candidates.unexplained_terms import column_of
+from echocal.diagnose.findings.sentences import shown
 from echocal.plots.labels import fitted
 
 __all__ = ["plot_unexplained"]

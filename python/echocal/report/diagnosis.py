@@ -9,9 +9,9 @@ from rich.text import Text
 
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.telling.explain import further_notes, lead, parameter_text, proposal_text, rivals_of
-from echocal.diagnose.telling.grouped import LEAST, grouped, in_common
-from echocal.diagnose.terms.sentences import shifted_text
+from echocal.diagnose.findings.sentences import shifted_text
+from echocal.diagnose.results.explain import further_notes, lead, parameter_text, proposal_text, rivals_of
+from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
 __all__ = ["print_diagnosis"]
 

@@ -4,7 +4,7 @@ import warnings
 from dataclasses import dataclass
 
 from echocal.diagnose import Cause, Diagnosis, diagnose
-from echocal.diagnose.telling.explain import parameter_text
+from echocal.diagnose.results.explain import parameter_text
 from echocal.study.sensor import STATED_LAW
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 

@@ -20,11 +20,11 @@ from echocal.diagnose.faults import (
     timeout,
     unit_mixup,
 )
+from echocal.diagnose.findings.facts import CauseFacts
+from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises import find_steps
-from echocal.diagnose.table.base import Base
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts
-from echocal.diagnose.terms.finding import Finding
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.view import View
 from echocal.observations import Observations
 
 __all__ = ["Faults", "Finding", "find_faults", "gross_faults", "row_faults"]

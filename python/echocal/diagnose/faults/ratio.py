@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.view import View
 from echocal.observations import Observations
 
 __all__ = ["Factor", "divided", "factor_of"]

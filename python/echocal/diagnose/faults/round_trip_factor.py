@@ -1,10 +1,10 @@
 """The round trip not halved, or halved twice."""
 
 from echocal.diagnose.faults.ratio import divided, factor_of
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.parts import Parameter
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["FACTS", "detect"]
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.scene import some
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
-from echocal.diagnose.terms.finding import Finding, listed
-from echocal.diagnose.terms.parts import Parameter
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.finding import Finding, listed
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.scene import some
+from echocal.diagnose.preprocess.view import View
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.parts import Parameter
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.view import View
 from echocal.observations import Observations
 
 __all__ = ["FACTS", "detect"]

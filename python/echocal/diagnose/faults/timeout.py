@@ -3,10 +3,10 @@
 import numpy as np
 
 from echocal.diagnose.faults.values import far, recorded
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
-from echocal.diagnose.terms.finding import Finding, listed
-from echocal.diagnose.terms.parts import Parameter
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.finding import Finding, listed
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["FACTS", "detect"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["chance_far", "far", "millimeters", "recorded", "repeats"]
 

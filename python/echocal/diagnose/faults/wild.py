@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.values import chance_far, far
-from echocal.diagnose.table.view import View
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["count_evidence", "wild_side"]
 

@@ -5,6 +5,8 @@ One file a noise. Steps are read off the columns themselves, before anything is 
 
 from collections.abc import Iterator
 
+from echocal.diagnose.findings.facts import CauseFacts
+from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises import (
     correlated_noise,
     cycle_slip,
@@ -15,10 +17,8 @@ from echocal.diagnose.noises import (
     temperature_quantization,
     timer_quantization,
 )
-from echocal.diagnose.table.lattice import HARMLESS, NEGLIGIBLE
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts
-from echocal.diagnose.terms.finding import Finding
+from echocal.diagnose.preprocess.quantization_grid import HARMLESS, NEGLIGIBLE
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["find_steps", "noises"]
 

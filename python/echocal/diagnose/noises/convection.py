@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.innovation import log_likelihood
-from echocal.diagnose.evidence.noise import CONVECTIONS, Convection, Noise
-from echocal.diagnose.evidence.weigh import Stack, Weighed
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Stack, Weighed
+from echocal.diagnose.inference.innovation import log_likelihood
+from echocal.diagnose.inference.noise import CONVECTIONS, Convection, Noise
 
 __all__ = ["convections"]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.inference.noise import Noise
 
 __all__ = ["FACTS", "of", "parameters"]
 

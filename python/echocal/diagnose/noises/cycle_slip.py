@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
 from echocal.diagnose.noises.trace import Likelihood, Trace
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
 
 __all__ = ["FACTS", "fit"]
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
 from echocal.diagnose.noises.trace import KERNELS, Likelihood, Trace, log_density, scale_of
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
 
 __all__ = ["FACTS", "fit"]
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from echocal.diagnose.table.lattice import FINEST, find_lattice
-from echocal.diagnose.table.view import View
-from echocal.diagnose.terms.facts import CauseFacts, Quantity
-from echocal.diagnose.terms.finding import Finding
-from echocal.diagnose.terms.parts import Parameter
+from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
+from echocal.diagnose.preprocess.view import View
 
 __all__ = ["FACTS", "detect"]
 

@@ -7,11 +7,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.evidence.case import Case
-from echocal.diagnose.evidence.hypotheses import PRIOR
-from echocal.diagnose.evidence.innovation import innovation
-from echocal.diagnose.evidence.noise import Noise
-from echocal.diagnose.evidence.weigh import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.findings.facts import CauseFacts
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.innovation import innovation
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import PRIOR
 from echocal.diagnose.noises import (
     correlated_noise,
     cycle_slip,
@@ -20,8 +22,6 @@ from echocal.diagnose.noises import (
     reference_error,
 )
 from echocal.diagnose.noises.trace import Likelihood, Trace
-from echocal.diagnose.signals.candidates import UNKNOWN
-from echocal.diagnose.terms.facts import CauseFacts
 
 __all__ = ["GUARDS", "SHAPES", "NoiseShares", "weigh_noises"]
 

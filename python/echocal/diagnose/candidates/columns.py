@@ -1,0 +1,152 @@
+"""Columns of candidate causes: recipes, made block by block where a pass over the rows needs them."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.conditions import QUANTITIES
+from echocal.diagnose.preprocess.order import Order
+from echocal.model import Model
+
+__all__ = ["Columns"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+
+class Columns:
+    """Columns of one table, each known by its position.
+
+    Parameters
+    ----------
+    base : Model
+        The base simulation.
+    distance : ndarray, shape (n,)
+        Reference distance, or the level of each row's stretch [m].
+    conditions : mapping of str to ndarray
+        Recorded influence quantities.
+    groups : ndarray of int, shape (n,), or None
+        Stretch of each row where the level is unknown; None where the distance is.
+    """
+
+    def __init__(
+        self, base: Model, distance: Column, conditions: Mapping[str, Column], groups: Labels | None
+    ) -> None:
+        given: dict[str, Column | float] = {**base.air}
+        given |= {name: np.ascontiguousarray(column) for name, column in conditions.items()}
+        missing = {name: np.nan if q.default is None else q.default for name, q in QUANTITIES.items()}
+        recorded = [given.get(name, missing[name]) for name in QUANTITIES]
+        labels = None if groups is None else groups.astype(np.uint32)
+        self._core = _core.Columns(base._core, np.ascontiguousarray(distance), recorded, labels)
+
+    def __len__(self) -> int:
+        return len(self._core)
+
+    def __getitem__(self, position: int) -> Column:
+        column: Column = self.at([position])[0]
+        return column
+
+    def at(self, positions: Sequence[int], rows: Labels | None = None) -> Column:
+        """Make some columns, one per line, at some rows in ascending order or at all."""
+        wanted = None if rows is None else np.ascontiguousarray(rows, dtype=np.uintp)
+        made: Column = self._core.made(list(positions), wanted)
+        return made
+
+    def combined(self, positions: Sequence[int], factors: Column) -> Column:
+        """Sum of some columns, each times its factor, at all rows."""
+        return self._core.combined(list(zip(positions, factors.tolist(), strict=True)))
+
+    def slope(self) -> int:
+        """Derivative of the base's reading to the distance."""
+        return self._core.slope()
+
+    def store(self, column: Column) -> int:
+        """Keep a column as it is."""
+        return self._core.store(np.ascontiguousarray(column))
+
+    def shift(self, id_: str, at: Mapping[str, float], levels: Column | None) -> int:
+        """Change of the reading [m] by an effect; `levels` of the stretches if it were there [m]."""
+        return self._core.shift(id_, list(at.items()), levels)
+
+    def tangent(
+        self,
+        id_: str,
+        at: Mapping[str, float],
+        name: str,
+        scale: float,
+        *,
+        at_work: bool = False,
+        levels: Column | None = None,
+    ) -> int:
+        """Derivative of the reading to a parameter of an effect, times a scale.
+
+        Parameters
+        ----------
+        id_, name : str
+            The effect and its parameter.
+        at : mapping of str to float
+            Parameters at which it is taken.
+        scale : float
+        at_work : bool
+            Whether the effect does something there.
+        levels : ndarray, optional
+            Level of each stretch if it does [m].
+        """
+        return self._core.tangent(id_, list(at.items()), at_work, levels, name, scale)
+
+    def legendre(
+        self, column: Column, low: float, high: float, scales: Sequence[float], *, first: int = 1
+    ) -> list[int]:
+        """Legendre polynomials of a column scaled to -1..1 between two values, without their means.
+
+        Parameters
+        ----------
+        column : ndarray, shape (n,)
+        low, high : float
+        scales : sequence of float
+            What they are multiplied with, one for each degree.
+        first : int, default: 1
+            Lowest degree; if 2, all are without the straight line that is nearest to them.
+        """
+        return self._core.legendre(np.ascontiguousarray(column), low, high, first, list(scales))
+
+    def waves(self, column: Column, period: float, scales: Sequence[float]) -> list[int]:
+        """Sine and cosine of multiples of a column's phase, without their means.
+
+        Parameters
+        ----------
+        column : ndarray, shape (n,)
+        period : float
+        scales : sequence of float
+            What they are multiplied with, one for each multiple from the first on.
+        """
+        return self._core.waves(np.ascontiguousarray(column), period, list(scales))
+
+    def settle(self) -> None:
+        """Find what unknown levels take up of each column, once all are there."""
+        self._core.settle()
+
+    def gram(self) -> Column:
+        """Products of every pair of columns, summed over all rows; settles them."""
+        self._core.settle()
+        gram: Column = self._core.gram()
+        return gram
+
+    def products(
+        self,
+        order: Order,
+        blocks: Labels,
+        cells: Labels,
+        places: tuple[Labels, Labels],
+        series: Column,
+        memories: Sequence[float | tuple[float, float] | None],
+    ) -> _core.Sums:
+        """Lag-0 and lag-1 products, see `Sums`; settles the columns."""
+        self._core.settle()
+        labels = (blocks.astype(np.uint32), cells.astype(np.uint32))
+        where = list(zip(*(place.tolist() for place in places), strict=True))
+        return self._core.products(
+            order.starts, *labels, order.distance, where, series, list(memories), order.flat_level
+        )

@@ -1,0 +1,99 @@
+"""Places along a column at which an effect may begin, closer where it explains most."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.onset_search import Divided, Look
+from echocal.registry import Effect, Parameter
+
+if TYPE_CHECKING:
+    from echocal.diagnose.candidates.effects import Scene
+
+__all__ = ["places"]
+
+Column = NDArray[np.float64]
+
+_CLOSEST = 0.5  # rows between two places at which an effect may begin
+_ENDS = 5  # rows at either end of a table: what begins there is a wild row rather than an effect
+_BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
+_FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
+
+
+def places(
+    effect: Effect, parameter: Parameter, at: Mapping[str, float], scene: Scene
+) -> list[tuple[float, float]]:
+    """Places at which an effect may begin, each with its share of the prior.
+
+    The share of a place is the part of the rows that is nearer to it than to any other. What begins
+    in time is sought in what a scale and the temperature leave; and, where distances follow each
+    other, so that these two take up what a step does, in all that is there.
+    """
+    along = parameter.tried_along
+    assert along is not None
+    column = scene.distance if along == "distance" else scene.conditions[along]
+    ascending = column if (column[1:] >= column[:-1]).all() else np.sort(column)
+    inner = ascending[:_ENDS][-1], ascending[-_ENDS:][0]
+    reach = _reach(ascending, parameter) if along == "distance" else inner
+    given: dict[str, Any] = {
+        "effect": effect,
+        "parameters": {**{p.name: p.neutral for p in effect.parameters}, **at},
+        "place": parameter.name,
+        "scene": scene,
+        "of": [scene.residual] if along == "distance" else [scene.leftover, scene.residual],
+    }
+    divides = parameter.divides == along and scene.groups is None
+    look = Divided(**given, column=column, first=reach[0]) if divides else Look(**given)
+    found: set[float] = set()
+    for of in range(len(look.of)):
+        found |= _closer(look, of, parameter, ascending, reach)
+    return _shares(ascending, sorted(found)) if found else []
+
+
+def _closer(
+    look: Look, of: int, parameter: Parameter, ascending: Column, reach: tuple[float, float]
+) -> set[float]:
+    """Where a place explains most, halve the distance to the next one until it is half a row."""
+
+    def explained(tried: Sequence[float]) -> dict[float, float]:
+        values = dict(zip(tried, _quantiles(ascending, tried), strict=True))
+        shown = {q: value for q, value in values.items() if reach[0] <= value <= reach[1]}
+        look.at(list(shown.values()))
+        return {q: look.squares(value, of) for q, value in shown.items()}
+
+    scores = explained(parameter.tried)
+    step = float(np.diff(parameter.tried).min()) / 2
+    while scores and step * len(ascending) > _CLOSEST:
+        best = max(scores, key=lambda q: scores[q])
+        scores |= explained((best - step, best + step))
+        step /= 2
+    return set(scores)
+
+
+def _shares(ascending: Column, quantiles: Sequence[float]) -> list[tuple[float, float]]:
+    middles = np.array([0.0, *(np.diff(quantiles) / 2 + quantiles[:-1]), 1.0])
+    values: dict[float, float] = {}
+    for value, share in zip(_quantiles(ascending, quantiles), np.diff(middles).tolist(), strict=True):
+        values[value] = values.get(value, 0.0) + share
+    return list(values.items())
+
+
+def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
+    """Quantiles of a sorted column, between neighbors where none of its rows is at the place."""
+    at = np.asarray(parts, dtype=np.float64) * (len(ascending) - 1)
+    before = np.floor(at).astype(np.int64)
+    low, high = ascending[before], ascending[np.minimum(before + 1, len(ascending) - 1)]
+    return [float(value) for value in low + (high - low) * (at - before)]
+
+
+def _reach(ascending: Column, parameter: Parameter) -> tuple[float, float]:
+    """First and last distance at which an effect may begin: one that begins before is an offset."""
+    distinct = ascending[np.append(True, ascending[1:] > ascending[:-1])]
+    before = max(_FEWEST_BEFORE, int(np.ceil(_BEFORE * len(distinct))))
+    if len(distinct) <= before:
+        return np.inf, -np.inf
+    return max(parameter.bounds[0], float(distinct[before - 1])), float(distinct[-2])

@@ -1,0 +1,126 @@
+"""The credible set as models."""
+
+from collections.abc import Iterable, Mapping, Sequence, Set
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.posterior import preferred
+from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
+from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.validation.refute import Judgment
+from echocal.model import Model
+
+__all__ = ["members"]
+
+Ids = tuple[str, ...]
+
+_SHARE = 0.99  # probability that the members hold together
+_MOST = 10
+_LEAST = 1e-4  # of a rival that only its implausible size speaks against
+
+
+def members(
+    case: Case, ranking: Ranking, claimed: Sequence[Claim], judgment: Judgment, stack: Stack
+) -> tuple[Member, ...]:
+    """Return the sets of causes that the data leave possible, most probable first.
+
+    A shape without a cause says nothing about conditions that nobody measured, so it stands in
+    no model: sets that differ in it alone are one. Neither does a cause that rows never fitted
+    speak against, nor a set that needs a shape, or a refuted cause, to explain the rows.
+    """
+    refuted = {id_ for r in judgment.refuted for id_ in (r.id, *r.indistinguishable_from)}
+    left_out = {UNKNOWN, *refuted}
+    shares: dict[Ids, float] = {}
+    alone: dict[Ids, float] = {}
+    for ids, p in ranking.sets:
+        named = _named(ids, left_out)
+        shares[named] = shares.get(named, 0.0) + p
+        alone[named] = alone.get(named, 0.0) + p * (UNKNOWN not in ids)
+    forms: dict[Ids, list[Weighed]] = {}
+    for weighed in ranking.weighed:
+        forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
+    best = {named: _best(forms[named], left_out, stack) for named in _chosen(shares, claimed)}
+    models = _models(case, best, stack, doubtful=bool(refuted))
+    weights = np.array([max(shares.get(named, 0.0), _LEAST) for named in models])
+    return tuple(
+        Member(named, weight, models[named], max(alone.get(named, 0.0), _LEAST))
+        for named, weight in zip(models, (weights / weights.sum()).tolist(), strict=True)
+    )
+
+
+def _named(ids: Iterable[str], left_out: Set[str]) -> Ids:
+    return tuple(sorted(id_ for id_ in ids if id_ not in left_out))
+
+
+def _chosen(shares: Mapping[Ids, float], claimed: Sequence[Claim]) -> list[Ids]:
+    """Sets that hold most of the probability, and those that the geometry cannot tell from the best."""
+    ordered = sorted(shares, key=lambda named: -shares[named])
+    chosen, held = [], 0.0
+    for named in ordered[:_MOST]:
+        if held >= _SHARE:
+            break
+        chosen.append(named)
+        held += shares[named]
+    for named in _mimics(ordered[0], claimed):
+        if named in shares and named not in chosen and len(chosen) < _MOST:
+            chosen.append(named)
+    return chosen
+
+
+def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
+    """The most probable set with one cause replaced by one that it cannot be told from."""
+    return [
+        tuple(sorted(rival if id_ == claim.cause else id_ for id_ in best))
+        for claim in claimed
+        for rival in claim.rivals
+    ]
+
+
+def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack) -> Weighed:
+    """The best hypothesis of a set; weighed again without what is left out, if it had any of it."""
+    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes])
+    hypothesis = best.hypothesis
+    for cause in left_out - {UNKNOWN}:
+        hypothesis = without(hypothesis, cause)
+    return best if hypothesis.causes == best.hypothesis.causes else weigh(hypothesis, stack)
+
+
+def _models(case: Case, best: Mapping[Ids, Weighed], stack: Stack, *, doubtful: bool) -> dict[Ids, Model]:
+    """Model of each set of causes, but of those that leave the fitted rows further off than the base.
+
+    Beside a shape sizes may be anything that the shape makes up for, and no model has the shape:
+    then they are those without it. Where causes were refuted it is doubtful that what was weighed
+    beside them stands without them.
+    """
+    models: dict[Ids, Model] = {}
+    base: float | None = None
+    for named, weighed in best.items():
+        model, shaped = _model(case, weighed), UNKNOWN in weighed.hypothesis.causes
+        if shaped or doubtful:
+            base = _off(case, case.base.plain) if base is None else base
+            if shaped and _off(case, model) > base:
+                model = _model(case, weigh(without(weighed.hypothesis, UNKNOWN), stack))
+            if _off(case, model) > base:
+                continue
+        models[named] = model
+    return models or {(): _model(case, weigh(Hypothesis((), 1.0), stack))}
+
+
+def _off(case: Case, model: Model) -> float:
+    """Mean square error of the rows that a fit may see [m^2]."""
+    fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
+    return float(np.nanmean(errors(case.table, model, fit)[fit] ** 2))
+
+
+def _model(case: Case, weighed: Weighed) -> Model:
+    base = replace(case.base, air={**case.base.air, **case.table.air()})
+    effects = effects_of(weighed)
+    names: tuple[str, ...] = base.model(effects).parameter_names
+    covariance: NDArray[np.float64] | None = covariance_of(weighed, names) if names else None
+    return base.model(effects, covariance=covariance)

@@ -1,0 +1,119 @@
+"""What to measure next: where causes that these data cannot separate would differ."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.catalogue import find_cause
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.experiment_design.design import Plan, best_plan
+from echocal.diagnose.experiment_design.prospect import Prospect
+from echocal.diagnose.experiment_design.ranges import Ranges, grid, guards
+from echocal.diagnose.findings.parts import NextMeasurement
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.noise import Noise
+
+__all__ = ["propose"]
+
+Column = NDArray[np.float64]
+
+_WORKSHOP = {"distance": (0.3, 3.0), "temperature": (5.0, 35.0)}
+"""What anybody can vary, in m and degC: a tape, a fridge and a warm box."""
+
+_ROWS = 10  # rows proposed
+_WORTH = 0.05  # probability that rows must add to be worth the work
+_SURE = 0.999
+_LIKELY = 0.05  # probability from which on a cause is worth a side measurement where nothing is found
+_MOST = 6  # side measurements, of the most probable rivals
+
+
+def propose(
+    case: Case,
+    members: Sequence[Member],
+    claimed: Collection[str],
+    noise: Noise,
+    variance: float,
+    can_vary: Ranges | None,
+) -> tuple[NextMeasurement, ...]:
+    """Propose the rows that best separate what is possible, and side measurements for the rest."""
+    if len(members) < 2 or members[0].probability >= _SURE:
+        return ()
+    ranges = _ranges(case, can_vary)
+    stands = _stands(case)
+    varied = grid(ranges, {"distance": stands})
+    conditions = _conditions(case, varied)
+    known = case.table.reference is not None or "distance" in ranges
+    base = replace(case.base, air={**case.base.air, **case.table.air()}).model()
+    prospect = Prospect.of(members, base, conditions, noise, variance, known, stands)
+    if not np.isfinite(prospect.shift).all() or not np.isfinite(prospect.spread).all():
+        return _sides(members, (tuple(range(len(members))),), claimed)
+    probability = np.array([member.posterior for member in members])
+    same = prospect.aliases([len(member.ids) for member in members])
+    plan = best_plan(prospect, probability, same, _ROWS, case.seed, guards(varied))
+    rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
+    return (*rows, *_sides(members, plan.classes, claimed))
+
+
+def _stands(case: Case) -> Column:
+    """Distances at which the target stands already, if they are few [m]."""
+    reference = case.table.reference
+    if reference is None:
+        return np.empty(0)
+    groups = np.unique(case.table.groups)
+    return np.unique(reference) if len(groups) > 1 or np.ptp(reference) == 0 else np.empty(0)
+
+
+def _ranges(case: Case, can_vary: Ranges | None) -> Ranges:
+    if can_vary:
+        return can_vary
+    return {k: v for k, v in _WORKSHOP.items() if k == "distance" or k in case.table.conditions}
+
+
+def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
+    """Conditions of each place: what varies, and the median of everything else; later than all rows."""
+    places = len(next(iter(varied.values())))
+    recorded = {
+        name: np.full(places, column.max() if name == "elapsed_time" else np.median(column))
+        for name, column in case.table.conditions.items()
+    }
+    level = float(np.median(case.table.distance(case.base.plain)))
+    return {"distance": np.full(places, level), **recorded, **varied}
+
+
+def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -> NextMeasurement:
+    merged: dict[tuple[float, ...], int] = {}
+    for place, rows in zip(plan.places, plan.rows, strict=True):  # places that a person cannot tell apart
+        at = tuple(float(f"{column[place]:.3g}") for column in varied.values())
+        merged[at] = merged.get(at, 0) + int(rows)
+    where = {name: [at[i] for at in merged] for i, name in enumerate(varied)}
+    classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]  # rows help a bit
+    separates = _differing([members[group[0]].ids for group in classes])
+    return NextMeasurement({**where, "rows": list(merged.values())}, separates, plan.expected, plan.now)
+
+
+def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    """Causes that some of these sets have and others have not; an empty set is ``nothing``."""
+    shared = set.intersection(*(set(ids) for ids in sets))
+    names = [id_ for ids in sets for id_ in ids or ("nothing",) if id_ not in shared]
+    return tuple(dict.fromkeys(names))
+
+
+def _sides(
+    members: Sequence[Member], classes: Sequence[tuple[int, ...]], claimed: Collection[str]
+) -> tuple[NextMeasurement, ...]:
+    """A check of each cause that no row in reach tells from the claimed, or the first, of its class."""
+    sides: dict[tuple[str, ...], NextMeasurement] = {}
+    for group in classes:
+        pivot = next((m for m in group if set(members[m].ids) == set(claimed)), group[0])
+        for other in group:
+            pair = _differing([members[pivot].ids, members[other].ids])
+            rival = next((id_ for id_ in reversed(pair) if id_ != "nothing"), None)
+            idle = not members[pivot].ids and members[other].probability < _LIKELY
+            if rival is not None and pair not in sides and not idle:
+                check = {"side_measurement": find_cause(rival).check}
+                sides[pair] = NextMeasurement(check, pair, None)
+    simple = {id_ for pair in sides if len(pair) <= 2 for id_ in pair}
+    wanted = [side for pair, side in sides.items() if len(pair) <= 2 or not simple.issuperset(pair)]
+    return tuple(wanted)[:_MOST]  # sets that differ in two ways are settled by one way after the other

@@ -1,0 +1,127 @@
+"""What each member of a credible set predicts where one could measure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.inference.noise import Noise
+from echocal.model import Model
+
+__all__ = ["Prospect"]
+
+Matrix = NDArray[np.float64]
+
+_FREE = 1.0  # m^2: variance of a level that nobody knows
+_LEAST = 1e-12  # m^2: 1 um, below what any sensor of this kind resolves; a column of constants has no noise
+_EXACT = 0.005  # part of an effect that another may differ by, and be its exact alias at first order
+_TAPE = 1e-3  # m, standard deviation of a new stand's distance: a tape errs by 0.5 to 2 mm (CATALOGUE)
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """What each member predicts where one could measure.
+
+    Attributes
+    ----------
+    shift : ndarray, shape (m, p)
+        What a member adds to the reading of the base at each place [m].
+    spread : ndarray, shape (m, p, p)
+        Covariance of these readings from what the member's parameters leave open [m^2].
+    distance, slope : ndarray, shape (p,)
+        Distance [m], and derivative of the reading to it.
+    noise : Noise
+    variance : float
+        Of the innovations [m^2].
+    level_known : bool
+        Whether the distance of new rows would be known.
+    stands : ndarray
+        Distances at which there are rows already [m].
+    """
+
+    shift: Matrix
+    spread: Matrix
+    distance: Matrix
+    slope: Matrix
+    noise: Noise
+    variance: float
+    level_known: bool
+    stands: Matrix
+
+    @classmethod
+    def of(
+        cls,
+        members: Sequence[Member],
+        base: Model,
+        conditions: dict[str, Matrix],
+        noise: Noise,
+        variance: float,
+        level_known: bool,
+        stands: Matrix,
+    ) -> "Prospect":
+        """Ask each member's model, with its exact derivatives."""
+        shifts, spreads = [], []
+        reading = base.indicate(**conditions)
+        for member in members:
+            jacobian = member.model.jacobian(**conditions)
+            shifts.append(member.model.indicate(**conditions) - reading)
+            covariance = member.model.covariance
+            tangents = jacobian[:, 1:]
+            none = np.zeros((len(tangents), len(tangents)))
+            spreads.append(none if covariance is None else tangents @ covariance @ tangents.T)
+            slope = jacobian[:, 0]
+        distance = conditions["distance"]
+        variance = max(variance, _LEAST)
+        return cls(np.array(shifts), np.array(spreads), distance, slope, noise, variance, level_known, stands)
+
+    def aliases(self, counts: Sequence[int]) -> NDArray[np.int64]:
+        """Number the classes of members that differ by a factor at most, whatever is measured.
+
+        Only sets of as many causes can be one class; shape (m,).
+        """
+        shift = self.shift
+        if not self.level_known:
+            unit = self.slope / np.linalg.norm(self.slope)
+            shift = shift - np.outer(shift @ unit, unit)
+        length = np.linalg.norm(shift, axis=1)
+        cosine = shift @ shift.T / np.maximum(np.outer(length, length), np.finfo(float).tiny)
+        same = (cosine >= 1 - 0.5 * _EXACT**2) & np.equal.outer(counts, counts)
+        np.fill_diagonal(same, True)
+        return np.asarray(same.argmax(axis=1))  # the first that is alike
+
+    def covariance(self, places: NDArray[np.int64], rows: Sequence[int]) -> Matrix:
+        """Covariance of the mean reading at each place; shape (m, designs, k, k)."""
+        among = self.spread[:, places[:, :, None], places[:, None, :]]
+        at = self.distance[places]
+        shot = np.stack([self._of_mean(n, at[:, place]) for place, n in enumerate(rows)], axis=1)
+        among = among + shot[:, :, None] * np.eye(len(rows)) + self._of_stands(at)
+        if not self.level_known:
+            slope = self.slope[places]
+            among = among + _FREE * slope[:, :, None] * slope[:, None, :]
+        return np.asarray(among)
+
+    def _of_stands(self, at: Matrix) -> Matrix:
+        """Covariance of the stands' own errors, each of which is in all rows of its stand.
+
+        From rows of one stand nobody learns how large they are, and what was learned there has that
+        stand's error in it: seen from any other stand, it is in all of them.
+        """
+        new = ~np.isin(at, self.stands)
+        many = len(self.stands) > 1
+        size = self.noise.stand_ratio * self.variance if many else _TAPE**2
+        own = (at[:, :, None] == at[:, None, :]) & new[:, :, None]
+        learned = 0.0 if many else 1.0 * (new[:, :, None] & new[:, None, :])
+        return np.asarray(size * (own + learned))
+
+    def _of_mean(self, n: int, distance: Matrix) -> Matrix:
+        """Variance of the mean of `n` rows in succession, whose noise remembers, at some distances."""
+        rho, memory, lags = self.noise.rho, self.noise.memory, np.arange(1, n)
+        cells = self.variance * self.noise.growth * distance
+        first = self.variance / self.noise.first_weight + cells
+        if rho == memory:
+            return first / n
+        alone = self.variance * (rho - memory) * (1 - rho * memory) / (1 - rho**2)
+        second = rho * cells if self.noise.growth else np.full(len(distance), alone)
+        return np.asarray((n * first + 2 * second * ((n - lags) * rho ** (lags - 1)).sum()) / n**2)

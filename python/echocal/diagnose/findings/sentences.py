@@ -1,0 +1,189 @@
+"""Sentences that a user can check in the data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.conditions import QUANTITIES
+from echocal.diagnose.findings.parts import Shifted
+from echocal.observations.quantiles import median, quantiles
+
+__all__ = [
+    "Recorded",
+    "enumerated",
+    "first_against_others",
+    "parameter_text",
+    "quantity_text",
+    "shifted_text",
+    "shown",
+    "spoken",
+    "telling_column",
+    "tendency",
+]
+
+Column = NDArray[np.float64]
+
+_SHOWN = {  # unit and factor in which people read a quantity
+    "temperature": ("degC", 1.0),
+    "relative_humidity": ("%", 100.0),
+    "pressure": ("hPa", 0.01),
+    "co2_mole_fraction": ("ppm", 1e6),
+    "elapsed_time": ("days", 1 / 86400),
+    "time": ("days", 1 / 86400),
+    "distance": ("m", 1.0),
+    "supply_voltage": ("V", 1.0),
+    "angle": ("deg", 180 / np.pi),
+    "wind_speed": ("m/s", 1.0),
+    "radiation": ("W/m2", 1.0),
+    "hour of day": ("h", 1.0),
+}
+
+_READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
+
+_EVEN = 0.1  # spread over mean below which what varies is not the point
+_ENOUGH = 10_000  # rows that tell what follows what
+_SAME = 1e-6  # m, far below what any sensor of this kind resolves
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """``a, b and c``."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def quantity_text(name: str, value: float) -> str:
+    """``18.3 degC``, ``64 %``: a value as people read it."""
+    unit, factor = _SHOWN.get(name, ("", 1.0))
+    return f"{value * factor:.3g} {unit}".strip()
+
+
+def shifted_text(one: Shifted) -> str:
+    """Say what a model gains where it was not fitted."""
+    low, high = (quantity_text(one.against, end) for end in (one.low, one.high))
+    return (
+        f"fitted where {spoken(one.against)} is {low} to {high}, {one.rows} rows outside have an "
+        f"error of {1e3 * one.rms_before_m:.2f} mm before, {1e3 * one.rms_after_m:.2f} mm after"
+    )
+
+
+def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
+    """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
+    factor, shown = _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
+    if unit == "s" and abs(value) >= 1.0:
+        factor, shown = 1.0, "s"  # a time constant, not an echo
+    if uncertainty == 0.0:
+        return f"{name} = {value * factor:g} {shown}".rstrip()
+    return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()
+
+
+def shown(name: str, values: Column) -> tuple[Column, str]:
+    """Values as people read them, and the label of an axis."""
+    unit, factor = _SHOWN.get(name, ("", 1.0))
+    return values * factor, f"{spoken(name)} [{unit}]" if unit else spoken(name)
+
+
+def spoken(name: str) -> str:
+    """Name of a column in a sentence: echocal's own in words, any other as its table has it."""
+    return name.replace("_", " ") if name in QUANTITIES or name in _SHOWN else name
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """Recorded columns, and the ranks of some of their rows once these are asked for.
+
+    Attributes
+    ----------
+    columns : mapping of str to ndarray, shape (n,)
+    """
+
+    columns: Mapping[str, Column]
+    _known: dict[str, Column | None] = field(default_factory=dict, init=False, repr=False)
+
+    def ranks(self, name: str) -> Column | None:
+        """Ranks of some rows of a column; None where not every row is known, or all are the same."""
+        if name not in self._known:
+            column = self.columns[name]
+            some = _some(column)
+            varies = np.isfinite(column).all() and np.ptp(some) > 0
+            self._known[name] = _ranks(some) if varies else None
+        return self._known[name]
+
+
+def telling_column(signal: Column, against: Recorded) -> str | None:
+    """Name of the column that a signal follows most closely, by rank correlation."""
+    best, name = 0.0, None
+    if np.ptp(signal) < _SAME:
+        return None
+    ranks = _ranks(_some(signal))
+    for candidate in against.columns:
+        if (own := against.ranks(candidate)) is not None:
+            strength = abs(float(np.corrcoef(ranks, own)[0, 1]))
+            if strength > best + 0.02:  # a tie goes to the column that comes first
+                best, name = strength, candidate
+    return name
+
+
+def _some(values: Column) -> Column:
+    return values[:: max(1, len(values) // _ENOUGH)]
+
+
+def _ranks(values: Column) -> Column:
+    return np.unique(values, return_inverse=True)[1].astype(float)
+
+
+def tendency(left: Column, signal: Column, against: Recorded) -> str:
+    """Compare what a cause predicts with what the base and the other causes leave.
+
+    Parameters
+    ----------
+    left : ndarray, shape (n,)
+        Reading less base less every other cause [m].
+    signal : ndarray, shape (n,)
+        What the cause adds [m].
+    against : Recorded
+    """
+    name = telling_column(signal, against)
+    mean = abs(float(np.mean(signal)))
+    if name is None or np.ptp(signal) < _EVEN * mean:
+        return (
+            f"every reading is off by nearly the same: {1e3 * np.mean(left):+.2f} mm on average, "
+            f"{1e3 * np.mean(signal):+.2f} mm by this cause"
+        )
+    low, high = quantiles(signal, [0.2, 0.8])
+    lowest, highest = np.flatnonzero(signal <= low), np.flatnonzero(signal >= high)
+    found = 1e3 * (left[highest].mean() - left[lowest].mean())
+    predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
+    ends = [quantity_text(name, median(against.columns[name][rows])) for rows in (lowest, highest)]
+    return (
+        f"the fifth of the rows with {name.replace('_', ' ')} around {ends[1]} reads {found:+.2f} mm against "
+        f"the fifth around {ends[0]}, where this cause predicts {predicted:+.2f} mm"
+    )
+
+
+def first_against_others(left: Column, signal: Column, position: Column) -> str:
+    """Compare the first rows of bursts with the others of the same bursts.
+
+    Bursts at other distances have remainders of their own, which say nothing about the first ping.
+    """
+    first = position == 0
+    burst = np.cumsum(first)
+    counts = np.bincount(burst[~first], minlength=burst[-1] + 1)
+    whole = np.flatnonzero(counts[1:]) + 1  # rows before the first burst belong to none
+    if not len(whole):
+        burst, counts, whole = np.zeros_like(burst), np.array([(~first).sum()]), np.array([0])
+
+    def ahead(values: Column) -> float:
+        one, rest = (_means(burst[rows], values[rows], len(counts))[whole] for rows in (first, ~first))
+        return 1e3 * float(np.mean(one - rest))
+
+    return (
+        f"in {len(whole)} burst{'s' if len(whole) > 1 else ''} the first ping reads {ahead(left):+.2f} mm "
+        f"against the mean of the others, where this cause predicts {ahead(signal):+.2f} mm"
+    )
+
+
+def _means(places: NDArray[np.int64], values: Column, number: int) -> Column:
+    """Mean of the values of each place, 0 where there are none."""
+    return np.bincount(places, values, number) / np.maximum(np.bincount(places, minlength=number), 1)

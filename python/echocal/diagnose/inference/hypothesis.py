@@ -1,0 +1,192 @@
+"""Evidence: how probable the data are under a hypothesis, all sizes of its causes averaged."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.inference.sums import Whitened
+
+__all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
+
+Matrix = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """Causes that act together, one variant of each.
+
+    Attributes
+    ----------
+    variants : tuple of Variant
+        Empty: nothing is wrong.
+    prior : float
+        Probability before the data.
+    """
+
+    variants: tuple[Variant, ...]
+    prior: float
+
+    @cached_property
+    def causes(self) -> tuple[str, ...]:
+        """Ids of its causes."""
+        return tuple(variant.cause for variant in self.variants)
+
+    @cached_property
+    def ids(self) -> tuple[str, ...]:
+        """The same, sorted: hypotheses with other forms of these causes have them, too."""
+        return tuple(sorted(self.causes))
+
+    @cached_property
+    def effects(self) -> tuple[str, ...]:
+        """Ids of its effects, sorted: of its causes without a shape."""
+        return tuple(id_ for id_ in self.ids if id_ != UNKNOWN)
+
+    @cached_property
+    def columns(self) -> tuple[int, ...]:
+        """Every column that it uses."""
+        return tuple(column for variant in self.variants for column in variant.columns)
+
+    @cached_property
+    def placed(self) -> tuple[tuple[Variant, slice], ...]:
+        """Each variant, and where its coefficients stand among those of the hypothesis."""
+        ends = list(accumulate((len(variant.free) for variant in self.variants), initial=0))
+        places = (slice(first, last) for first, last in pairwise(ends))
+        return tuple(zip(self.variants, places, strict=True))
+
+    @cached_property
+    def shape(self) -> str:
+        """Column that a shape without a cause is a function of; empty if it has none."""
+        return next((v.against for v in self.variants if v.against), "")
+
+
+@dataclass(frozen=True)
+class Stack:
+    """The whitened products of every noise, one above the other.
+
+    Attributes
+    ----------
+    products : ndarray, shape (noises, k, k)
+        The last column is what the base simulation leaves unexplained.
+    log_weight : ndarray, shape (noises,)
+    degrees : int
+        Rows less unknown levels.
+    noises : tuple of Noise
+    """
+
+    products: NDArray[np.float64]
+    log_weight: NDArray[np.float64]
+    degrees: int
+    noises: tuple[Noise, ...]
+
+    @classmethod
+    def of(cls, whitened: Sequence[Whitened], degrees: int) -> "Stack":
+        """Stack the noises."""
+        return cls(
+            np.stack([w.products for w in whitened]),
+            np.array([w.log_weight for w in whitened]),
+            degrees,
+            tuple(w.noise for w in whitened),
+        )
+
+    def only(self, noises: NDArray[np.bool_]) -> "Stack":
+        """Keep some noises."""
+        if noises.all():
+            return self
+        kept = tuple(noise for noise, keep in zip(self.noises, noises, strict=True) if keep)
+        return Stack(self.products[noises], self.log_weight[noises], self.degrees, kept)
+
+    def likeliest(self, weighed: "Weighed") -> tuple[Noise, Matrix]:
+        """The most probable noise under a hypothesis, and its products."""
+        index = int(weighed.noise.argmax())
+        return self.noises[index], self.products[index]
+
+    def plain(self) -> "Stack":
+        """The first noise alone: rows that owe each other nothing."""
+        return self.only(np.arange(len(self.noises)) == 0)
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A hypothesis after the data.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    log_evidence : float
+        Without the hypothesis's prior, with an arbitrary constant common to all.
+    mean : ndarray, shape (p,)
+        Coefficients of the free columns, in prior standard deviations.
+    covariance : ndarray, shape (p, p)
+    noise : ndarray, shape (noises,)
+        Probability of each noise under this hypothesis.
+    variance : float
+        Variance of the innovations [m^2].
+    """
+
+    hypothesis: Hypothesis
+    log_evidence: float
+    mean: Matrix
+    covariance: Matrix
+    noise: Matrix
+    variance: float
+
+    def raised(self, by: float) -> "Weighed":
+        """The same with more log evidence."""
+        return Weighed(
+            self.hypothesis, self.log_evidence + by, self.mean, self.covariance, self.noise, self.variance
+        )
+
+    @property
+    def log_posterior(self) -> float:
+        """Up to the constant that normalizes."""
+        prior = self.hypothesis.prior
+        return self.log_evidence + (math.log(prior) if prior > 0.0 else -math.inf)
+
+
+def form(variant: Variant, cause: int | None = 0) -> "_core._Form":
+    """Describe a variant to the core; no number for the cause of a shape."""
+    offsets = [] if variant.offset is None else [variant.offset]
+    return cause, offsets, list(variant.free), list(variant.bounds), variant.weight
+
+
+def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> Weighed:
+    """Average the likelihood over noises, sizes and the unknown variance of the noise.
+
+    The coefficients have normal priors, in a mixture of three widths, cut off at their bounds;
+    the variance has Jeffreys's prior, and within the coefficients' prior it stands at its
+    estimate (a Laplace approximation).
+
+    Parameters
+    ----------
+    hypothesis : Hypothesis
+    stack : Stack
+    one_width : bool
+        Take the widest prior alone: of many causes at once, where a mixture would take long.
+
+    Returns
+    -------
+    Weighed
+
+    References
+    ----------
+    .. [1] MacKay, D. J. C. (1992). Bayesian interpolation. Neural Computation 4, 415-447.
+       https://doi.org/10.1162/neco.1992.4.3.415
+    """
+    return weigh_each([hypothesis], stack, one_width=one_width)[0]
+
+
+def weigh_each(hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False) -> list[Weighed]:
+    """Weigh several hypotheses, each by itself, on several threads."""
+    forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
+    given = stack.products, stack.log_weight, stack.degrees, FINEST**2
+    found = _core.weigh(*given, forms, one_width)
+    return [Weighed(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]

@@ -1,0 +1,46 @@
+"""What guards leave of the residuals: innovations."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.preprocess.order import Order
+
+__all__ = ["innovation", "log_likelihood"]
+
+Column = NDArray[np.float64]
+
+
+def innovation(left: Column, order: Order, noise: Noise) -> Column:
+    """Take out what a guard knows: the stands' own errors and what the rows before tell.
+
+    Parameters
+    ----------
+    left : ndarray, shape (n,)
+        Residuals [m].
+    order : Order
+    noise : Noise
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In units in which they are as dense as the residuals, so that likelihoods compare [m].
+    """
+    if noise.stand_ratio > 0.0:
+        count = np.bincount(order.groups)
+        shrunken = np.bincount(order.groups, left) * noise.stand_ratio / (1 + noise.stand_ratio * count)
+        left = left - shrunken[order.groups]
+    if noise.rho == 0.0:
+        return left
+    series = (np.ascontiguousarray(left), order.starts, order.distance)
+    white, log_variance = _core.whitened(noise.remembers, noise.rho, noise.first_weight, *series)
+    return np.asarray(white * np.exp(0.5 * log_variance / len(left)))
+
+
+def log_likelihood(left: Column, order: Order, noise: Noise) -> float:
+    """Log likelihood of normal noise of unknown size, up to a constant of the rows."""
+    square = float(np.mean(innovation(left, order, noise) ** 2))
+    return -0.5 * len(left) * math.log(max(square, FINEST**2))

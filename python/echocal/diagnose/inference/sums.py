@@ -1,0 +1,148 @@
+"""Sums over the rows of a table, and what noise makes of them."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.inference.noise import RHO, WHITE, Memory, Noise
+from echocal.diagnose.preprocess.order import Order
+
+__all__ = ["Sums", "Whitened"]
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Products of the columns after whitening and after removing levels, for one noise.
+
+    Attributes
+    ----------
+    products : ndarray, shape (k, k)
+    log_weight : float
+        What the noise adds to the log evidence of every hypothesis.
+    noise : Noise
+    """
+
+    products: Matrix
+    log_weight: float
+    noise: Noise
+
+
+@dataclass(frozen=True, eq=False)
+class Sums:
+    """Lag-0 and lag-1 products of columns, from one pass over the rows.
+
+    Attributes
+    ----------
+    products : object
+        The sums, in the core.
+    order : Order
+    blocks : ndarray of int, shape (n,)
+    memories : list
+        What they were summed with.
+    cell_block, cell_group : ndarray of int, shape (cells,)
+        Block and group (stretch, or stand) of each cell.
+    rows, series : ndarray of int, shape (blocks,)
+        Rows, and series begun, per block.
+    """
+
+    products: _core.Sums
+    order: Order
+    blocks: NDArray[np.int64]
+    memories: list[Memory]
+    cell_block: NDArray[np.int64]
+    cell_group: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    series: NDArray[np.int64]
+
+    @classmethod
+    def gather(
+        cls,
+        columns: Columns,
+        order: Order,
+        blocks: NDArray[np.int64],
+        memories: Sequence[Memory] = tuple(RHO),
+    ) -> "Sums":
+        """Pass once over the rows of some columns, of which the first is a group's own."""
+        cells, places = order.cells(blocks)
+        count = int(blocks.max()) + 1
+        series = np.bincount(blocks, weights=order.starts, minlength=count).astype(np.float64)
+        return cls(
+            products=columns.products(order, blocks, cells, places, series, memories),
+            order=order,
+            blocks=blocks,
+            memories=list(memories),
+            cell_block=places[0],
+            cell_group=places[1],
+            rows=np.bincount(blocks, minlength=count),
+            series=series.astype(np.int64),
+        )
+
+    @property
+    def flat_level(self) -> bool:
+        """Whether groups have an unknown level (nothing known about it) or a random error."""
+        return self.order.flat_level
+
+    def remember(self, columns: Columns, memories: Sequence[Memory]) -> None:
+        """Pass once more over the rows of the same columns, with other memories."""
+        more = Sums.gather(columns, self.order, self.blocks, memories)
+        self.products.join(more.products)
+        self.memories.extend(memories)
+
+    def has(self, noise: Noise) -> bool:
+        """Whether the rows were summed as a noise asks for."""
+        return noise.remembers is WHITE or noise.remembers in self.memories
+
+    def _place(self, memory: Memory) -> int:
+        """Position of the sums for a memory: white noise is any autoregression's with coefficient 0."""
+        return self.memories.index(memory if memory in self.memories else 0.0)
+
+    def whiten_all(
+        self,
+        noises: Sequence[Noise],
+        use: NDArray[np.bool_] | None = None,
+        columns: Collection[int] | None = None,
+    ) -> tuple[Matrix, Matrix]:
+        """Products of the columns whitened for each noise, and what it adds to the log evidence.
+
+        With `columns`, of these and of what is to be explained alone; others are zero.
+        """
+        use = np.ones(len(self.rows), dtype=bool) if use is None else use
+        given = [
+            (
+                self._place(n.remembers),
+                0.0 if n.growth else n.rho,
+                n.stand_ratio,
+                n.first_weight,
+                float(np.log(n.prior)),
+            )
+            for n in noises
+        ]
+        last = self.products.width - 1
+        chosen = None if columns is None else sorted({0, last, *columns})
+        return self.products.whiten(given, use.tolist(), chosen)
+
+    def whiten(
+        self,
+        noise: Noise,
+        use: NDArray[np.bool_] | None = None,
+        columns: Collection[int] | None = None,
+    ) -> Whitened:
+        """Products of the whitened columns over the blocks in `use` (all by default)."""
+        products, log_weight = self.whiten_all([noise], use, columns)
+        return Whitened(products[0], float(log_weight[0]), noise)
+
+    def clear_infinite(self) -> NDArray[np.bool_]:
+        """Make columns zero that are not finite; return which are."""
+        return np.array(self.products.clear_infinite())
+
+    def degrees(self, use: NDArray[np.bool_] | None = None) -> int:
+        """Rows less unknown levels."""
+        use = np.ones(len(self.rows), dtype=bool) if use is None else use
+        levels = len(np.unique(self.cell_group[use[self.cell_block]])) if self.flat_level else 0
+        return int(self.rows[use].sum()) - levels

@@ -1,0 +1,249 @@
+"""A table as detectors look at it: readings beside a robust expectation."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.quantization_grid import find_lattice
+from echocal.observations import Observations
+from echocal.observations.quantiles import median
+
+__all__ = ["View"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+_MAD_TO_SD = 1.4826  # of a normal distribution
+_ENOUGH = 20_000  # rows that a robust fit needs at most
+_MANY = 100_000  # rows that tell which ones are wild
+_CACHED = 32_768  # rows whose columns stay near the processor
+_ROUNDS = 12  # reweightings: least absolute deviations to a part in a thousand
+_WINDOW = 13  # rows that vouch for a level where no reference is known
+_ANYHOW = 0.06  # part of a distance that no law or thermometer is wrong by
+_NEAR = 0.05  # m, and no mount
+_PER_STEP = 0.6  # scatter that a step of the readings makes at least, where it hides the noise
+_LEAST = 1e-5  # m, below what any such sensor scatters
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One look at a table; a repair makes a new one.
+
+    Attributes
+    ----------
+    observations : Observations
+    base : Base
+    given : float or None
+        Reference distance of every row [m], where the user said it.
+    known : bool
+        Whether there is a reference distance at all.
+    """
+
+    observations: Observations
+    base: Base
+    given: float | None
+    known: bool
+
+    def __len__(self) -> int:
+        return len(self.observations)
+
+    def after(self, repaired: Observations) -> "View":
+        """The same look at a repaired table."""
+        return View(repaired, self.base, self.given, self.known)
+
+    def without(self, rows: Mask, reason: str) -> Observations:
+        """Mark rows unusable, with the reason; none is dropped."""
+        unusable = self.observations.unusable.astype(object)
+        unusable[rows & self.observations.usable] = reason
+        return replace(self.observations, unusable=unusable.astype(str))
+
+    @cached_property
+    def reference(self) -> Column | None:
+        """Reference distance [m]; None where only its constancy is known."""
+        if not self.known:
+            return None
+        if self.given is not None:
+            return np.full(len(self), self.given)
+        return self.observations.reference_distance
+
+    @cached_property
+    def indication(self) -> Column:
+        """Reading with the base's speed [m], also of rows that are out of range."""
+        with np.errstate(all="ignore"):
+            return self.base.indication(self.observations.echo_time, self.observations.conditions)
+
+    @cached_property
+    def temperature(self) -> Column | None:
+        """Recorded temperature [degC]."""
+        return self.observations.conditions.get("temperature")
+
+    @cached_property
+    def good(self) -> Mask:
+        """Rows that can be judged."""
+        good = self.observations.usable & np.isfinite(self.indication)
+        return good if self.reference is None else good & np.isfinite(self.reference)
+
+    @cached_property
+    def expected(self) -> Column:
+        """What most rows say that each should read [m]; NaN where nothing does."""
+        if self.reference is not None:
+            return self.reference + self._bulk
+        import pandas as pd  # takes long to import
+
+        expected = np.full(len(self), np.nan)
+        kept = pd.Series(self.indication[self.good])
+        expected[self.good] = kept.rolling(_WINDOW, center=True, min_periods=1).median().to_numpy()
+        return expected
+
+    @cached_property
+    def deviation(self) -> Column:
+        """Reading less what is expected of it [m]."""
+        return self.indication - self.expected
+
+    @cached_property
+    def farthest(self) -> float:
+        """Largest deviation of any row that is known of [m]: it clears most tables of most faults."""
+        low, high = np.fmin.reduce(self.deviation, initial=0.0), np.fmax.reduce(self.deviation, initial=0.0)
+        return float(max(-low, high))
+
+    @cached_property
+    def ratios(self) -> tuple[float, float]:
+        """Least and largest reading over reference."""
+        assert self.reference is not None
+        with np.errstate(all="ignore"):
+            ratio = self.indication / self.reference
+        return float(np.fmin.reduce(ratio)), float(np.fmax.reduce(ratio))
+
+    @cached_property
+    def scatter(self) -> float:
+        """Robust standard deviation of the deviation [m]."""
+        judged = self.good & np.isfinite(self.deviation)
+        inside = self.deviation if judged.all() else self.deviation[judged]
+        least = max(_LEAST, _PER_STEP * self.resolution)
+        return max(_MAD_TO_SD * median(np.abs(inside)), least) if len(inside) else least
+
+    @cached_property
+    def resolution(self) -> float:
+        """Step of the readings or echo times as the logger wrote them [m]; 0 where there is none."""
+        values = (
+            self.observations.echo_time if self.observations.reading is None else self.observations.reading
+        )
+        lattice = find_lattice(np.where(self.good, values, np.nan))
+        if lattice is None:
+            return 0.0
+        scale = float(np.median(self.indication[self.good] / values[self.good])) if self.good.any() else 1.0
+        return lattice.step * scale
+
+    @cached_property
+    def _bulk(self) -> Column:
+        """Smooth part of reading less reference that most rows share [m]."""
+        assert self.reference is not None
+        shape = _Shape.of(self.reference, self.temperature)
+        error = self.indication - self.reference
+        sane = self.good & shape.known & np.isfinite(error) & (self.reference > 0)
+        known = np.flatnonzero(sane)
+        some = known[:: max(1, len(known) // _MANY)]  # the middle is asked for to a few percent
+        center = median(error[some]) if len(some) else 0.0
+        scale = median(error[some] / self.reference[some]) if len(some) else 0.0
+        sane &= _near(error, self.reference, center, scale)  # no leverage for wild rows
+        rows = known if sane.all() else np.flatnonzero(sane)
+        rows = rows[:: max(1, len(rows) // _ENOUGH)]
+        if len(rows) < 3 * len(shape):
+            return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
+        return shape.sum(_least_absolute(shape.columns(rows), error[rows]))
+
+
+def _near(error: Column, reference: Column, center: float, scale: float) -> Mask | bool:
+    """Rows whose error is near one level or one part of the distance; `True` for all that are known."""
+    most = max(center - float(np.fmin.reduce(error)), float(np.fmax.reduce(error)) - center)
+    if most < 0.999 * (_ANYHOW * float(np.fmin.reduce(reference)) + _NEAR):
+        return True  # seen at one glance
+    limit = _ANYHOW * reference + _NEAR
+    near = np.asarray(np.abs(error - center) < limit)
+    if not near.all():
+        near |= np.abs(error - scale * reference) < limit
+    return near
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Columns that most causes' means nearly lie in, made where they are needed.
+
+    Attributes
+    ----------
+    distance : ndarray, shape (n,)
+    temperature : ndarray, shape (n,), or None
+        None where it is one number.
+    bends : bool
+        Whether there is more than one distance.
+    """
+
+    distance: Column
+    temperature: Column | None
+    bends: bool
+
+    @classmethod
+    def of(cls, distance: Column, temperature: Column | None) -> "_Shape":
+        finite = np.isfinite(distance)
+        bends = bool(finite.any() and np.ptp(distance if finite.all() else distance[finite]) > 0)
+        varies = temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature)
+        return cls(distance, temperature if varies else None, bends)
+
+    def __len__(self) -> int:
+        return 1 + 2 * self.bends + 2 * (self.temperature is not None)
+
+    @property
+    def known(self) -> Mask:
+        """Rows of which every column is known."""
+        known = np.isfinite(self.distance)
+        return known if self.temperature is None else known & np.isfinite(self.temperature)
+
+    def _units(self, rows: Labels | slice) -> tuple[Column, Column | None]:
+        """Distance in units of 2 m, temperature in units of 25 K, of some rows."""
+        warm = None if self.temperature is None else self.temperature[rows] / 25.0
+        return self.distance[rows] / 2.0, warm
+
+    def columns(self, rows: Labels) -> Column:
+        """Every column at some rows, one per line."""
+        far, warm = self._units(rows)
+        columns = [np.ones_like(far), *([far, far**2] if self.bends else [])]
+        if warm is not None:
+            columns += [far * warm, far * warm**2]
+        return np.stack(columns)
+
+    def sum(self, coefficients: Column) -> Column:
+        """Every column times its coefficient, in all rows."""
+        whole = np.empty_like(self.distance)
+        for first in range(0, len(whole), _CACHED):
+            rows = slice(first, first + _CACHED)
+            whole[rows] = self._sum(coefficients, rows)
+        return whole
+
+    def _sum(self, coefficients: Column, rows: slice) -> Column:
+        level, *rest = coefficients.tolist()
+        far, warm = self._units(rows)
+        slope = np.full(len(far), rest[0]) if self.bends else np.zeros(len(far))
+        if self.bends:
+            slope += rest[1] * far
+        if warm is not None:
+            slope += (rest[-1] * warm + rest[-2]) * warm
+        slope *= far
+        slope += level
+        return slope
+
+
+def _least_absolute(columns: Column, values: Column) -> Column:
+    """Coefficients of least absolute deviations, by reweighting."""
+    found = np.zeros(len(columns))
+    found[0] = median(values)
+    for _ in range(_ROUNDS):
+        left = np.abs(values - found @ columns)
+        weighted = columns / np.maximum(left, max(1e-3 * median(left), 1e-9))
+        among = weighted @ columns.T
+        ridge = 1e-9 * np.trace(among) * np.eye(len(columns))
+        found = np.linalg.solve(among + ridge, weighted @ values)
+    return found

@@ -1,0 +1,103 @@
+"""Rows by time: the window asked for, and what is held out."""
+
+import re
+from dataclasses import replace
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.scene import Table
+from echocal.errors import UsageError
+from echocal.observations import Observations
+
+__all__ = ["between", "held_out"]
+
+Mask = NDArray[np.bool_]
+
+OUTSIDE = "outside the time asked for"
+_FEWEST = 8  # rows to fit, and to judge by
+_DATE = len("2022-07-20")
+
+
+def between(observations: Observations, since: str | None, until: str | None) -> Observations:
+    """Make rows outside a window unusable.
+
+    Parameters
+    ----------
+    observations : Observations
+    since, until : str or None
+        ISO 8601, both inclusive; a date means its whole day.
+    """
+    if since is None and until is None:
+        return observations
+    if since is not None and until is not None and _instant(since) > _instant(until, last=True):
+        message = f"rows since {since} and until {until} are none: the first time is the later one"
+        raise UsageError(message)
+    outside = np.zeros(len(observations), dtype=bool)
+    if since is not None:
+        outside |= ~(_times(observations, since) >= _instant(since))
+    if until is not None:
+        outside |= ~(_times(observations, until) <= _instant(until, last=True))
+    if len(observations) and outside.all():
+        time = _times(observations, since or until or "")
+        ends = (np.datetime_as_string(end(time), unit="s") for end in (np.nanmin, np.nanmax))
+        there = "none" if np.isnat(time).all() else " to ".join(map(str, ends))
+        message = f"no row lies in the time asked for ({since or ''} .. {until or ''}); the table's: {there}"
+        raise UsageError(message)
+    reasons = observations.unusable.astype(object)
+    reasons[outside & (observations.unusable == "")] = OUTSIDE
+    return replace(observations, unusable=reasons.astype(str))
+
+
+def held_out(observations: Observations, table: Table, after: str | float | None) -> tuple[Mask | None, str]:
+    """Rows that the user wants held out, and how to say so."""
+    if after is None:
+        return None, ""
+    if isinstance(after, str):
+        held = _times(observations, after)[table.row] >= _instant(after)
+    else:
+        elapsed = table.conditions.get("elapsed_time")
+        if elapsed is None:
+            message = "cannot hold out by time: the table has no column of times (map one to time_s)"
+            raise UsageError(message)
+        held = elapsed >= after
+    judged = int(held.sum())
+    if min(judged, len(held) - judged) < _FEWEST:
+        message = (
+            f"holding out after {after} leaves {len(held) - judged} rows to fit and {judged} to judge by; "
+            f"both need at least {_FEWEST}"
+        )
+        raise UsageError(message)
+    return held, f"rows from {after} on, held out from everything"
+
+
+def _times(observations: Observations, wanted: str) -> NDArray[np.datetime64]:
+    if observations.time is None:
+        message = f"'{wanted}' is a time, and the table has no column of times (map one to time)"
+        raise UsageError(message)
+    return observations.time
+
+
+def _instant(text: str, *, last: bool = False) -> np.datetime64:
+    try:
+        instant = np.datetime64(_in_utc(text), "ns")
+        if np.isnat(instant):
+            raise ValueError
+    except ValueError:
+        message = f"'{text}' is not an ISO 8601 time such as 2022-07-20 or 2022-07-20T12:00"
+        raise UsageError(message) from None
+    whole_day = last and len(text) == _DATE
+    return instant + np.timedelta64(1, "D") - np.timedelta64(1, "ns") if whole_day else instant
+
+
+def _in_utc(text: str) -> str:
+    """Text of the same instant in UTC without an offset, as NumPy wants it."""
+    if not re.match(r"\d{4}", text):
+        raise ValueError  # NumPy would take "now" and "today"
+    if len(text) <= _DATE:
+        return text
+    instant = datetime.fromisoformat(text)
+    return (
+        instant.isoformat() if instant.tzinfo is None else f"{instant.astimezone(UTC):%Y-%m-%dT%H:%M:%S.%f}"
+    )

@@ -1,0 +1,230 @@
+"""What a diagnosis says, as data."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal.diagnose.experiment_design.average import Estimate, Member, averaged
+from echocal.diagnose.findings.parts import (
+    OF_THIS_TABLE,
+    Cause,
+    Gain,
+    NextMeasurement,
+    Refuted,
+    Traces,
+    Unexplained,
+    Verdict,
+)
+from echocal.errors import UsageError
+from echocal.model import Model
+from echocal.outputs import replace_text
+
+__all__ = ["Diagnosis"]
+
+SCHEMA = "echocal.diagnosis/1"
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the base simulation gets wrong, and how sure that is.
+
+    Attributes
+    ----------
+    verdict : str
+        ``named``: one class of causes that these data cannot separate holds at least 0.9.
+        ``ambiguous``: several may be at work. ``unknown``: something is there that no cause
+        explains. ``nothing``: nothing beyond noise.
+    causes : tuple of Cause
+    posterior : tuple of (tuple of str, float)
+        Probability of sets of causes; the empty set is "nothing", ``unknown`` a shape without a
+        cause.
+    credible_set : tuple of tuple of str
+        The smallest number of sets that hold at least 0.95.
+    unexplained : Unexplained or None
+    refuted : tuple of Refuted
+        Causes that fit and yet make rows never fitted worse.
+    gain : Gain or None
+    next_measurements : tuple of NextMeasurement
+    rows, base, noise : mapping
+        Rows used and left out; the base simulation; the most probable noise.
+    notes : tuple of str
+        What a person should know beside the verdict.
+    seconds : float
+    model : Model
+        The base extended by the causes that stand in the model. Its ``air`` holds the median of the
+        recorded humidity, pressure and CO2: what it assumes where they are not given.
+    traces : Traces
+        Columns for plots.
+    members : tuple of Member
+        The sets of causes that the data leave possible, each with its model: what `predict` and
+        `correct` average over.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import echocal
+    >>> reading = 1.008 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+    >>> table = {"reading_m": reading, "temperature_C": np.full(40, 20.0)}
+    >>> diagnosis = echocal.diagnose(table, reference_distance=1.0)
+    >>> print(diagnosis.explain().splitlines()[1])
+    40 of 40 rows are used.
+    >>> diagnosis.to_dict()["schema"]
+    'echocal.diagnosis/1'
+    """
+
+    verdict: Verdict
+    causes: tuple[Cause, ...]
+    posterior: tuple[tuple[tuple[str, ...], float], ...]
+    credible_set: tuple[tuple[str, ...], ...]
+    unexplained: Unexplained | None
+    refuted: tuple[Refuted, ...]
+    gain: Gain | None
+    next_measurements: tuple[NextMeasurement, ...]
+    rows: Mapping[str, Any]
+    base: Mapping[str, Any]
+    noise: Mapping[str, float]
+    notes: tuple[str, ...]
+    seconds: float
+    model: Model = field(repr=False)
+    traces: Traces = field(repr=False)
+    members: tuple[Member, ...] = field(repr=False, default=())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
+        return {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "causes": [_plain(cause) for cause in self.causes],
+            "posterior": [{"ids": list(ids), "probability": p} for ids, p in self.posterior],
+            "credible_set": [list(ids) for ids in self.credible_set],
+            "unexplained": None if self.unexplained is None else _plain(self.unexplained),
+            "refuted": [_plain(refuted) for refuted in self.refuted],
+            "gain": None if self.gain is None else _plain(self.gain),
+            "next_measurements": [_plain(measurement) for measurement in self.next_measurements],
+            "rows": _plain(self.rows),
+            "base": _plain(self.base),
+            "noise": _plain(self.noise),
+            "notes": list(self.notes),
+            "seconds": self.seconds,
+        }
+
+    def to_json(self, path: str | Path) -> None:
+        """Write `to_dict` to a file."""
+        text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        replace_text(path, text)
+
+    def predict(self, distance: ArrayLike, **conditions: ArrayLike) -> Estimate:
+        """Reading that the device would give at a true distance, all possible causes averaged.
+
+        Parameters
+        ----------
+        distance : array_like
+            True distance [m].
+        **conditions
+            Influence quantities, as for `echocal.Model`; humidity, pressure and CO2 that are not
+            given are the medians of the table.
+
+        Returns
+        -------
+        Estimate
+            Of the reading [m]. A `DisagreementWarning` tells where the sets of causes that the
+            data leave possible predict differently.
+
+        Examples
+        --------
+        >>> import echocal
+        >>> import numpy as np
+        >>> reading = 1.01 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+        >>> table = {"reading_m": reading, "temperature_C": np.linspace(0.0, 40.0, 40)}
+        >>> diagnosis = echocal.diagnose(table, reference_distance=1.0)
+        >>> estimate = diagnosis.predict([1.0, 3.0], temperature=20.0)
+        >>> [round(float(value), 2) for value in estimate.value[:1]], estimate.agreed.tolist()
+        ([1.01], [True, False])
+        """
+        return averaged(self.members, "indicate", distance, conditions, self.noise["standard_deviation_m"])
+
+    def correct(self, indication: ArrayLike, **conditions: ArrayLike) -> Estimate:
+        """True distance that a reading means, all possible causes averaged; see `predict`.
+
+        Parameters
+        ----------
+        indication : array_like
+            Reading of the device [m], with the base's speed of sound.
+        **conditions
+            Influence quantities, as for `predict`.
+
+        Returns
+        -------
+        Estimate
+            Of the true distance [m].
+        """
+        return averaged(self.members, "correct", indication, conditions, self.noise["standard_deviation_m"])
+
+    @property
+    def model_with_shape(self) -> Model:
+        """The model and the shape that nobody explains, as a term that data gave.
+
+        It is held flat outside the range that was seen, and no firmware is made of it. Where nobody
+        knows the cause, nobody knows how long or where else the shape holds.
+
+        Raises
+        ------
+        UsageError
+            If nothing is unexplained, or it follows the clock or the rows, which no later reading has,
+            or rows never fitted are no better with it.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import echocal
+        >>> celsius = 20.0 + 20.0 * np.sin(2.4 * np.arange(200.0))
+        >>> kink = 8e-3 * np.exp(-(((celsius - 22) / 5) ** 2)) + 5e-4 * np.sin(np.arange(200.0) ** 2)
+        >>> table = {"reading_m": 1.0 + kink, "temperature_C": celsius, "distance_m": np.full(200, 1.0)}
+        >>> diagnosis = echocal.diagnose(table)
+        >>> model = diagnosis.model_with_shape
+        >>> model.shape.against, abs(model.correct(1.008, temperature=22.0) - 1.0) < 2e-3
+        ('temperature', True)
+        """
+        found = self.unexplained
+        if found is None or found.shape is None:
+            message = "nothing is unexplained in these data: there is no shape to add"
+            raise UsageError(message)
+        if found.against in OF_THIS_TABLE:
+            message = (
+                f"the shape that nobody explains follows the {found.against} of this table, which no later "
+                "reading has: it cannot extend a model"
+            )
+            raise UsageError(message)
+        if not found.extends:
+            without, with_it = (1e3 * (rms or 0.0) for rms in (found.rms_without_m, found.rms_with_m))
+            message = (
+                f"the shape against {found.against} that nobody explains makes rows never fitted no better "
+                f"({without:.2f} mm without it, {with_it:.2f} mm with it): it cannot extend the model; use "
+                "the model without it (on the command line: leave --with-shape out)"
+            )
+            raise UsageError(message)
+        return self.model.with_shape(found.shape)
+
+    def explain(self) -> str:
+        """Plain sentences that a user can check in the data."""
+        from echocal.diagnose.results.explain import explain
+
+        return explain(self)
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "__dataclass_fields__"):
+        return {name: _plain(getattr(value, name)) for name in value.__dataclass_fields__}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    plain = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(plain, float) and not math.isfinite(plain) else plain

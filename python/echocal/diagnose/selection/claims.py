@@ -1,0 +1,296 @@
+"""From weighed hypotheses to claims: what is named, with what, and what is refused."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Variant
+from echocal.diagnose.inference.alias import Geometry
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh, weigh_each
+from echocal.diagnose.inference.posterior import preferred
+from echocal.diagnose.selection.parsimony import Ids, shown
+from echocal.registry import find_effect
+
+__all__ = [
+    "Claim",
+    "Ranking",
+    "alternatives",
+    "beside_a_remainder",
+    "claims",
+    "covariance_of",
+    "effects_of",
+    "free_size",
+    "free_sizes",
+    "rank",
+    "resized",
+    "sizes",
+    "without",
+]
+
+_NEARLY = 1 / 3  # of the highest probability: below the odds that anybody would act on
+_POSSIBLE = 0.05  # probability from which on another cause is mentioned
+
+Parameters = dict[str, dict[str, float]]
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Probabilities over sets of causes.
+
+    Attributes
+    ----------
+    weighed : list of Weighed
+        Most probable first.
+    probability : ndarray
+        Of each of `weighed`; sums to one.
+    sets : list of (tuple of str, float)
+        Sets of ids (with ``unknown`` for a shape), most probable first; sums to one.
+    """
+
+    weighed: list[Weighed]
+    probability: NDArray[np.float64]
+    sets: list[tuple[tuple[str, ...], float]]
+
+    def of(self, causes: Sequence[str]) -> float:
+        """Probability that at least one of these is at work."""
+        return sum(p for ids, p in self.sets if set(ids) & set(causes))
+
+    def best(self, beyond: Ids | None = None) -> Weighed | None:
+        """Most probable hypothesis of the most probable set of effects, whatever shape beside it.
+
+        Of sets that are about as probable, the one that most devices can compensate. With `beyond`,
+        of those sets that have one effect more than these; None if there is none.
+        """
+        effects: dict[Ids, float] = {}
+        for ids, p in ((ids, p) for ids, p in self.sets if p > 0.0):
+            named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
+            if beyond is None or (len(named) == len(beyond) + 1 and set(named) > set(beyond)):
+                effects[named] = effects.get(named, 0.0) + p
+        if not effects:
+            return None
+        likely = max(effects.values())
+        near = [named for named in effects if effects[named] > _NEARLY * likely]
+        top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
+        same = [w for w in self.weighed if w.hypothesis.effects == top]
+        return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
+
+    def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
+        """Probability of a set of effects alone, and of it beside at least one of some causes."""
+        alone, beside = 0.0, 0.0
+        for found, p in self.sets:
+            named = {id_ for id_ in found if id_ != UNKNOWN}
+            if named == set(ids):
+                alone += p
+            elif named > set(ids) and named & set(causes):
+                beside += p
+        return alone, beside
+
+    def shapes(self) -> dict[str, float]:
+        """Probability of a shape against each column."""
+        against: dict[str, float] = {}
+        for weighed, p in zip(self.weighed, self.probability, strict=True):
+            for variant in weighed.hypothesis.variants:
+                if variant.cause == UNKNOWN:
+                    against[variant.against] = against.get(variant.against, 0.0) + float(p)
+        return against
+
+
+def _out_of_reach(ids: Sequence[str]) -> int:
+    """Count the effects that no device can compensate from what it measures."""
+    effects = [find_effect(id_) for id_ in ids]
+    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail != "relative_humidity"]
+    return len(foreign) + sum(e.firmware == "refused" for e in effects)
+
+
+def rank(weighed: list[Weighed], causes: int) -> Ranking:
+    """Normalize, add up the variants of each set of causes, and count only causes that show."""
+    log = np.array([w.log_posterior for w in weighed])
+    probability = np.exp(log - log.max())
+    probability /= probability.sum()
+    return Ranking(weighed, probability, list(shown(weighed, probability, causes).items()))
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside: identity is what matters
+class Claim:
+    """A cause of the most probable set, with those that it cannot be told from.
+
+    Attributes
+    ----------
+    variant : Variant
+    mean, deviation : ndarray
+        Coefficients of its free columns and their standard uncertainties, in prior units.
+    rivals : tuple of str
+    probability : float
+        Of the class: the cause or one of its rivals.
+    """
+
+    variant: Variant
+    mean: NDArray[np.floating[Any]]
+    deviation: NDArray[np.floating[Any]]
+    rivals: tuple[str, ...]
+    probability: float
+
+    @property
+    def cause(self) -> str:
+        """Id of the effect."""
+        return self.variant.cause
+
+
+def claims(
+    ranking: Ranking, best: Weighed, found: Candidates, shape: Geometry, beyond: Ids = ()
+) -> list[Claim]:
+    """Claim the causes of a hypothesis, each with its class; but those in `beyond`."""
+    others = _by_cause(found.variants)
+    made = []
+    chosen = set(best.hypothesis.effects)
+    deviation = np.sqrt(np.diag(best.covariance))
+    known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
+    for variant, place in ((v, place) for v, place in known if v.cause not in beyond):
+        signal = shape.signal(variant, best.mean[place])
+        beside = np.zeros(len(signal))
+        for other, own in known:
+            if other is not variant:
+                beside[list(other.free)] = best.mean[own]
+        rivals = shape.rivals(signal, {c: v for c, v in others.items() if c not in chosen}, beside)
+        probability = ranking.of([variant.cause, *rivals])
+        made.append(Claim(variant, best.mean[place], deviation[place], tuple(sorted(rivals)), probability))
+    return sorted(made, key=lambda claim: -claim.probability)
+
+
+def sizes(weighed: Weighed) -> dict[str, tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]]:
+    """Coefficients of each cause of a hypothesis, and their standard deviations."""
+    deviation = np.sqrt(np.diag(weighed.covariance))
+    placed = weighed.hypothesis.placed
+    return {variant.cause: (weighed.mean[place], deviation[place]) for variant, place in placed}
+
+
+def resized(made: Sequence[Claim], weighed: Weighed) -> list[Claim]:
+    """Give claims the sizes that their causes have in another hypothesis."""
+    own = sizes(weighed)
+    return [replace(claim, mean=own[claim.cause][0], deviation=own[claim.cause][1]) for claim in made]
+
+
+def beside_a_remainder(
+    made: Sequence[Claim], found: Candidates, stack: Stack, against: str, rms: float
+) -> list[Claim]:
+    """Doubt the causes claimed beside a shape that no cause explains.
+
+    A cause may fill in where a smooth shape against one column falls short of what is there. So it
+    keeps its probability only as far as it does better than a second shape, against any other
+    column, or an offset or a tilt as large as the shape would do in its place; what is then hardly
+    possible is no claim.
+    """
+    whole = Hypothesis((*(claim.variant for claim in made), found.shapes[against]), 1.0)
+    with_it = _evidence(whole.variants, stack)
+    seconds = _seconds(found, against, rms)
+    doubted = []
+    for claim in made:
+        less = without(whole, claim.cause).variants
+        rival = max((_evidence((*less, second), stack) for second in seconds), default=-np.inf)
+        better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
+        doubted.append(replace(claim, probability=min(claim.probability, float(better))))
+    likely = (claim for claim in doubted if claim.probability >= _POSSIBLE)
+    return sorted(likely, key=lambda claim: -claim.probability)
+
+
+def _seconds(found: Candidates, against: str, rms: float) -> list[Variant]:
+    """Shapes against other columns, without the mean; and the mean and the tilt that a shape may have."""
+    line = found.line
+    mean = () if line is None else line.free[:1]
+    seconds = []
+    for name, shape in found.shapes.items():
+        free = tuple(column for column in shape.free if column not in mean)
+        if name != against:
+            seconds.append(replace(shape, free=free, bounds=shape.bounds[: len(free)]))
+    if line is not None:  # polynomials of degree 0 and 1, of a mean square of 1 and 1/3
+        for degree, (column, scale) in enumerate(zip(line.free, line.scales, strict=True)):
+            most = rms / scale * (2 * degree + 1) ** 0.5
+            seconds.append(replace(line, free=(column,), bounds=((-most, most),)))
+    return seconds
+
+
+def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
+    return weigh(Hypothesis(variants, 1.0), stack, one_width=True).log_evidence
+
+
+def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
+    """Causes of the credible set that might be at work alone, instead of the claims."""
+    taken = {id_ for claim in made for id_ in (claim.cause, *claim.rivals)}
+    found = []
+    for ids, probability in ranking.sets:
+        if len(ids) == 1 and probability >= _POSSIBLE and ids[0] not in {UNKNOWN, *taken}:
+            weighed = next(w for w in ranking.weighed if w.hypothesis.causes == ids)
+            deviation = np.sqrt(np.diag(weighed.covariance))
+            found.append(Claim(weighed.hypothesis.variants[0], weighed.mean, deviation, (), probability))
+    return found
+
+
+def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
+    causes: dict[str, list[Variant]] = {}
+    for variant in variants:
+        if variant.cause != UNKNOWN:
+            causes.setdefault(variant.cause, []).append(variant)
+    return causes
+
+
+def effects_of(weighed: Weighed, only: Sequence[str] | None = None) -> Parameters:
+    """Parameters of a model that has these causes (all of the hypothesis by default)."""
+    return {
+        variant.cause: parameters(variant, weighed.mean[place])
+        for variant, place in weighed.hypothesis.placed
+        if variant.cause != UNKNOWN and (only is None or variant.cause in only)
+    }
+
+
+def covariance_of(weighed: Weighed, names: Sequence[str]) -> NDArray[np.float64]:
+    """Covariance of a model's parameters; zero where theory fixes one."""
+    entries: list[tuple[int, int, float]] = []  # parameter of the model, coefficient, scale
+    for variant, place in weighed.hypothesis.placed:
+        for at, (name, scale) in enumerate(zip(variant.names, variant.scales, strict=True), place.start):
+            full = f"{variant.cause}.{name}"
+            if full in names:
+                entries.append((list(names).index(full), at, scale))
+    covariance = np.zeros((len(names), len(names)))
+    for i, a, scale_a in entries:
+        for j, b, scale_b in entries:
+            covariance[i, j] = weighed.covariance[a, b] * scale_a * scale_b
+    return 0.5 * (covariance + covariance.T)
+
+
+def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, float]:
+    """Parameters of a cause; a mean outside a bound (the prior is cut off there) stands on it."""
+    values = dict(variant.at)
+    limits = zip(variant.names, mean.tolist(), variant.scales, variant.bounds, strict=False)
+    for name, size, scale, (low, high) in limits:
+        values[name] = values.get(name, 0.0) + min(max(size, low), high) * scale
+    return values
+
+
+def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -> tuple[float, float]:
+    """Size that a known correction would have if theory did not fix it, and its uncertainty."""
+    return free_sizes(cause, found, [beside], stack)[0]
+
+
+def free_sizes(
+    cause: str, found: Candidates, beside: Sequence[Hypothesis], stack: Stack
+) -> list[tuple[float, float]]:
+    """Free sizes of a known correction beside each of several hypotheses."""
+    free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
+    others = [tuple(v for v in hypothesis.variants if v.cause != cause) for hypothesis in beside]
+    fits = weigh_each([Hypothesis((free, *variants), 1.0) for variants in others], stack)
+    return [(float(fit.mean[0]), float(np.sqrt(fit.covariance[0, 0]))) for fit in fits]
+
+
+def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
+    """Drop one cause."""
+    return replace(hypothesis, variants=tuple(v for v in hypothesis.variants if v.cause != cause))
+
+
+def posterior_sets(ranking: Ranking, least: float = 1e-6) -> dict[tuple[str, ...], float]:
+    """Every set worth a line, with probabilities that sum to one."""
+    kept = {ids: p for ids, p in ranking.sets if p >= least}
+    total = sum(kept.values())
+    return {ids: p / total for ids, p in kept.items()}

@@ -1,0 +1,207 @@
+"""What a model gains on rows that its parameters never saw."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.findings.parts import Gain, Ladder
+from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.preprocess.folds import Folds, Rows
+from echocal.diagnose.preprocess.scene import Table, levels
+from echocal.model import Model
+
+__all__ = [
+    "HeldOut",
+    "errors",
+    "fixed_speed_rms",
+    "floor",
+    "measure",
+    "silent",
+    "summarize",
+    "worse",
+]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Labels = NDArray[np.int64]
+
+_PIECES = 40  # contiguous pieces of the held-out rows that are resampled
+_RESAMPLES = 2000
+_CACHED = 32_768  # rows whose differences stay near the processor
+_AUDIBLE = 0.1  # part of a cause's own signal that rows never fitted must see of it to judge it
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Errors of one model on every row that some fold held out.
+
+    Attributes
+    ----------
+    error : ndarray, shape (n,)
+        Reading corrected by the model, less reference or level; NaN where never held out or where
+        no fitted row has the same level [m].
+    """
+
+    error: Column
+
+    @cached_property
+    def known(self) -> Mask:
+        """Rows that were held out and have a level."""
+        return np.isfinite(self.error)
+
+    @cached_property
+    def rms(self) -> float:
+        """Root mean square [m]."""
+        total = _squares(self.error)
+        if not np.isfinite(total):
+            return float(np.sqrt(np.nanmean(self.error**2)))
+        return float(np.sqrt(total / len(self.error)))
+
+
+def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> HeldOut:
+    """Fit on the blocks that each fold leaves, correct the rows that it holds out.
+
+    Parameters
+    ----------
+    table : Table
+    folds : Folds
+    fitted : callable
+        ``fitted(blocks)`` is the model fitted on these blocks.
+    """
+    error = np.full(len(table), np.nan)
+    for held in folds.held:
+        test = folds.rows(held)
+        model = fitted(folds.fit & ~held)
+        if table.reference is not None:  # no level is to be found: the rows held out are enough
+            held_out = error[test]  # a view where they follow each other
+            table.correct(model, test, out=held_out)
+            held_out -= table.reference[test]
+            error[test] = held_out
+        else:
+            error[test] = errors(table, model, _others(test, len(table)))[test]
+    return HeldOut(error)
+
+
+def _others(rows: Rows, count: int) -> Mask:
+    """Rows that are not among these."""
+    others = np.ones(count, dtype=bool)
+    others[rows] = False
+    return others
+
+
+def errors(table: Table, model: Model, level_from: Mask) -> Column:
+    """Reading corrected by a model, less reference or less the mean level of some rows [m]."""
+    corrected = table.correct(model)
+    if table.reference is not None:
+        return corrected - table.reference
+    return corrected - levels(corrected, table.groups, level_from, np.mean)
+
+
+def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
+    """Error of a device that converts every echo with the mean speed of the fitted rows [m]."""
+    error = np.full(len(table), np.nan)
+    for held in folds.held:
+        test = folds.rows(held)
+        if table.reference is not None:
+            usual = (speed.sum() - speed[test].sum()) / (len(speed) - len(speed[test]))
+            reading = np.divide(table.indication[test], speed[test])
+            reading *= usual
+            reading -= table.reference[test]
+            error[test] = reading
+            continue
+        others = _others(test, len(table))
+        reading = table.indication / speed * speed[others].mean()
+        error[test] = (reading - levels(reading, table.groups, others, np.mean))[test]
+    return HeldOut(error).rms
+
+
+def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
+    """95 % interval of the drop in RMS [m], from resampled contiguous pieces of rows."""
+    judged = before.known & after.known
+    count = int(judged.sum())
+    pieces = min(_PIECES, count)
+    firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
+    rows = np.diff(firsts)
+    errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
+    squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
+    drawn = np.random.default_rng(seed).integers(len(rows), size=(_RESAMPLES, len(rows)))
+    places = drawn + len(rows) * np.arange(_RESAMPLES)[:, None]
+    counts = np.bincount(places.ravel(), minlength=places.size).reshape(_RESAMPLES, -1)
+    total = counts @ rows
+    rms = [np.sqrt(counts @ square / total) for square in squares]
+    low, high = np.percentile(rms[0] - rms[1], [2.5, 97.5])
+    return float(low), float(high)
+
+
+def worse(with_cause: HeldOut, without: HeldOut) -> bool:
+    """Whether rows never fitted speak against a cause: with it, they are further off."""
+    if with_cause.known.all() and without.known.all():
+        return with_cause.rms > without.rms
+    loss = with_cause.error**2 - without.error**2
+    return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
+
+
+def silent(with_cause: HeldOut, without: HeldOut, signal: Column) -> bool:
+    """Whether rows never fitted can say nothing on a cause: with it they are as without it.
+
+    A cause that shows in one stand alone cannot be learned from the others, and changes none of
+    them; what is left of a difference is chance.
+
+    Parameters
+    ----------
+    with_cause, without : HeldOut
+    signal : ndarray, shape (n,)
+        What the cause adds to every reading [m].
+    """
+    judged = with_cause.known & without.known
+    one, other = with_cause.error, without.error
+    if not judged.all():
+        one, other, signal = one[judged], other[judged], signal[judged]
+    some = (slice(first, first + _CACHED) for first in range(0, len(signal), _CACHED))
+    return sum(_squares(one[rows] - other[rows]) for rows in some) < _AUDIBLE**2 * _squares(signal)
+
+
+def _squares(values: Column) -> float:
+    return float(np.einsum("i,i->", values, values))  # one pass, on one processor
+
+
+def floor(sums: Sums, held: Mask, variance: float) -> float:
+    """Error that all columns together reach on the held-out rows, less what chance gives [m].
+
+    A ridge in units of the priors, three prior standard deviations wide; the residual is divided
+    by the rows less the effective number of coefficients.
+    """
+    white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
+    return float(np.sqrt(_core.left_over(white, sums.degrees(held), variance, FINEST**2)))
+
+
+def summarize(
+    rms_fixed: float | None,
+    ladder: Ladder,
+    before: HeldOut,
+    after: HeldOut,
+    rms_floor: float,
+    folds: Folds,
+    seed: int,
+) -> Gain:
+    """Put the figures together."""
+    judged = int((before.known & after.known).sum())
+    rms_floor = min(rms_floor, before.rms, after.rms)
+    reachable = before.rms**2 - rms_floor**2
+    worth = reachable > 0.02 * before.rms**2  # below, there is nothing to gain
+    return Gain(
+        rms_fixed_speed_m=rms_fixed,
+        ladder=ladder,
+        rms_before_m=before.rms,
+        rms_after_m=after.rms,
+        rms_floor_m=rms_floor,
+        held_out_rows=judged,
+        fraction_of_reachable=(before.rms**2 - after.rms**2) / reachable if worth else None,
+        interval_95=interval(before, after, seed),
+        scheme=folds.scheme,
+    )

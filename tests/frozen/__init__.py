@@ -1,0 +1,1 @@
+"""Three hundred tables, and what the diagnosis says of each: what a change must not change."""
