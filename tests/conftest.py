@@ -1,4 +1,4 @@
-"""One seed for a whole test run: printed, told again with each failure, and set again by ``ECHOCAL_SEED``.
+"""What all tests share; above all one seed for a whole run, printed, and set again by ``ECHOCAL_SEED``.
 
 A test that needs random numbers asks for the fixture `random`, a fixture of a wider scope for `seeded`.
 Each generator depends on the seed of the run and on the name of its test or fixture, on nothing else: a
@@ -7,6 +7,7 @@ seed.
 """
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,24 @@ def seeded(pytestconfig: pytest.Config) -> Seeded:
 def random(request: pytest.FixtureRequest, seeded: Seeded) -> np.random.Generator:
     """Random numbers of one test, drawn anew in every run; repeated with ``ECHOCAL_SEED``."""
     return seeded(request)
+
+
+@pytest.fixture
+def run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Callable[..., tuple[int, str]]:
+    """Run a command line in an empty folder of its own: exit code and stderr."""
+    from echocal.cli import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words: str) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["echocal", *words])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        return int(caught.value.code or 0), capsys.readouterr().err
+
+    return command
 
 
 @pytest.fixture(scope="session")
