@@ -21,6 +21,7 @@ def test_everything_has_a_call() -> None:
     assert calls.public_names() == set(calls.CALLS)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="guards memory and time as Linux does")
 def test_wrong_arguments_of_everything(tmp_path: Path, random: np.random.Generator) -> None:
     place = tmp_path / "under_way"

@@ -188,6 +188,7 @@ def test_a_clean_table_has_no_fault(seed: int) -> None:
     assert not [c for c in echocal.diagnose(table).causes if c.kind in {"row", "gross"}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize(("step", "noise"), [(1e-2, 2e-3), (1e-2, 1e-4), (3e-3, 1.5e-3), (1e-3, 2e-4)])
 def test_equal_neighbors_of_a_coarse_reading_are_not_stuck(seed: int, step: float, noise: float) -> None:
@@ -265,6 +266,7 @@ def test_facts_are_complete() -> None:
     assert {facts.id for facts in FAULTS} <= set(ids)
 
 
+@pytest.mark.slow
 def test_a_sensor_that_was_bumped_loses_no_rows(random: np.random.Generator) -> None:
     """Rows before the bump are far from those after it, and none of them is another echo.
 

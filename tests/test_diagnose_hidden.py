@@ -8,6 +8,8 @@ from hidden_effects.planting import EFFECTS, bench, noise, table, tape
 
 import echocal
 
+pytestmark = pytest.mark.slow
+
 CASES = 3  # per effect
 
 

@@ -101,12 +101,14 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
         assert not any(refuted.id in member.ids for member in diagnosis.members), say
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
 def test_no_model_is_worse_than_the_base(wide: bool, random: np.random.Generator) -> None:
     for table in range(12):
         check(echocal.diagnose(humid(random, wide=wide)), f"{table=} {wide=}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
 def test_nor_on_rows_that_we_hold_out_ourselves(wide: bool, random: np.random.Generator) -> None:
     """The last third is held out from everything: its error is computed here, from its echo times."""

@@ -53,6 +53,7 @@ def wide(kind: str, beside: str, random: np.random.Generator, rows: int = 480) -
     return table | {f"x{i}": column for i, column in enumerate(columns)}, f"x{chosen}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beside", ["", "drift", "memory"])
 @pytest.mark.parametrize("kind", ["hump", "bend", "wave", "line"])
 def test_what_follows_one_of_many_columns_is_found(
@@ -94,6 +95,7 @@ def test_more_columns_than_rows(rows: int, columns: int, random: np.random.Gener
     assert [note for note in diagnosis.notes if f"of the {columns} further columns" in note]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no /proc elsewhere")
 def test_memory_and_time_have_a_bound(tmp_path: Path, random: np.random.Generator) -> None:
     """The command, on 200 further columns, in a process whose largest memory is asked for at its end.

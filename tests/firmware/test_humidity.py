@@ -25,6 +25,7 @@ def every_input(made: Firmware) -> tuple[np.ndarray, ...]:
     return tuple(np.meshgrid(*codes, indexing="ij"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", C_COMPILERS)
 @pytest.mark.parametrize("model", [Model("cramer"), DIAGNOSED], ids=["cramer", "diagnosed"])
 @pytest.mark.parametrize("target", ["c99", "avr", "cortex-m0"])
@@ -149,6 +150,7 @@ def test_a_humidity_of_one_code_is_checked_and_costs_nothing() -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("unit", "bound"), [("mm", 0.52e-3), ("cm", 5.5e-3)])
 def test_a_tight_bound_in_a_coarse_unit_is_answered(unit: str, bound: float) -> None:
     axes: dict[str, Any] = {"temperature": (0.5, -20.0, 60.0), "humidity": (0.02, 0.0, 1.0), "echo": 26_000}
@@ -156,6 +158,7 @@ def test_a_tight_bound_in_a_coarse_unit_is_answered(unit: str, bound: float) -> 
     assert 0.49 * bound < made.report["error_proven_m"] <= bound
 
 
+@pytest.mark.slow
 def test_a_bound_below_the_rounding_is_answered_with_the_best() -> None:
     with pytest.raises(BoundError, match=r"the best reachable is 0\.50"):
         firmware.generate(Model("cramer"), "avr", output_unit="mm", max_error=0.45e-3, **COARSE)
