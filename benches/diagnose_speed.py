@@ -22,31 +22,32 @@ from measure import processor
 
 import echocal
 from echocal import _core
-from echocal.diagnose import engine, verdict
+from echocal.diagnose import engine, pipeline
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.inference import case, hypotheses
-from echocal.diagnose.selection import belief
+from echocal.diagnose.inference import case, examine, posterior
+from echocal.diagnose.results import report
+from echocal.diagnose.selection import select
 
 HERE = Path(__file__).parent
 RUNS = {1_000: 9, 100_000: 5, 1_000_000: 3}
 PROCESSORS = 2
 
 STAGES: tuple[tuple[Any, str, str], ...] = (
-    (engine, "_read", "reading"),
-    (engine, "find_faults", "faults"),
-    (engine, "prepare", "usable rows, stands, series"),
-    (case, "effect_candidates", "where steps and edges may lie"),
-    (case, "shape_candidates", "shapes"),
+    (engine, "read", "reading"),
+    (pipeline, "find_faults", "faults"),
+    (pipeline, "prepare", "usable rows, stations, series"),
+    (examine, "effect_candidates", "where steps and edges may lie"),
+    (examine, "term_candidates", "smooth functions"),
     (Columns, "products", "columns and their products"),
     (case.Case, "stack", "whitening"),
     (_core, "posterior", "hypotheses"),
-    (belief, "weigh_noises", "noises with a likelihood of their own"),
-    (verdict, "judge", "rows never fitted"),
-    (belief, "unsteady", "one size in every part"),
-    (verdict, "propose", "next measurements"),
-    (verdict, "notes", "notes"),
-    (verdict, "_cause", "sentences"),
-    (verdict, "_traces", "traces"),
+    (pipeline, "weigh_noises", "noises with a likelihood of their own"),
+    (pipeline, "validate", "held-out rows"),
+    (select, "unsteady", "one size in every part"),
+    (pipeline, "propose", "next measurements"),
+    (report, "notes", "notes"),
+    (report, "_cause", "sentences"),
+    (report, "_traces", "traces"),
 )
 
 
@@ -109,7 +110,7 @@ def on_the_clock(clock: Clock) -> Iterator[None]:
             timed = clock.timed(stage, call)
             if owner is _core:  # a compiled module: what the caller sees of it is replaced
                 proxy = type("Core", (), {"posterior": staticmethod(timed)})()
-                stack.enter_context(patch.object(hypotheses, "_core", proxy))
+                stack.enter_context(patch.object(posterior, "_core", proxy))
             else:
                 stack.enter_context(patch.object(owner, name, timed))
         yield

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.faults import _GROSS, _ROWS
+from echocal.diagnose.faults.registry import FAULTS
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
 
 ROWS = 120
 Table = dict[str, np.ndarray]
@@ -66,7 +67,7 @@ def test_with_the_glance_and_without(spoil: Callable[[Table], None]) -> None:
 
     def findings() -> list[tuple[str, float] | None]:
         view = View(data, Base.of("linear"), None, True)
-        found = (module.detect(view) for module in (*_GROSS, *_ROWS))
+        found = (fault.detect(view, FaultSettings()) for fault in FAULTS)
         return [f and (f.because, f.log_bayes) for f in found]
 
     glanced = findings()

@@ -1,5 +1,7 @@
 """The sums, the whitening and the evidence against slow and obvious ways."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
@@ -7,13 +9,17 @@ from scipy.signal import lfilter
 
 import echocal
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.effects import Candidates, Variant
-from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of, shape_candidates
+from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of, term_candidates
+from echocal.diagnose.candidates.variant import Candidates, Variant
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh, weigh_each
 from echocal.diagnose.inference.innovation import innovation
-from echocal.diagnose.inference.noise import CONVECTIONS, Convection, Noise, noises
+from echocal.diagnose.inference.noise import Convection, Noise, all_convections, noises
 from echocal.diagnose.inference.sums import Sums, Whitened
 from echocal.diagnose.preprocess.order import Order
+from echocal.diagnose.settings import NoiseModelSettings, TermSettings
+
+MODELS = NoiseModelSettings()
+CONVECTIONS = all_convections(MODELS)
 
 
 def sums(
@@ -25,10 +31,9 @@ def sums(
     for column in columns:
         stored.store(column)
     order = Order(starts, groups, np.ones(n) if distance is None else distance, flat_level)
-    found = Sums.gather(stored, order, np.arange(n) * 3 // n)
-    if distance is not None:
-        found.remember(stored, CONVECTIONS)
-    return found
+    alike = [memory for memory, _ in MODELS.autoregressions]
+    found = Sums.gather(stored, order, np.arange(n) * 3 // n, alike)
+    return found if distance is None else found.with_memories(stored, CONVECTIONS)
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])
@@ -113,7 +118,7 @@ def test_bounds_cut_the_prior_off() -> None:
 
 def test_hypotheses_side_by_side_are_each_by_itself(random: np.random.Generator) -> None:
     parts = sums(random.normal(size=(9, 90)), np.repeat(np.arange(5), 18), flat_level=False)
-    stack = Stack(*parts.whiten_all(noises(True)), 90, noises(True))
+    stack = Stack(*parts.whiten_all(noises(MODELS, True)), 90, noises(MODELS, True))
     forms = [Variant(f"x{i}", free=(i,), bounds=((-1.0, 2.0),)) for i in range(1, 8)]
     hypotheses = [Hypothesis(tuple(forms[:count]), 1.0) for count in range(5)]
     for hypothesis, found in zip(hypotheses, weigh_each(hypotheses, stack), strict=True):
@@ -124,7 +129,8 @@ def test_hypotheses_side_by_side_are_each_by_itself(random: np.random.Generator)
 
 
 def test_noises_have_a_prior_of_one() -> None:
-    for found in (noises(False), noises(True), noises(False, CONVECTIONS), noises(True, CONVECTIONS)):
+    for stations, convections in product((False, True), ((), CONVECTIONS)):
+        found = noises(MODELS, stations, convections)
         assert sum(noise.prior for noise in found) == pytest.approx(1.0)
         assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in found)
 
@@ -159,8 +165,8 @@ def test_many_noises_at_once_are_each_by_itself(random: np.random.Generator) -> 
     columns = random.normal(size=(4, 90))
     parts = sums(columns, np.repeat(np.arange(5), 18), flat_level=False)
     use = np.array([True, False, True])
-    products, log_weight = parts.whiten_all(noises(True), use)
-    for noise, matrix, weight in zip(noises(True), products, log_weight, strict=True):
+    products, log_weight = parts.whiten_all(noises(MODELS, True), use)
+    for noise, matrix, weight in zip(noises(MODELS, True), products, log_weight, strict=True):
         one = parts.whiten(noise, use)
         np.testing.assert_array_equal(matrix, one.products)
         assert weight == one.log_weight
@@ -170,10 +176,10 @@ def test_shapes_are_weighed_as_they_are_told(random: np.random.Generator) -> Non
     """Columns of the core, made a block at a time, are the functions that a model gets, less their means."""
     against = {"time": np.sort(random.uniform(0, 9 * 86400.0, 700))}
     found = Candidates(Columns(echocal.Model("linear"), np.ones(700), {}, None))
-    shape_candidates(found, against, known_distance=False)
+    term_candidates(found, against, TermSettings(), known_distance=False)
     for name in (HOUR, "time"):
         column = column_of(name, against)
-        told = np.array(Basis.of(name, column).at(column))
+        told = np.array(Basis.of(name, column, TermSettings()).at(column))
         weighed = found.columns.at(found.shapes[name].free)
         left = (weighed - weighed.mean(axis=1, keepdims=True)) - (told - told.mean(axis=1, keepdims=True))
         assert np.abs(left).max() < 1e-12, name

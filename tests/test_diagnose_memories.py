@@ -5,7 +5,6 @@ import pytest
 from hidden_effects.designs import remembering
 
 import echocal
-from echocal.diagnose.inference import memories
 
 ROWS = 24_000  # more than a short table
 
@@ -25,13 +24,12 @@ def log(noise: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]
 
 @pytest.mark.parametrize("keep", [0.0, 0.9])
 def test_a_long_table_is_judged_as_if_every_memory_were_summed(
-    keep: float, monkeypatch: pytest.MonkeyPatch, random: np.random.Generator
+    keep: float, random: np.random.Generator
 ) -> None:
     white, cells = random.normal(0, 1e-3, ROWS), remembering(ROWS, keep, random)
     table = log(white + (1e-3 * cells if keep else 0.0), random)
     quick = echocal.diagnose(table)
-    monkeypatch.setattr(memories, "_LONG", ROWS)
-    whole = echocal.diagnose(table)
+    whole = echocal.diagnose(table, settings={"noise_models": {"long_table": ROWS}})
     assert quick.causes[0].id == "fixed_delay"
     assert ("correlated_noise" in {c.id for c in quick.causes}) == (keep > 0)
     assert [c.id for c in quick.causes] == [c.id for c in whole.causes]

@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from echocal.diagnose.candidates.effects import Scene
-from echocal.diagnose.candidates.onset_search import Divided, Look
+from echocal.diagnose.candidates.onset_search import OnsetSearch, PrefixSumSearch
 from echocal.diagnose.candidates.onsets import places
+from echocal.diagnose.candidates.scene import Scene
 from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.settings import Settings
 from echocal.registry import find_effect
 
 ROWS, BUMPED = 3000, 1891
@@ -23,7 +24,13 @@ def scene(order: np.ndarray) -> Scene:
     residual = random.normal(0.0, 1e-3, ROWS) + 2e-3 * (np.arange(ROWS) >= BUMPED)
     conditions = {"temperature": temperature[order], "elapsed_time": time[order]}
     return Scene(
-        Base.of("linear"), distance[order], conditions, lambda _: distance[order], None, residual[order]
+        Base.of("linear"),
+        distance[order],
+        conditions,
+        lambda _: distance[order],
+        None,
+        residual[order],
+        Settings(),
     )
 
 
@@ -57,7 +64,7 @@ def test_sums_beyond_a_place_are_those_of_the_columns(order: np.ndarray) -> None
         "of": [there.leftover, there.residual],
     }
     column = there.conditions["elapsed_time"]
-    divided, plain = Divided(**given, column=column, first=240.0), Look(**given)
+    divided, plain = PrefixSumSearch(**given, column=column, first=240.0), OnsetSearch(**given)
     places = [240.0, 241.0, 60.0 * 700, 60.0 * 1890.5, 60.0 * (ROWS - 2), 60.0 * ROWS]
     for look in (divided, plain):
         look.at(places)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.preprocess.rows import far_rows
-from echocal.diagnose.preprocess.scene import FAR
+from echocal.diagnose.preprocess.outliers import FAR, far_rows
+from echocal.diagnose.settings import RowSettings
 
 ROWS = 400
 
@@ -43,7 +43,7 @@ def test_rows_alike_vouch_for_each_other(random: np.random.Generator) -> None:
         shifted = reading.copy()
         shifted[rows] += 0.005 + 0.012 * distance[rows]  # below what is far anyhow
         orders = [np.arange(ROWS, dtype=float), distance, celsius]
-        return np.flatnonzero(far_rows(shifted, distance, lambda: orders)).tolist()
+        return np.flatnonzero(far_rows(shifted, distance, lambda: orders, RowSettings())).tolist()
 
     warmest = np.argsort(celsius)[-15:]
     assert far(warmest) == []

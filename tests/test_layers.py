@@ -25,6 +25,7 @@ LAYERS = (
 )
 ROOMS_OF_DIAGNOSE = [
     "findings",
+    "settings",
     "preprocess",
     "candidates",
     "inference",
@@ -35,8 +36,10 @@ ROOMS_OF_DIAGNOSE = [
     "selection",
     "validation",
     "experiment_design",
-    "results",
     "verdict",
+    "results",
+    "request",
+    "pipeline",
     "engine",
 ]
 FLOOR = {room: floor for floor, rooms in enumerate(LAYERS) for room in rooms}

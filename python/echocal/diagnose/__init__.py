@@ -34,7 +34,8 @@ from echocal.diagnose.findings.parts import (
     Unexplained,
 )
 from echocal.diagnose.noises import noises
-from echocal.diagnose.results.result import Diagnosis
+from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.settings import Settings
 
 __all__ = [
     "Cause",
@@ -43,6 +44,7 @@ __all__ = [
     "NextMeasurement",
     "Parameter",
     "Refuted",
+    "Settings",
     "Traces",
     "Unexplained",
     "diagnose",

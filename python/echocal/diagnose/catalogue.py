@@ -1,7 +1,5 @@
 """Both registries under one roof: effects on the mean, and everything else."""
 
-from functools import cache
-
 from echocal.diagnose.faults import gross_faults, row_faults
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.diagnose.noises import noises
@@ -10,7 +8,6 @@ from echocal.registry import Effect, effects, found
 __all__ = ["causes", "find_cause", "irregularities"]
 
 
-@cache
 def irregularities() -> tuple[CauseFacts, ...]:
     """Causes that are no effect on the mean: gross faults, faults of rows, noises."""
     return (*gross_faults(), *row_faults(), *noises())

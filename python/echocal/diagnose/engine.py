@@ -1,34 +1,23 @@
-"""From a table to a diagnosis."""
+"""`echocal.diagnose`: the arguments, and what they mean."""
 
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from echocal.diagnose.experiment_design.ranges import checked_ranges
-from echocal.diagnose.faults import find_faults
-from echocal.diagnose.inference.case import examine
-from echocal.diagnose.preprocess.base import Base
-from echocal.diagnose.preprocess.folds import Folds
-from echocal.diagnose.preprocess.scene import prepare, refuse_distance
-from echocal.diagnose.preprocess.window import between, held_out
+from echocal.diagnose.pipeline import run
+from echocal.diagnose.preprocess.reading import read
 from echocal.diagnose.progress import Progress, Steps
-from echocal.diagnose.results.level_steps import further_step
-from echocal.diagnose.results.result import Diagnosis
-from echocal.diagnose.verdict import conclude
-from echocal.errors import DataError, DomainWarning, EchocalError, UsageError
+from echocal.diagnose.request import Request
+from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.settings import Settings
 from echocal.model import Model
-from echocal.observations import Observations, read_observations
-from echocal.observations.plan import EVERYTHING
+from echocal.observations import Observations
 
 __all__ = ["diagnose"]
-
-_MOST_STEPS = 6  # that the evidence finds beside those that anybody sees
 
 
 def diagnose(
@@ -45,15 +34,16 @@ def diagnose(
     hold_out_after: str | float | None = None,
     can_vary: Mapping[str, Sequence[float]] | None = None,
     seed: int = 0,
+    settings: Settings | Mapping[str, Mapping[str, Any]] | None = None,
     progress: Progress | None = None,
     **table: Any,
 ) -> Diagnosis:
     """Name what a base simulation gets wrong about a table of echoes.
 
-    Every effect that the table could show, every pair and the best triples compete with
-    "nothing" and with smooth shapes that have no cause, by the evidence of their columns. Noise
-    with memory and an error per stand are reckoned with before anything is named. The gain is
-    measured on rows that no parameter was fitted to.
+    Every effect that the table could show, every pair of effects and the best larger sets compete
+    with no effect and with smooth functions that have no cause (docs/method.md). Autocorrelated
+    noise and an error per station are part of every hypothesis. The gain is measured on rows that
+    no parameter was fitted to.
 
     Parameters
     ----------
@@ -81,6 +71,9 @@ def diagnose(
         "temperature": (5.0, 40.0)}`` in m and degC; names are those of recorded conditions.
     seed : int
         Seed of the resampling behind the interval of the gain, not negative.
+    settings : Settings or mapping, optional
+        Other values of the numbers that decide a verdict, by group and name, as a diagnosis records
+        them: ``{"claims": {"named": 0.95}}``. `echocal.diagnose.settings` lists all.
     progress : callable, optional
         Called as each stage begins, with what it does, the number of stages done and their number.
     **table
@@ -112,64 +105,22 @@ def diagnose(
     ('named', 'fixed_speed')
     """
     start = time.perf_counter()
-    simulated = Base.of(base)
-    refuse_distance(reference_distance)
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        message = f"seed is {seed!r}; give an integer of 0 or more"
-        raise UsageError(message)
-    strange: DataError | None = None
+    request = Request.of(
+        base,
+        seed,
+        settings,
+        reference_distance=reference_distance,
+        constant_distance=constant_distance,
+        since=since,
+        until=until,
+        hold_out_after=hold_out_after,
+        can_vary=can_vary,
+    )
     work = Steps(progress)
     work.begin("reading")
-    if isinstance(observations, Observations):
-        _refuse_late({"columns": columns, "reading_speed": reading_speed, "missing": missing, **table})
-    else:
-        law = reading_speed or (
-            simulated.law if simulated.device_speed is None else str(simulated.device_speed)
-        )
-        table = {"columns": columns, "reading_speed": law, "missing": missing, **table}
-        observations, strange = _read(observations, table)
-    observations = between(observations, since, until)
-    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
-        work.begin("looking for faults")
-        faults = find_faults(observations, simulated, reference_distance, constant_distance)
-        explained = any(f.facts.kind == "gross" for f in faults.accepted)
-        if strange is not None and not (explained and faults.observations.usable.any()):
-            raise strange
-        observations = faults.observations
-        ranges = None if can_vary is None else checked_ranges(can_vary, list(observations.conditions))
-        steps: list[int] = []
-        while True:
-            work.begin("building columns")
-            ready = prepare(observations, simulated, reference_distance, constant_distance, steps)
-            folds = Folds.of(ready, *held_out(observations, ready, hold_out_after))
-            case = examine(ready, simulated, folds, int(seed))
-            diagnosis = conclude(case, observations, faults, ranges, start, work)
-            row = further_step(ready, diagnosis)
-            if row is None or len(steps) == _MOST_STEPS:
-                work.end()
-                return diagnosis
-            steps.append(row)
-            work.level_steps = len(steps)
-
-
-def _read(source: Any, table: Mapping[str, Any]) -> tuple[Observations, DataError | None]:
-    """Read a table; one that is refused for its values is read as it stands, with the refusal.
-
-    A column in another unit is a cause like others: where a fault explains it, it is named.
-    """
-    try:
-        return read_observations(source, **table), None
-    except DataError as refusal:
-        try:
-            with warnings.catch_warnings(action="ignore"):  # the refusal says it all
-                return read_observations(source, **{**table, "trust": (EVERYTHING,)}), refusal
-        except EchocalError:
-            raise refusal from None
-
-
-def _refuse_late(given: Mapping[str, Any]) -> None:
-    """Refuse what only concerns the reading of a table that is read already."""
-    late = next((name for name, value in given.items() if value), None)
-    if late:
-        message = f"{late} concerns the reading of a table; pass it to read_observations, which made these"
-        raise UsageError(message)
+    how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
+    if not isinstance(observations, Observations):
+        how["reading_speed"] = reading_speed or request.base.reading_speed
+    reading = read(observations, how)
+    diagnosis = run(reading, request, work)
+    return replace(diagnosis, seconds=time.perf_counter() - start)

@@ -13,7 +13,7 @@ STAGES = (
     "building columns",
     "weighing causes",
     "weighing noises",
-    "judging on rows never fitted",
+    "validating on held-out rows",
     "planning measurements",
 )
 """What a diagnosis does, in order; from the columns on again for each level step that it finds."""

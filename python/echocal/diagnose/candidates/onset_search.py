@@ -1,22 +1,18 @@
 """What an effect explains, wherever it may begin."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.candidates.scene import Scene
 from echocal.registry import Effect
 
-if TYPE_CHECKING:
-    from echocal.diagnose.candidates.columns import Columns
-    from echocal.diagnose.candidates.effects import Scene
-
-__all__ = ["Divided", "Look"]
+__all__ = ["OnsetSearch", "PrefixSumSearch"]
 
 Column = NDArray[np.float64]
 Matrix = NDArray[np.floating[Any]]
@@ -25,7 +21,7 @@ _ALIKE = 1e-9  # part of a column's square below which it is what others are
 
 
 @dataclass(kw_only=True)
-class Look:
+class OnsetSearch:
     """What the sizes of an effect explain beside a level, wherever the effect may begin.
 
     Attributes
@@ -50,7 +46,7 @@ class Look:
     known: dict[float, Matrix] = field(default_factory=dict)
 
     def at(self, wanted: Sequence[float]) -> None:
-        """Look at some places."""
+        """OnsetSearch at some places."""
         new = [value for value in dict.fromkeys(wanted) if value not in self.known]
         if new:
             self.known |= self._products(new)
@@ -80,7 +76,7 @@ class Look:
 
 
 @dataclass(kw_only=True)
-class Divided(Look):
+class PrefixSumSearch(OnsetSearch):
     """The same of an effect that is one and the same in all rows beyond its place, of known distance.
 
     Attributes

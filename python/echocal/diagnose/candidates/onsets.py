@@ -1,27 +1,19 @@
 """Places along a column at which an effect may begin, closer where it explains most."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.onset_search import Divided, Look
+from echocal.diagnose.candidates.onset_search import OnsetSearch, PrefixSumSearch
+from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.settings import SearchSettings
 from echocal.registry import Effect, Parameter
-
-if TYPE_CHECKING:
-    from echocal.diagnose.candidates.effects import Scene
 
 __all__ = ["places"]
 
 Column = NDArray[np.float64]
-
-_CLOSEST = 0.5  # rows between two places at which an effect may begin
-_ENDS = 5  # rows at either end of a table: what begins there is a wild row rather than an effect
-_BEFORE = 1 / 8  # of all distances lie before the one where an effect begins, so that its absence shows
-_FEWEST_BEFORE = 2  # distances: one alone would make any offset a beginning
 
 
 def places(
@@ -37,8 +29,9 @@ def places(
     assert along is not None
     column = scene.distance if along == "distance" else scene.conditions[along]
     ascending = column if (column[1:] >= column[:-1]).all() else np.sort(column)
-    inner = ascending[:_ENDS][-1], ascending[-_ENDS:][0]
-    reach = _reach(ascending, parameter) if along == "distance" else inner
+    search = scene.settings.search
+    inner = ascending[: search.onset_ends][-1], ascending[-search.onset_ends :][0]
+    reach = _reach(ascending, parameter, search) if along == "distance" else inner
     given: dict[str, Any] = {
         "effect": effect,
         "parameters": {**{p.name: p.neutral for p in effect.parameters}, **at},
@@ -47,7 +40,7 @@ def places(
         "of": [scene.residual] if along == "distance" else [scene.leftover, scene.residual],
     }
     divides = parameter.divides == along and scene.groups is None
-    look = Divided(**given, column=column, first=reach[0]) if divides else Look(**given)
+    look = PrefixSumSearch(**given, column=column, first=reach[0]) if divides else OnsetSearch(**given)
     found: set[float] = set()
     for of in range(len(look.of)):
         found |= _closer(look, of, parameter, ascending, reach)
@@ -55,7 +48,7 @@ def places(
 
 
 def _closer(
-    look: Look, of: int, parameter: Parameter, ascending: Column, reach: tuple[float, float]
+    look: OnsetSearch, of: int, parameter: Parameter, ascending: Column, reach: tuple[float, float]
 ) -> set[float]:
     """Where a place explains most, halve the distance to the next one until it is half a row."""
 
@@ -67,7 +60,7 @@ def _closer(
 
     scores = explained(parameter.tried)
     step = float(np.diff(parameter.tried).min()) / 2
-    while scores and step * len(ascending) > _CLOSEST:
+    while scores and step * len(ascending) > look.scene.settings.search.onset_resolution:
         best = max(scores, key=lambda q: scores[q])
         scores |= explained((best - step, best + step))
         step /= 2
@@ -90,10 +83,10 @@ def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
     return [float(value) for value in low + (high - low) * (at - before)]
 
 
-def _reach(ascending: Column, parameter: Parameter) -> tuple[float, float]:
+def _reach(ascending: Column, parameter: Parameter, search: SearchSettings) -> tuple[float, float]:
     """First and last distance at which an effect may begin: one that begins before is an offset."""
     distinct = ascending[np.append(True, ascending[1:] > ascending[:-1])]
-    before = max(_FEWEST_BEFORE, int(np.ceil(_BEFORE * len(distinct))))
+    before = max(search.fewest_distances_before, int(np.ceil(search.distances_before * len(distinct))))
     if len(distinct) <= before:
         return np.inf, -np.inf
     return max(parameter.bounds[0], float(distinct[before - 1])), float(distinct[-2])

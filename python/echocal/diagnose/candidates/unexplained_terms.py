@@ -1,4 +1,4 @@
-"""Smooth shapes without a cause: what competes when no effect of the catalogue fits."""
+"""Unexplained terms: smooth functions without a cause, which compete when no effect of the catalogue fits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,27 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Variant
+from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
+from echocal.diagnose.settings import TermSettings
 from echocal.observations.quantiles import quantiles, spread
 
-__all__ = ["DEGREES", "HOUR", "Basis", "column_of", "degrees_of", "shape_candidates"]
+__all__ = ["HOUR", "Basis", "column_of", "degrees_of", "term_candidates"]
 
 Column = NDArray[np.float64]
 
 HOUR = "hour of day"
 """Name of the periodic shape that is tried where a table spans days."""
 
-DEGREES = (4, 16)
-"""Of the polynomials: a bend or a hump, cheaply; and waves or a narrow hump."""
-
-_VALUES = 2  # distinct values of the column per degree: freer, a shape would be an error of each value
-_HARMONICS = 2
-_SIZE = 3e-3  # m, one prior standard deviation of the leading term: shot noise times two
-_SCALES = tuple(_SIZE / degree for degree in range(1, max(DEGREES) + 1))
-_WAVES = tuple(_SIZE / multiple for multiple in range(1, _HARMONICS + 1))
-_DAY = 86400.0
-_NEARLY_ALL = (0.005, 0.995)
-_LEVELS = 6  # fewer distinct values cannot show a smooth shape
+_DAY = 86400.0  # s
 
 
 @dataclass(frozen=True)
@@ -38,28 +29,45 @@ class Basis:
     against : str
     low, high : float
         Range of the column that the functions are made for: nearly all of its values.
+    settings : TermSettings
     """
 
     against: str
     low: float
     high: float
+    settings: TermSettings
 
     @classmethod
-    def of(cls, against: str, column: Column) -> "Basis":
+    def of(cls, against: str, column: Column, settings: TermSettings) -> "Basis":
         """Functions for a column; for the time of day, of the time [s]."""
         if against == HOUR:
-            return cls(HOUR, 0.0, 24.0)
-        low, high = quantiles(spread(column), _NEARLY_ALL)  # a few far values must not bend the shape
-        return cls(against, low, high)
+            return cls(HOUR, 0.0, 24.0, settings)
+        low, high = quantiles(spread(column), settings.range)  # a few far values must not bend the shape
+        return cls(against, low, high, settings)
 
     def at(self, values: Column) -> list[Column]:
         """Every function, in units of its prior standard deviation [m]."""
         if self.against == HOUR:
             phase = 2 * np.pi * values / 24.0
-            return [size * wave(k * phase) for k, size in enumerate(_WAVES, 1) for wave in (np.sin, np.cos)]
+            return [
+                size * wave(k * phase)
+                for k, size in enumerate(_harmonics(self.settings), 1)
+                for wave in (np.sin, np.cos)
+            ]
         scaled = (2 * values - self.low - self.high) / max(self.high - self.low, 1e-300)
-        legendre = np.polynomial.legendre.legvander(np.clip(scaled, -1.5, 1.5), len(_SCALES)).T[1:]
-        return [scale * function for scale, function in zip(_SCALES, legendre, strict=True)]
+        scales = _scales(self.settings)
+        legendre = np.polynomial.legendre.legvander(np.clip(scaled, -1.5, 1.5), len(scales)).T[1:]
+        return [scale * function for scale, function in zip(scales, legendre, strict=True)]
+
+
+def _scales(settings: TermSettings) -> list[float]:
+    """Prior standard deviation of each degree [m]."""
+    return [settings.size / degree for degree in range(1, max(settings.degrees) + 1)]
+
+
+def _harmonics(settings: TermSettings) -> list[float]:
+    """Prior standard deviation of each harmonic [m]."""
+    return [settings.size / multiple for multiple in range(1, settings.harmonics + 1)]
 
 
 def column_of(name: str, against: Mapping[str, Column]) -> Column:
@@ -67,7 +75,9 @@ def column_of(name: str, against: Mapping[str, Column]) -> Column:
     return against["time"] % _DAY / 3600.0 if name == HOUR else against[name]
 
 
-def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_distance: bool) -> None:
+def term_candidates(
+    found: Candidates, against: Mapping[str, Column], settings: TermSettings, *, known_distance: bool
+) -> None:
     """Add a smooth shape against each column that could show one.
 
     A shape has a mean: who does not know what it is cannot know that its mean is nought, and an
@@ -82,42 +92,45 @@ def shape_candidates(found: Candidates, against: Mapping[str, Column], *, known_
     against : mapping of str to ndarray, shape (n,)
         Columns by the name that a person knows them by. ``"time"`` in seconds also gives the
         hour of the day, where it spans more than two days.
+    settings : TermSettings
     known_distance : bool
         Of every row; an unknown level has the mean already.
     """
-    constant = np.full(len(next(iter(against.values()))), _SIZE)
+    constant = np.full(len(next(iter(against.values()))), settings.size)
     mean = [found.columns.store(constant)] if known_distance else []
     line = list(mean)
     for name, column in against.items():
-        if most := degrees_of(column):
-            basis = Basis.of(name, column)
+        if most := degrees_of(column, settings):
+            basis = Basis.of(name, column, settings)
             own, first = mean, 1
             if name == "distance":
-                line += found.columns.legendre(column, basis.low, basis.high, [_SIZE])
+                line += found.columns.legendre(column, basis.low, basis.high, [settings.size])
                 own, first = [], 2
             shapes = found.columns.legendre(
-                column, basis.low, basis.high, _SCALES[first - 1 : most], first=first
+                column, basis.low, basis.high, _scales(settings)[first - 1 : most], first=first
             )
-            for degree in sorted({min(degree, most) for degree in DEGREES}):
+            for degree in sorted({min(degree, most) for degree in settings.degrees}):
                 found.variants.append(_shape([*own, *shapes[: degree + 1 - first]], name))
     if line:
-        found.line = replace(_shape(line, ""), scales=(_SIZE,) * len(line))
+        found.line = replace(_shape(line, ""), scales=(settings.size,) * len(line))
     elapsed = against.get("time")
-    if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > 2 * _DAY:
-        waves = found.columns.waves(elapsed, _DAY, _WAVES)
+    if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > settings.fewest_days * _DAY:
+        waves = found.columns.waves(elapsed, _DAY, _harmonics(settings))
         found.variants.append(_shape([*mean, *waves], HOUR))
 
 
-def degrees_of(column: Column) -> int:
+def degrees_of(column: Column, settings: TermSettings) -> int:
     """Highest degree of a shape against a column; 0 where it has gaps or too few values to show one."""
-    values = _distinct(column) if np.isfinite(column).all() else 0
-    return min(max(DEGREES), values // _VALUES) if values >= _LEVELS else 0
+    most = max(settings.degrees)
+    enough = most * settings.values_per_degree
+    values = _distinct(column, enough) if np.isfinite(column).all() else 0
+    return min(most, values // settings.values_per_degree) if values >= settings.fewest_values else 0
 
 
-def _distinct(column: Column) -> int:
-    """Number of distinct values, or more than any shape asks for."""
+def _distinct(column: Column, enough: int) -> int:
+    """Number of distinct values, or some number that is enough."""
     few = len(np.unique(column[:1000]))
-    return few if few >= _VALUES * max(DEGREES) else len(np.unique(column[: 10**5]))
+    return few if few >= enough else len(np.unique(column[: 10**5]))
 
 
 def _shape(columns: Sequence[int], name: str) -> Variant:

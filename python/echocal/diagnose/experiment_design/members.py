@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
 from echocal.diagnose.validation.gain import errors
-from echocal.diagnose.validation.refute import Judgment
+from echocal.diagnose.validation.refute import Validation
 from echocal.model import Model
 
 __all__ = ["members"]
@@ -26,7 +26,7 @@ _LEAST = 1e-4  # of a rival that only its implausible size speaks against
 
 
 def members(
-    case: Case, ranking: Ranking, claimed: Sequence[Claim], judgment: Judgment, stack: Stack
+    case: Case, ranking: Ranking, claimed: Sequence[Claim], validation: Validation, stack: Stack
 ) -> tuple[Member, ...]:
     """Return the sets of causes that the data leave possible, most probable first.
 
@@ -34,7 +34,7 @@ def members(
     no model: sets that differ in it alone are one. Neither does a cause that rows never fitted
     speak against, nor a set that needs a shape, or a refuted cause, to explain the rows.
     """
-    refuted = {id_ for r in judgment.refuted for id_ in (r.id, *r.indistinguishable_from)}
+    refuted = {id_ for r in validation.refuted for id_ in (r.id, *r.indistinguishable_from)}
     left_out = {UNKNOWN, *refuted}
     shares: dict[Ids, float] = {}
     alone: dict[Ids, float] = {}
@@ -45,7 +45,10 @@ def members(
     forms: dict[Ids, list[Weighed]] = {}
     for weighed in ranking.weighed:
         forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
-    best = {named: _best(forms[named], left_out, stack) for named in _chosen(shares, claimed)}
+    best = {
+        named: _best(forms[named], left_out, stack, case.settings.search.form_preference)
+        for named in _chosen(shares, claimed)
+    }
     models = _models(case, best, stack, doubtful=bool(refuted))
     weights = np.array([max(shares.get(named, 0.0), _LEAST) for named in models])
     return tuple(
@@ -82,9 +85,9 @@ def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
     ]
 
 
-def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack) -> Weighed:
+def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack, undecided: float) -> Weighed:
     """The best hypothesis of a set; weighed again without what is left out, if it had any of it."""
-    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes])
+    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes], undecided)
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:
         hypothesis = without(hypothesis, cause)

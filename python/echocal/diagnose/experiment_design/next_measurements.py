@@ -13,7 +13,8 @@ from echocal.diagnose.experiment_design.prospect import Prospect
 from echocal.diagnose.experiment_design.ranges import Ranges, grid, guards
 from echocal.diagnose.findings.parts import NextMeasurement
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.validation.refute import Validation
 
 __all__ = ["propose"]
 
@@ -32,14 +33,15 @@ _MOST = 6  # side measurements, of the most probable rivals
 def propose(
     case: Case,
     members: Sequence[Member],
-    claimed: Collection[str],
-    noise: Noise,
-    variance: float,
+    selection: Selection,
+    validation: Validation,
     can_vary: Ranges | None,
 ) -> tuple[NextMeasurement, ...]:
     """Propose the rows that best separate what is possible, and side measurements for the rest."""
     if len(members) < 2 or members[0].probability >= _SURE:
         return ()
+    claimed = [claim.cause for claim in validation.kept]
+    noise, variance = selection.noise, selection.best.variance
     ranges = _ranges(case, can_vary)
     stands = _stands(case)
     varied = grid(ranges, {"distance": stands})

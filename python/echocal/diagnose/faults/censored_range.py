@@ -1,18 +1,42 @@
 """Readings clipped at a largest range."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from echocal.diagnose.faults.values import recorded
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import recorded
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
-_FEWEST = 3  # rows at the limit
-_SAFE = 4.0  # robust standard deviations below the limit from which on nothing is clipped
-_ALL = 0.9  # part of the rows that should be beyond the limit and stand at it
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    fewest: float = threshold(3, "1", "rows at the limit; judgement")
+    others: float = threshold(8, "1", "rows that are not at the limit: they tell the scatter; judgement")
+    safe: float = threshold(
+        4.0,
+        "1",
+        "robust standard deviations below the limit from which on nothing is clipped: 1 normal row in 30,000",
+    )
+    clipped: float = threshold(
+        0.9, "1", "part of the rows that should be beyond the limit and stand at it; judgement"
+    )
+    doubled: float = threshold(
+        0.3,
+        "1",
+        "part of the other rows that repeat a value, beyond which repeating means nothing; judgement",
+    )
+    most: float = threshold(0.5, "1", "part of all rows that may be clipped; judgement")
+
 
 FACTS = CauseFacts(
     id="censored_range",
@@ -23,11 +47,15 @@ FACTS = CauseFacts(
     parameters=(Quantity("limit", "m", "largest reading"), Quantity("rows", "1", "rows at the limit")),
     check="look for a maximum range in the device's program; measure one distance beyond it",
     prior=0.005,
+    formula="reading' = min(reading, limit)",
+    needs=("reference_distance",),
+    repair="leaves out every row at the limit or near it, so that clipping biases nothing",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Ask whether the largest reading repeats and nothing that should be beyond it is."""
+    own = settings.of(FACTS, Thresholds)
     reference = view.reference
     if reference is None or not view.good.any():
         return None
@@ -35,29 +63,32 @@ def detect(view: View) -> Finding | None:
     top = float(values.max())
     at_limit = values >= top * (1 - 1e-12)
     count = int(at_limit.sum())
-    if count < _FEWEST:
+    if count < own.fewest:
         return None
     limit = float(np.median(view.indication[at_limit]))
     error = (view.indication - reference)[view.good & ~at_limit]
-    if len(error) < 8:
+    if len(error) < own.others:
         return None
     scatter = 1.4826 * float(np.median(np.abs(error - np.median(error)))) + 1e-5
     center = float(np.median(error))
-    beyond = view.good & (reference + center > limit + _SAFE * scatter)
-    should = view.good & (reference + center > limit - _SAFE * scatter)
+    beyond = view.good & (reference + center > limit + own.safe * scatter)
+    should = view.good & (reference + center > limit - own.safe * scatter)
     others = values[view.good & ~at_limit]
     _, counts = np.unique(others, return_counts=True)
     doubled = (float((counts - 1).sum()) + 0.5) / len(others)
     clipped = float(at_limit[beyond].mean()) if beyond.any() else 1.0
-    far_short = reference[at_limit] + center - limit > -_SAFE * scatter
+    far_short = reference[at_limit] + center - limit > -own.safe * scatter
     run = np.flatnonzero(at_limit)
-    if run[-1] - run[0] == count - 1 and not (reference[at_limit] + center > limit + _SAFE * scatter).any():
+    if (
+        run[-1] - run[0] == count - 1
+        and not (reference[at_limit] + center > limit + own.safe * scatter).any()
+    ):
         return None  # one run of a value that could be measured: stuck, not clipped
-    if clipped < _ALL or far_short.mean() < _ALL or doubled > 0.3:
+    if clipped < own.clipped or far_short.mean() < own.clipped or doubled > own.doubled:
         return None
     evidence = (count - 1) * -np.log(max(doubled, 1 / len(others))) - np.log(len(others))
     rows = at_limit | should
-    if rows.sum() > 0.5 * view.good.sum():
+    if rows.sum() > own.most * view.good.sum():
         return None
     because = (
         f"{count} rows read exactly {limit:.4f} m and none more, where the reference distance goes up to "
@@ -65,4 +96,14 @@ def detect(view: View) -> Finding | None:
         f"{float(reference[rows].min()):.3f} m on are left out, so that clipping biases nothing"
     )
     parameters = (Parameter("limit", limit, 0.0, "m"), Parameter("rows", float(count), 0.0, "1"))
-    return Finding(FACTS, float(min(evidence, 60.0)), because, parameters, rows, view.without(rows, FACTS.id))
+    evidence = float(min(evidence, settings.cap))
+    return Finding(FACTS, evidence, because, parameters, rows, view.without(rows, FACTS.id))
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Clip the farthest readings."""
+    limit = float(np.quantile(table["reading_m"], random.uniform(0.8, 0.95)))
+    table["reading_m"] = np.minimum(table["reading_m"], limit)
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,16 +1,29 @@
 """Late echoes of another ping."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from echocal.diagnose.faults.wild import count_evidence, wild_side
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.wild import count_evidence, wild_side
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
-_LEAST = 0.05  # part of the distance; a tilted target reads short by less
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    least: float = threshold(
+        0.05, "1", "part of the distance: a tilted target reads short by less; judgement"
+    )
+
 
 FACTS = CauseFacts(
     id="crosstalk",
@@ -21,14 +34,17 @@ FACTS = CauseFacts(
     parameters=(Quantity("rows", "1", "rows that read far too short"),),
     check="wait longer between pings, or let one sensor ping at a time",
     prior=0.02,
+    formula="reading' = part * reading, 0 < part < 1, in single rows",
+    repair="leaves the rows out",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Count rows that read far too short."""
-    rows = wild_side(view, -1, _LEAST)
+    own = settings.of(FACTS, Thresholds)
+    rows = wild_side(view, -1, settings, own.least)
     count = int(rows.sum())
-    if not 0 < count <= 0.3 * view.good.sum():
+    if not count:
         return None
     worst = int(np.argmin(np.where(rows, view.deviation, 0.0)))
     because = (
@@ -37,5 +53,14 @@ def detect(view: View) -> Finding | None:
     )
     parameters = (Parameter("rows", float(count), 0.0, "1"),)
     return Finding(
-        FACTS, count_evidence(view, count), because, parameters, rows, view.without(rows, FACTS.id)
+        FACTS, count_evidence(view, count, settings), because, parameters, rows, view.without(rows, FACTS.id)
     )
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Take an earlier ping's echo for the echo in some rows."""
+    rows = random.choice(len(table["reading_m"]), 5, replace=False)
+    table["reading_m"][rows] *= random.uniform(0.3, 0.8, 5)
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,27 +1,55 @@
 """Fahrenheit in a column of degrees Celsius."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.preprocess.scene import some
+from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_HABIT = (18.0, 15.0)  # degC: center and spread of air that people measure in
 _HALF_WINDOW = 3  # rows on each side that vouch for a row's temperature
-_ODD = 8.0  # K, and more than the neighbors scatter, for a row to stand out
-_HOTTEST = 45.0  # degC, of air; of colder ones nothing could be surprising enough
-_EVERY_ROW = 6.0  # log Bayes factor of one row that stands out and fits its neighbors as Fahrenheit
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    usual: float = threshold(18.0, "degC", "center of the air that people measure in; judgement")
+    spread: float = threshold(15.0, "K", "its spread; judgement")
+    odd: float = threshold(8.0, "K", "deviation from the neighbors for a row to stand out; judgement")
+    deviations: float = threshold(
+        8.0, "1", "the same in robust standard deviations of the neighbors; judgement"
+    )
+    back: float = threshold(4.0, "K", "deviation from the neighbors once converted; judgement")
+    back_deviations: float = threshold(
+        5.0, "1", "the same in robust standard deviations of the neighbors; judgement"
+    )
+    hottest: float = threshold(
+        45.0, "degC", "of air outdoors and in rooms: a column that stays colder is no surprise"
+    )
+    each: float = threshold(
+        6.0,
+        "1",
+        "log Bayes factor of one row that stands out and fits its neighbors as Fahrenheit; judgement",
+    )
+    most: float = threshold(0.4, "1", "part of the rows that may stand out singly; judgement")
+    cold: float = threshold(
+        30.0, "1", "log Bayes factor against a whole column in Fahrenheit that air may have had; judgement"
+    )
+
 
 FACTS = CauseFacts(
     id="fahrenheit_celsius",
@@ -32,6 +60,9 @@ FACTS = CauseFacts(
     parameters=(Quantity("rows", "1", "rows concerned"),),
     check="read a thermometer beside the logger",
     prior=0.01,
+    formula="T' = 32 + 1.8 T, in all rows or in some",
+    needs=("temperature",),
+    repair="converts the rows to degrees Celsius",
 )
 
 
@@ -40,21 +71,21 @@ def celsius(fahrenheit: Column) -> Column:
     return (fahrenheit - 32.0) / 1.8
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Ask whether all rows, or rows that stand out, make sense as Fahrenheit."""
-    recorded = view.temperature
+    own, recorded = settings.of(FACTS, Thresholds), view.temperature
     if recorded is None:
         return None
     known = np.isfinite(recorded)
     if known.sum() < 5:
         return None
-    rows = _single(recorded, known)
-    evidence, why = min(_EVERY_ROW * float(rows.sum()), 60.0), listed(rows)
-    if not rows.any() or rows.mean() > 0.4:
-        if np.fmax.reduce(recorded) <= _HOTTEST and np.fmin.reduce(recorded) > -_HOTTEST:
+    rows = _single(recorded, known, own)
+    evidence, why = min(own.each * float(rows.sum()), settings.cap), listed(rows)
+    if not rows.any() or rows.mean() > own.most:
+        if np.fmax.reduce(recorded) <= own.hottest and np.fmin.reduce(recorded) > -own.hottest:
             return None
         rows, why = known, "the whole column"
-        evidence = _whole(recorded[known])
+        evidence = _whole(recorded[known], own)
         if evidence < 0.0 or _contradicted(view):
             return None
     low, high = (float(np.quantile(recorded[rows], q)) for q in (0.0, 1.0))
@@ -73,15 +104,14 @@ def detect(view: View) -> Finding | None:
     )
 
 
-def _whole(recorded: Column) -> float:
+def _whole(recorded: Column, own: Thresholds) -> float:
     """Log Bayes factor of Fahrenheit against Celsius, by what air is like."""
-    center, spread = _HABIT
     ends = np.quantile(recorded, [0.5, 0.98])
 
     def surprise(values: Column) -> float:
-        return float(3.0 * np.log1p(((values - center) / spread) ** 2 / 4).sum())
+        return float(3.0 * np.log1p(((values - own.usual) / own.spread) ** 2 / 4).sum())
 
-    return surprise(ends) - surprise(celsius(ends)) - (0.0 if ends[1] > _HOTTEST else 30.0)
+    return surprise(ends) - surprise(celsius(ends)) - (0.0 if ends[1] > own.hottest else own.cold)
 
 
 def _contradicted(view: View) -> bool:
@@ -94,20 +124,21 @@ def _contradicted(view: View) -> bool:
     return bool(converted >= as_it_is)
 
 
-def _single(recorded: Column, known: Mask) -> Mask:
+def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
     """Rows that stand out from their neighbors, and do not once converted."""
     rows = np.zeros(len(recorded), dtype=bool)
     at = np.flatnonzero(known)
     values = some(recorded, at)
-    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= _ODD:
+    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= own.odd:
         return rows  # no row can be that far from its neighbors
     import pandas as pd  # takes long to import
 
     around = pd.Series(values).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=3).median().to_numpy()
     scatter = 1.4826 * float(np.median(np.abs(values - around)))
-    limit = max(_ODD, 8 * scatter)
+    limit = max(own.odd, own.deviations * scatter)
     off, off_converted = np.abs(values - around), np.abs(celsius(values) - around)
-    rows[at] = (off > limit) & (off_converted < np.minimum(0.5 * off, max(4.0, 5 * scatter)))
+    near = max(own.back, own.back_deviations * scatter)
+    rows[at] = (off > limit) & (off_converted < np.minimum(0.5 * off, near))
     return rows
 
 
@@ -131,3 +162,12 @@ def _converted(view: View, rows: Mask) -> Observations:
         conditions={**observations.conditions, "temperature": temperature},
         unusable=unusable.astype(str),
     )
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Write some temperatures down in Fahrenheit."""
+    rows = random.choice(len(table["temperature_C"]), 5, replace=False)
+    table["temperature_C"][rows] = 32 + 1.8 * table["temperature_C"][rows]
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,16 +1,28 @@
 """Echoes that went a longer way."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from echocal.diagnose.faults.wild import count_evidence, wild_side
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.wild import count_evidence, wild_side
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
-_TWICE = 0.03  # of the ratio
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    twice: float = threshold(0.03, "1", "of the ratio, around 2: what laws, thermometers and clocks do to it")
+    each_twice: float = threshold(2.0, "1", "log Bayes factor of a row at twice the distance; judgement")
+
 
 FACTS = CauseFacts(
     id="multipath",
@@ -24,22 +36,36 @@ FACTS = CauseFacts(
     ),
     check="hang an absorber behind and beside the target, or narrow the beam",
     prior=0.02,
+    formula="reading' = reading + longer way, or 2 * reading, in single rows",
+    repair="leaves the rows out",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Count rows that read far too long, and those at twice the distance."""
-    rows = wild_side(view, 1)
+    own = settings.of(FACTS, Thresholds)
+    rows = wild_side(view, 1, settings)
     count = int(rows.sum())
-    if not 0 < count <= 0.3 * view.good.sum():
+    if not count:
         return None
     with np.errstate(all="ignore"):
-        twice = int((np.abs(view.indication[rows] / view.expected[rows] - 2) < _TWICE).sum())
+        twice = int((np.abs(view.indication[rows] / view.expected[rows] - 2) < own.twice).sum())
     worst = int(np.argmax(np.where(rows, view.deviation, 0.0)))
     because = (
         f"{listed(rows)} read far too long, {twice} of {count} at twice the distance (row {worst + 1}: "
         f"{view.indication[worst]:.3f} m, where {view.expected[worst]:.3f} m is expected); left out"
     )
     parameters = (Parameter("rows", float(count), 0.0, "1"), Parameter("twice", float(twice), 0.0, "1"))
-    evidence = count_evidence(view, count) + 2.0 * twice
-    return Finding(FACTS, min(evidence, 60.0), because, parameters, rows, view.without(rows, FACTS.id))
+    evidence = count_evidence(view, count, settings) + own.each_twice * twice
+    return Finding(
+        FACTS, min(evidence, settings.cap), because, parameters, rows, view.without(rows, FACTS.id)
+    )
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Time an echo over a longer way in some rows, the second round trip in others."""
+    rows = random.choice(len(table["reading_m"]), 6, replace=False)
+    table["reading_m"][rows] *= np.append(random.uniform(1.15, 1.5, 4), [2.0, 2.0])
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,12 +1,16 @@
 """The round trip not halved, or halved twice."""
 
-from echocal.diagnose.faults.ratio import divided, factor_of
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+import numpy as np
+
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.ratio import divided, factor_of
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 FACTS = CauseFacts(
     id="round_trip_factor",
@@ -17,12 +21,15 @@ FACTS = CauseFacts(
     parameters=(Quantity("factor", "1", "reading over what it should be"),),
     check="measure one distance with a ruler: twice the reading means the way out and back",
     prior=0.01,
+    formula="reading' = factor * reading, factor = 2 or 1/2, in every row",
+    needs=("reference_distance",),
+    repair="divides readings and echo times by the factor",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Compare the median ratio of reading and reference with 2 and 1/2."""
-    found = factor_of(view, (2.0, 0.5, 2.54, 1 / 2.54))  # an inch is near enough to be a rival
+    found = factor_of(view, (2.0, 0.5, 2.54, 1 / 2.54), settings)  # an inch is near enough to be a rival
     if found is None or found.value not in (2.0, 0.5):
         return None
     because = f"readings are {found.ratio:.3f} times the reference distance (median of all rows)"
@@ -34,3 +41,11 @@ def detect(view: View) -> Finding | None:
         view.observations.usable,
         divided(view, found.value, "reading_m"),
     )
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Forget to halve the way out and back, or halve it twice."""
+    table["reading_m"] = float(random.choice([2.0, 0.5])) * table["reading_m"]
+
+
+FAULT = Fault(FACTS, detect, spoil)

@@ -1,26 +1,43 @@
 """Readings that stand some rows too low or too high."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
 _SHIFTS = (1, 2, 3, -1, -2, -3)
-_NEAR = 0.05  # m, and
-_NEAR_PART = 0.06  # part of the distance: what no mean effect exceeds
-_OFF = 0.1  # m, or
-_WIDE = 10  # times the scatter: from there on a row needs an explanation
-_CAP = 0.5  # m; beyond that a row is wrong, however far
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    fewest: float = threshold(8, "1", "rows of a table; judgement")
+    near: float = threshold(
+        0.05, "m", "what no effect on the mean exceeds, besides a part of the distance; judgement"
+    )
+    near_part: float = threshold(0.06, "1", "that part: no law or thermometer is wrong by more")
+    off: float = threshold(0.1, "m", "deviation from which on a row needs an explanation; judgement")
+    wide: float = threshold(10, "1", "the same in robust standard deviations; judgement")
+    cap: float = threshold(0.5, "m", "deviation beyond which a row is wrong, however far; judgement")
+    unexplained: float = threshold(
+        0.3, "1", "weight of a row that neither distance explains, of one that the shift explains; judgement"
+    )
+    against: float = threshold(4.0, "1", "log Bayes factor of a row that the shift contradicts; judgement")
+
 
 FACTS = CauseFacts(
     id="shifted_rows",
@@ -34,27 +51,31 @@ FACTS = CauseFacts(
     ),
     check="look for a line that was copied or lost in the table",
     prior=0.01,
+    formula="reading'[row] = reading[row - shift], from first_row on",
+    needs=("reference_distance",),
+    repair="moves readings back to their rows; rows whose reading is lost are marked",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Find the row from which on readings fit the references of rows before, or after."""
-    if view.reference is None or view.given is not None or len(view) < 8:
+    own = settings.of(FACTS, Thresholds)
+    if view.reference is None or view.given is not None or len(view) < own.fewest:
         return None
-    if view.farthest < 0.999 * min(_OFF, _WIDE * view.scatter + 5e-3):
+    if view.farthest < 0.999 * min(own.off, own.wide * view.scatter + 5e-3):
         return None  # no row is explained by a neighbor's distance better than by its own
     usual = view.indication, view.reference
-    straight = _misfit(*usual, 0)
+    straight = _misfit(*usual, 0, own.cap)
     best: tuple[float, int, int] = (0.0, 0, 0)
     for shift in _SHIFTS:
-        gain = np.nan_to_num(straight - _misfit(*usual, shift))
+        gain = np.nan_to_num(straight - _misfit(*usual, shift, own.cap))
         suffix = np.cumsum(gain[::-1])[::-1]
         first = len(suffix) - 1 - int(np.argmax(suffix[::-1]))
         best = max(best, (float(suffix[first]), first, shift))
     total, first, shift = best
     if total <= 0:
         return None
-    evidence = _evidence(view, first, shift)
+    evidence = min(_evidence(view, first, shift, own), settings.cap)
     if evidence <= 0:
         return None
     row, whence = first + 1, first + 1 - shift
@@ -69,7 +90,7 @@ def detect(view: View) -> Finding | None:
     return Finding(FACTS, evidence, because, parameters, rows, _moved(view, first, shift))
 
 
-def _misfit(indication: Column, reference: Column, shift: int) -> Column:
+def _misfit(indication: Column, reference: Column, shift: int, cap: float) -> Column:
     """How far each reading is from the reference `shift` rows before, capped [m]; NaN at the ends."""
     moved = np.full(len(reference), np.nan)
     if shift > 0:
@@ -78,17 +99,17 @@ def _misfit(indication: Column, reference: Column, shift: int) -> Column:
         moved[:shift] = reference[-shift:]
     else:
         moved = reference
-    return np.asarray(np.minimum(np.abs(indication - moved), _CAP))
+    return np.asarray(np.minimum(np.abs(indication - moved), cap))
 
 
-def _evidence(view: View, first: int, shift: int) -> float:
+def _evidence(view: View, first: int, shift: int, settings: Thresholds) -> float:
     """Rows that only the shift explains against rows that it contradicts."""
     assert view.reference is not None
-    near = (_NEAR + _NEAR_PART * view.reference)[first:]
+    near = (settings.near + settings.near_part * view.reference)[first:]
     close = np.minimum(0.4 * near, 6 * view.scatter + 1e-3)
-    wide = np.minimum(np.maximum(near, _OFF), _WIDE * view.scatter + 5e-3)
+    wide = np.minimum(np.maximum(near, settings.off), settings.wide * view.scatter + 5e-3)
     usual = view.indication - (view.expected - view.reference)
-    own, moved = (_misfit(usual, view.reference, k)[first:] for k in (0, shift))
+    own, moved = (_misfit(usual, view.reference, k, settings.cap)[first:] for k in (0, shift))
     with np.errstate(invalid="ignore"):
         explained = int(((own > wide) & (moved < close)).sum())
         unexplained = int((own > wide).sum()) - explained
@@ -97,8 +118,8 @@ def _evidence(view: View, first: int, shift: int) -> float:
     # a wild value would fit the neighbor's reference by chance
     each = np.log(max(spread / (2 * float(np.median(close))), 1.5))
     places = 1 + np.count_nonzero(np.diff(view.reference) != 0)  # where a shift could begin to show
-    net = explained - 0.3 * unexplained
-    return float(min(net * each - 4 * against - np.log(places), 60.0))
+    net = explained - settings.unexplained * unexplained
+    return float(net * each - settings.against * against - np.log(places))
 
 
 def _moved(view: View, first: int, shift: int) -> Observations:
@@ -120,3 +141,12 @@ def _moved(view: View, first: int, shift: int) -> Observations:
     unusable = observations.unusable.astype(object)
     unusable[lost & (unusable == "")] = FACTS.id
     return replace(observations, echo_time=echo_time, reading=reading, unusable=unusable.astype(str))
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Copy a line or two somewhere in the middle: readings below stand too low."""
+    shift, first = int(random.integers(1, 3)), int(random.integers(30, len(table["reading_m"]) - 60))
+    table["reading_m"][first + shift :] = table["reading_m"][first:-shift].copy()
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,20 +1,37 @@
 """A reading that froze."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.values import recorded
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import recorded
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
-_SHORTEST = 4  # rows of one value
-_MOST = 5  # runs; more of them are how this sensor is
-_HIDDEN = 0.75  # part of neighbors that are equal anyhow, above which a run means nothing
 _FINEST = 1e-6  # m; below it no two readings are equal by chance
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    shortest: float = threshold(4, "1", "rows of one value; judgement")
+    most: float = threshold(5, "1", "runs: more of them are how this sensor is; judgement")
+    hidden: float = threshold(
+        0.75, "1", "part of neighbors that are equal anyhow, above which a run means nothing; judgement"
+    )
+    elsewhere: float = threshold(
+        8, "1", "rows outside of the longest run that tell how often neighbors are equal; judgement"
+    )
+
 
 FACTS = CauseFacts(
     id="stuck_reading",
@@ -29,6 +46,8 @@ FACTS = CauseFacts(
     ),
     check="log an age or a counter beside the reading",
     prior=0.01,
+    formula="reading' = value, in length rows from first_row on",
+    repair="leaves out the rows of a run after its first",
 )
 
 
@@ -40,26 +59,27 @@ def runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
     return starts, np.diff(np.append(starts, len(values)))
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Compare the longest runs with how often neighbors would be equal by themselves."""
+    own = settings.of(FACTS, Thresholds)
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
     longest = int(np.argmax(lengths))
-    if lengths[longest] < _SHORTEST:
+    if lengths[longest] < own.shortest:
         return None
     elsewhere = np.delete(lengths, longest)
     rows_elsewhere = max(int(elsewhere.sum()), 1)
     equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
-    if equal > _HIDDEN or rows_elsewhere < 8:
+    if equal > own.hidden or rows_elsewhere < own.elsewhere:
         return None
-    at = np.flatnonzero(lengths >= _SHORTEST)
+    at = np.flatnonzero(lengths >= own.shortest)
     surprise = np.zeros(len(lengths))
     for run in at:  # somewhere among n rows
         rows = slice(starts[run], starts[run] + lengths[run])
         surprise[run] = -_by_chance(view, rows, equal) - np.log(len(values))
     longest = int(at[np.argmax(surprise[at])])
     long = (surprise > 0.5 * surprise[longest]) & (surprise > 0)
-    if not long.any() or long.sum() > _MOST:
+    if not long.any() or long.sum() > own.most:
         return None
     evidence = float(surprise[longest])
     frozen = np.zeros(len(values), dtype=bool)
@@ -77,7 +97,8 @@ def detect(view: View) -> Finding | None:
         Parameter("length", float(length), 0.0, "1"),
         Parameter("value", value, 0.0, "m"),
     )
-    return Finding(FACTS, min(evidence, 60.0), because, parameters, frozen, view.without(frozen, FACTS.id))
+    evidence = min(evidence, settings.cap)
+    return Finding(FACTS, evidence, because, parameters, frozen, view.without(frozen, FACTS.id))
 
 
 def _by_chance(view: View, rows: slice, equal: float) -> float:
@@ -101,3 +122,12 @@ def _noise(view: View) -> float:
     step = view.resolution
     robust = 1.4826 / np.sqrt(2) * float(np.median(changes)) if len(changes) else 0.0
     return float(np.sqrt(max(robust**2 - step**2 / 12, (0.05 * step) ** 2, _FINEST**2)))
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Freeze the reading for some rows."""
+    first, length = int(random.integers(0, len(table["reading_m"]) - 40)), int(random.integers(10, 40))
+    table["reading_m"][first : first + length] = table["reading_m"][first]
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,32 +1,46 @@
 """Temperature and humidity exchanged."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.preprocess.scene import some
+from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _AROUND = 6  # rows before and after a seam that are compared
 _CANDIDATES = 12  # largest jumps that are looked at, besides the change of roughness
-_FEWEST = 30
 _ENOUGH = 20_000  # steps that tell which ones are none
 _PART = 1000  # rows of which the largest jump is looked at first
-_LEAST = 15  # rows before a seam that tell how rough the columns are
-_WILD = 8.0  # scales beyond which a step says no more
-_FITS = 3.0  # scales that the levels may differ by across the seam
-_CAP = 40.0
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    fewest: float = threshold(30, "1", "rows of a table; judgement")
+    before: float = threshold(15, "1", "rows before a seam that tell how rough the columns are; judgement")
+    wild: float = threshold(8.0, "1", "scales beyond which a step says no more; judgement")
+    fits: float = threshold(3.0, "1", "scales that the levels may differ by across the seam; judgement")
+    level: float = threshold(12.0, "1", "largest log likelihood of a difference of levels; judgement")
+    witnesses: float = threshold(
+        60.0, "1", "rows after the seam that count as independent: neighbors are alike; judgement"
+    )
+    cap: float = threshold(40.0, "1", "largest log Bayes factor; judgement")
+
 
 FACTS = CauseFacts(
     id="swapped_columns",
@@ -37,19 +51,23 @@ FACTS = CauseFacts(
     parameters=(Quantity("first_row", "1", "first row with the columns exchanged"),),
     check="look at the header of the logger's file, and whether its program changed",
     prior=0.005,
+    formula="T' = h in percent, h' = T, from first_row on or up to it",
+    needs=("temperature", "relative_humidity"),
+    repair="exchanges the columns back in the rows concerned",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Look for a row from which on the two columns go on as each other."""
+    own = settings.of(FACTS, Thresholds)
     warm, humid = view.temperature, view.observations.conditions.get("relative_humidity")
     if warm is None or humid is None:
         return None
     percent = 100.0 * humid
     known = np.flatnonzero(np.isfinite(warm) & np.isfinite(percent))
-    if len(known) < _FEWEST:
+    if len(known) < own.fewest:
         return None
-    seam, evidence = _seam(some(warm, known), some(percent, known))
+    seam, evidence = _seam((some(warm, known), some(percent, known)), own)
     if evidence <= 0.0:
         return None
     edge = int(known[seam])
@@ -64,7 +82,7 @@ def detect(view: View) -> Finding | None:
     )
     return Finding(
         FACTS,
-        min(evidence, _CAP),
+        min(evidence, own.cap, settings.cap),
         because,
         (Parameter("first_row", first + 1.0, 0.0, "1"),),
         swapped,
@@ -72,12 +90,13 @@ def detect(view: View) -> Finding | None:
     )
 
 
-def _seam(warm: Column, percent: Column) -> tuple[int, float]:
+def _seam(columns: tuple[Column, Column], settings: Thresholds) -> tuple[int, float]:
     """Row from which on the columns go on as each other, and the evidence for that."""
-    steps = np.empty((2, len(warm) - 1))
-    for column, own in zip((warm, percent), steps, strict=True):
+    rows = len(columns[0])
+    steps = np.empty((2, rows - 1))
+    for column, own in zip(columns, steps, strict=True):
         np.abs(np.subtract(column[1:], column[:-1], out=own), out=own)
-    sample = steps[:, :: max(1, len(warm) // _ENOUGH)]
+    sample = steps[:, :: max(1, rows // _ENOUGH)]
     floor = 0.02 + 0.02 * np.median(sample, axis=1, keepdims=True)
     rough = steps[0] + floor[0]
     rough /= steps[1] + floor[1]
@@ -85,12 +104,12 @@ def _seam(warm: Column, percent: Column) -> tuple[int, float]:
     rough -= rough.mean()
     change = np.abs(np.cumsum(rough, out=rough), out=rough)
     jump = steps.sum(axis=0)
-    rows = {int(np.argmax(change)) + 1, *(1 + _largest(jump)).tolist()}
-    inside = sorted(row for row in rows if _LEAST < row < len(warm) - 2)
+    seams = {int(np.argmax(change)) + 1, *(1 + _largest(jump)).tolist()}
+    inside = sorted(row for row in seams if settings.before < row < rows - 2)
     until = _until(steps, inside)
-    scored = [(_evidence(warm, percent, steps, until[row], row), row) for row in inside]
+    scored = [(_evidence(columns, steps, until[row], row, settings), row) for row in inside]
     best, row = max(scored, default=(0.0, 0))
-    return row, best - float(np.log(len(warm)))
+    return row, best - float(np.log(rows))
 
 
 def _until(steps: Column, rows: list[int]) -> dict[int, Column]:
@@ -114,27 +133,31 @@ def _largest(jump: Column) -> NDArray[np.int64]:
     return np.asarray(among[np.argpartition(-jump[among], count - 1)[:count]])
 
 
-def _evidence(warm: Column, percent: Column, steps: Column, until: Column, row: int) -> float:
+def _evidence(
+    columns: tuple[Column, Column], steps: Column, until: Column, row: int, settings: Thresholds
+) -> float:
     """Log likelihood ratio of the rows from `row` on: exchanged against as they stand.
 
     Steps from row to row are Laplace distributed, with the scales of the rows before; the levels
     across the seam must fit too. `steps` are those of both columns, and `until` their sums before.
     """
     sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
-    ends = np.array([[median(column[side]) for side in sides] for column in (warm, percent)])
+    ends = np.array([[median(column[side]) for side in sides] for column in columns])
     straight, crossed = np.abs(ends[:, 1] - ends[:, 0]), np.abs(ends[::-1, 1] - ends[:, 0])
     most = 2 * until / (row - 1)  # no median is larger than twice the mean
-    if (crossed / _wide(most)).max() > _FITS:
+    if (crossed / _wide(most)).max() > settings.fits:
         return -np.inf
     usual = np.array([median(own[: row - 1]) for own in steps])
     straight, crossed = straight / _wide(usual), crossed / _wide(usual)
-    if crossed.max() > _FITS:
+    if crossed.max() > settings.fits:
         return -np.inf
     scale = _scale(usual)
     after = steps[:, row:]
-    stays, changes = (float(np.minimum(after / s[:, None], _WILD).sum()) for s in (scale, scale[::-1]))
-    part = min(1.0, 60.0 / max(after.shape[1], 1))  # neighbors are no independent witnesses
-    levels = float(np.minimum(straight, 12.0).sum() - np.minimum(crossed, 12.0).sum())
+    stays, changes = (
+        float(np.minimum(after / s[:, None], settings.wild).sum()) for s in (scale, scale[::-1])
+    )
+    part = min(1.0, settings.witnesses / max(after.shape[1], 1))  # neighbors are no independent witnesses
+    levels = float(np.minimum(straight, settings.level).sum() - np.minimum(crossed, settings.level).sum())
     return float(part * (stays - changes) + levels)
 
 
@@ -171,3 +194,13 @@ def _exchanged(view: View, rows: Mask) -> Observations:
         wrong, right = (view.base.indication(two, c) for c in (observations.conditions, conditions))
         echo_time = np.where(rows, echo_time * wrong / right, echo_time)
     return replace(observations, echo_time=echo_time, conditions=conditions, unusable=unusable.astype(str))
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Exchange temperature and humidity from some row on."""
+    first = int(random.integers(60, len(table["temperature_C"]) - 60))
+    warm, humid = table["temperature_C"].copy(), table["humidity_percent"].copy()
+    table["temperature_C"][first:], table["humidity_percent"][first:] = humid[first:], warm[first:]
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,17 +1,20 @@
 """Echo time and reference distance exchanged."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
@@ -19,10 +22,21 @@ _UNITS = (1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6)
 """Unit of the distances [m] over that of the times [s]: 1e6 for m and us, 1e4 for cm and us, ..."""
 
 _REACH = (0.02, 20.0)  # m, of any such sensor
-_NEAR = 0.1  # of the log ratio: what laws, thermometers and mounts do to it
-_MOST = 0.8  # part of the rows that must agree
-_EACH = 3.0  # log Bayes factor of a row that agrees to a tenth, where it could be anything
-_FEWEST = 5
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    near: float = threshold(
+        0.1, "1", "of the log ratio: what laws, thermometers and mounts do to it; judgement"
+    )
+    most: float = threshold(0.8, "1", "part of the rows that must agree; judgement")
+    each: float = threshold(
+        3.0, "1", "log Bayes factor of a row that agrees to a tenth, where it could be anything; judgement"
+    )
+    fewest: float = threshold(5, "1", "rows; judgement")
+
 
 FACTS = CauseFacts(
     id="swapped_time_distance",
@@ -33,11 +47,15 @@ FACTS = CauseFacts(
     parameters=(Quantity("rows", "1", "rows concerned: all"),),
     check="look at the header of the logger's file: 2 m are 11.6 ms",
     prior=0.005,
+    formula="echo time' = distance, distance' = echo time, in the units of their columns",
+    needs=("reference_distance",),
+    repair="exchanges the columns back",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Read each column as the other and ask whether they then agree."""
+    own = settings.of(FACTS, Thresholds)
     observations = view.observations
     reference = view.reference
     if reference is None or observations.reading is not None or view.given is not None:
@@ -54,24 +72,26 @@ def detect(view: View) -> Finding | None:
         distance, time = observations.echo_time * unit, reference / unit
         with np.errstate(all="ignore"):
             off = np.abs(np.log(half_speed * time / distance))
-        agree = (off < _NEAR) & (distance >= _REACH[0]) & (distance <= _REACH[1])
+        agree = (off < own.near) & (distance >= _REACH[0]) & (distance <= _REACH[1])
         known = np.isfinite(off)
-        if known.sum() >= _FEWEST and agree.sum() > _MOST * known.sum():
-            return _finding(view, agree, distance, time)
+        if known.sum() >= own.fewest and agree.sum() > own.most * known.sum():
+            evidence = min(own.each * float(agree.sum()), settings.cap)
+            return _finding(view, agree, distance, time, evidence)
     return None
 
 
-def _finding(view: View, agree: NDArray[np.bool_], distance: Column, time: Column) -> Finding:
+def _finding(
+    view: View, agree: NDArray[np.bool_], distance: Column, time: Column, evidence: float
+) -> Finding:
     low, high = float(np.min(distance[agree])), float(np.max(distance[agree]))
     because = (
         f"read as each other, the columns of echo time and distance agree in {int(agree.sum())} rows: "
         f"{low:.3g} .. {high:.3g} m are {1e3 * time[agree].min():.3g} .. {1e3 * time[agree].max():.3g} ms; "
         "exchanged back"
     )
-    count = float(agree.sum())
-    parameters = (Parameter("rows", count, 0.0, "1"),)
+    parameters = (Parameter("rows", float(agree.sum()), 0.0, "1"),)
     repaired = _exchanged(view.observations, distance, time)
-    return Finding(FACTS, min(_EACH * count, 60.0), because, parameters, agree, repaired)
+    return Finding(FACTS, evidence, because, parameters, agree, repaired)
 
 
 def _exchanged(observations: Observations, distance: Column, time: Column) -> Observations:
@@ -79,3 +99,12 @@ def _exchanged(observations: Observations, distance: Column, time: Column) -> Ob
     for name in ("echo_time", "reference_distance"):
         unusable[unusable == f"{observations.source_names.get(name, name)} out of range"] = ""
     return replace(observations, echo_time=time, reference_distance=distance, unusable=unusable.astype(str))
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Write echo times in us and distances in m under each other's header."""
+    echo = 2e6 * table.pop("reading_m") / (331.4 + 0.6 * table["temperature_C"])
+    table["echo_us"], table["distance_m"] = table["distance_m"], echo
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,22 +1,36 @@
 """No echo: a constant in place of a time."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from echocal.diagnose.faults.values import far, recorded
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import far, recorded
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 _SAME = 1e-10  # relative; what arithmetic leaves of one constant
 _KNOWN = 38e-3  # s, length of the HC-SR04's pulse without an echo (data sheet)
-_TOLERANCE = 5e-5  # s
-_LONE = 3  # wild rows among which a single one at 38 ms means something
-_PART = 0.5  # of the wild rows that share the constant, or
-_MANY = 5
-_EVERY_ROW = 8.0  # log Bayes factor of a row that repeats a far value exactly
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    tolerance: float = threshold(
+        5e-5, "s", "around the 38 ms of the data sheet: clones differ by tens of us; judgement"
+    )
+    lone: float = threshold(3, "1", "far rows among which a single one at 38 ms means something; judgement")
+    part: float = threshold(0.5, "1", "part of the far rows that share the constant; judgement")
+    many: float = threshold(5, "1", "rows that share the constant, of which no part is asked; judgement")
+    each: float = threshold(8.0, "1", "log Bayes factor of a row that repeats a far value exactly; judgement")
+
 
 FACTS = CauseFacts(
     id="timeout",
@@ -27,16 +41,19 @@ FACTS = CauseFacts(
     parameters=(Quantity("echo_time", "s", "time reported without an echo"), Quantity("rows", "1", "rows")),
     check="point the sensor into the open: what it then reports is its timeout",
     prior=0.02,
+    formula="echo time' = echo_time, a constant, in single rows",
+    repair="leaves the rows out",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Look for a far value that repeats exactly, as a time or as a reading."""
-    wild = np.flatnonzero(far(view))
+    own = settings.of(FACTS, Thresholds)
+    wild = np.flatnonzero(far(view, settings.far))
     candidates = [_largest(view.observations.echo_time, wild), _largest(recorded(view), wild)]
-    known = wild[np.abs(view.observations.echo_time[wild] - _KNOWN) < _TOLERANCE]
-    rows = max([*candidates, known if len(wild) <= _LONE else wild[:0]], key=len)
-    if not len(rows) or (len(rows) < _MANY and len(rows) < _PART * len(wild)):
+    known = wild[np.abs(view.observations.echo_time[wild] - _KNOWN) < own.tolerance]
+    rows = max([*candidates, known if len(wild) <= own.lone else wild[:0]], key=len)
+    if not len(rows) or (len(rows) < own.many and len(rows) < own.part * len(wild)):
         return None
     time = float(np.median(view.observations.echo_time[rows]))
     mask = np.zeros(len(view), dtype=bool)
@@ -46,7 +63,7 @@ def detect(view: View) -> Finding | None:
         f"again, where {view.expected[rows[0]]:.2f} m is expected; left out"
     )
     parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
-    evidence = min(_EVERY_ROW * len(rows), 60.0)
+    evidence = min(own.each * len(rows), settings.cap)
     return Finding(FACTS, evidence, because, parameters, mask, view.without(mask, FACTS.id))
 
 
@@ -61,3 +78,13 @@ def _largest(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     counts = np.bincount(group)
     best = int(counts.argmax())
     return order[group == best] if counts[best] > 1 else rows[:0]
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Report 38 ms in rows without an echo."""
+    rows = random.choice(len(table["reading_m"]), 5, replace=False)
+    speed = 331.4 + 0.6 * table["temperature_C"][rows]
+    table["reading_m"][rows] = 0.5 * speed * _KNOWN
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,17 +1,21 @@
 """Readings and references in different units."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.ratio import divided, factor_of
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.ratio import divided, factor_of
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["FAULT"]
 
 _UNITS = {
     2.54: "cm where inches are meant",
@@ -29,12 +33,26 @@ _UNITS = {
 }
 
 _LEAST = min(abs(float(np.log(factor))) for factor in _UNITS)
-_FEWEST = 3  # rows of one factor: one or two are typing errors
-_MOST = 0.45  # part of the rows; of more, nobody knows which unit is the right one
-_WILD = 0.15  # of the log ratio, beyond which a row is wild
-_SHARED = 0.8  # part of the wild rows that must share the factor
-_CLOSE = 0.02  # of the log ratio, beside the noise: what laws and thermometers do to it
-_RANGE = 8.0  # of the log ratio, in which a wild row may lie anywhere
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    fewest: float = threshold(3, "1", "rows of one factor: one or two are typing errors")
+    most: float = threshold(0.45, "1", "part of the rows: of more, nobody knows which unit is the right one")
+    wild: float = threshold(0.15, "1", "of the log ratio, beyond which a row is wild; judgement")
+    shared: float = threshold(0.8, "1", "part of the wild rows that must share the factor; judgement")
+    close: float = threshold(
+        0.02, "1", "of the log ratio, beside the noise: what laws and thermometers do to it"
+    )
+    deviations: float = threshold(
+        5.0, "1", "robust standard deviations of the noise that a row may be off by; judgement"
+    )
+    range: float = threshold(
+        8.0, "1", "of the log ratio, in which a wild row may lie anywhere: exp(8) is 3,000"
+    )
+
 
 FACTS = CauseFacts(
     id="unit_mixup",
@@ -48,14 +66,16 @@ FACTS = CauseFacts(
     ),
     check="look up in the device's program which unit it prints",
     prior=0.01,
+    formula="reading' = factor * reading, in every row or in some",
+    repair="divides readings and echo times by the factor in the rows concerned",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Compare the median ratio of reading and reference with the ratios of units, then row by row."""
-    found = factor_of(view, (2.0, 0.5, *_UNITS))
+    found = factor_of(view, (2.0, 0.5, *_UNITS), settings)
     if found is None or found.value not in _UNITS:
-        return max(_some(view), key=lambda finding: finding.log_bayes, default=None)
+        return max(_some(view, settings), key=lambda finding: finding.log_bayes, default=None)
     because = (
         f"readings are {found.ratio:.4g} times the reference distance (median of all rows), as if one of the "
         f"columns were in another unit: {_UNITS[found.value]}"
@@ -73,45 +93,46 @@ def detect(view: View) -> Finding | None:
     )
 
 
-def _some(view: View) -> Iterator[Finding]:
+def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
     """Rows that agree with the others once divided by a unit's factor: cm among m, ms among us."""
-    if _near(view):
+    own = settings.of(FACTS, Thresholds)
+    if _near(view, own):
         return
     expected = _expected(view)
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / expected)
-        width = _CLOSE + 5 * view.scatter / expected
+        width = own.close + own.deviations * view.scatter / expected
     judged = np.isfinite(log_ratio) & np.isfinite(width)
-    wild = judged & (np.abs(log_ratio) > _WILD)
-    if wild.sum() > _MOST * judged.sum():
+    wild = judged & (np.abs(log_ratio) > own.wild)
+    if wild.sum() > own.most * judged.sum():
         return
     far = np.flatnonzero(judged & (np.abs(log_ratio) > _LEAST - width))
     for factor, story in _UNITS.items():
         rows = far[np.abs(log_ratio[far] - np.log(factor)) < width[far]]
         count = len(rows)
-        if count < max(_FEWEST, _SHARED * wild.sum()):
+        if count < max(own.fewest, own.shared * wild.sum()):
             continue
         near = np.zeros(len(judged), dtype=bool)
         near[rows] = True
         # rivals are wild rows, which lie anywhere
-        evidence = float(np.log(_RANGE / (2 * width[near])).sum() - np.log(len(_UNITS)) - count)
+        evidence = float(np.log(own.range / (2 * width[near])).sum() - np.log(len(_UNITS)) - count)
         because = (
             f"{listed(near)} read {np.exp(np.median(log_ratio[near])):.4g} times what the other rows say, as "
             f"if written in another unit ({story}); divided by {factor:.4g} there"
         )
         parameters = (Parameter("factor", factor, 0.0, "1"), Parameter("rows", float(count), 0.0, "1"))
         repaired = divided(view, np.where(near, factor, 1.0), "reading_m")
-        yield Finding(FACTS, min(evidence, 60.0), because, parameters, near, repaired)
+        yield Finding(FACTS, min(evidence, settings.cap), because, parameters, near, repaired)
 
 
-def _near(view: View) -> bool:
+def _near(view: View, own: Thresholds) -> bool:
     """Whether no row is wild, nor anything near another unit."""
     least = float(np.fmin.reduce(view.expected))
     return (
         view.reference is not None
         and least > 0
-        and 1.01 * view.farthest < -np.expm1(-_WILD) * least
-        and _CLOSE + 5 * view.scatter / least < 0.9 * (_LEAST - _WILD)
+        and 1.01 * view.farthest < -np.expm1(-own.wild) * least
+        and own.close + own.deviations * view.scatter / least < 0.9 * (_LEAST - own.wild)
     )
 
 
@@ -121,3 +142,11 @@ def _expected(view: View) -> NDArray[np.float64]:
         return view.expected
     rows, known = np.arange(len(view)), np.isfinite(view.expected)
     return np.interp(rows, rows[known], view.expected[known]) if known.any() else view.expected
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Write readings in another unit."""
+    table["reading_m"] = table["reading_m"] * random.choice([100.0, 1 / 2.54, 25.4, 0.3048])
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

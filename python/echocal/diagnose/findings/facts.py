@@ -3,8 +3,16 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-__all__ = ["CauseFacts", "Quantity"]
+import numpy as np
+from numpy.typing import NDArray
 
+__all__ = ["JUDGED", "CauseFacts", "Columns", "Quantity"]
+
+Columns = dict[str, NDArray[np.float64]]
+"""Columns as `echocal.read_observations` takes them: ``reading_m``, ``distance_m``, ``temperature_C``, ..."""
+
+JUDGED = "judgement: no survey of tables counts it"
+"""Source of a prior that nobody measured."""
 
 _KINDS = {
     "noise": "changes the distribution of the readings; a diagnosis weighs its likelihood",
@@ -21,11 +29,23 @@ class Quantity:
     ----------
     name, unit : str
     meaning : str
+    bounds : (float or None, float or None)
+        Least and largest value, in the unit; None where there is no bound.
+    prior : str
+        What is assumed of its value before the data; empty where a detector reads it off the rows.
     """
 
     name: str
     unit: str
     meaning: str
+    bounds: tuple[float | None, float | None] = (0.0, None)
+    prior: str = ""
+
+    @property
+    def range(self) -> str:
+        """The bounds as people read them."""
+        low, high = ("" if bound is None else f"{bound:g}" for bound in self.bounds)
+        return f"{low} .. {high}".strip()
 
 
 @dataclass(frozen=True)
@@ -45,6 +65,14 @@ class CauseFacts:
         The measurement, or the look at the data, that confirms or refutes it.
     prior : float
         Probability that a table has it, before the data.
+    formula : str
+        What it does to a reading, an echo time or a row, with the names of the parameters in it.
+    needs : tuple of str
+        Columns without which it cannot be found.
+    repair : str
+        What a diagnosis does to the rows; empty for a noise that changes no row.
+    prior_source : str
+        Where the prior comes from.
     """
 
     id: str
@@ -55,6 +83,10 @@ class CauseFacts:
     parameters: tuple[Quantity, ...]
     check: str
     prior: float
+    formula: str
+    needs: tuple[str, ...] = ()
+    repair: str = ""
+    prior_source: str = JUDGED
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, for JSON."""
@@ -69,10 +101,15 @@ class CauseFacts:
         >>> find_cause("timeout").details()["found in"]
         '2 % of tables (prior)'
         """
-        return {
+        told = {
             "kind": f"{self.kind}: {_KINDS[self.kind]}",
+            "formula": self.formula,
             "signature": self.signature,
+            "needs": ", ".join(self.needs),
+            "repair": self.repair,
             "found in": f"{100 * self.prior:g} % of tables (prior)",
+            "prior from": self.prior_source,
             "check": self.check,
             "source": self.source,
         }
+        return {name: text for name, text in told.items() if text}

@@ -6,20 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import Variant
+from echocal.diagnose.candidates.variant import Variant
+from echocal.diagnose.settings.claims import ClaimSettings
 
-__all__ = ["ENOUGH", "Geometry"]
+__all__ = ["Geometry"]
 
 Matrix = NDArray[np.floating[Any]]
 
-ENOUGH = 1.0
-"""Expected log odds below which two causes count as one class."""
-
 _ROUNDING = 1e-12  # part of the squares below which columns are the same but for rounding
-_FAR = 2.0 * ENOUGH  # log odds at a quick look beyond which a form is not looked at closely
-_PLAUSIBLE = (
-    9.0  # prior standard deviations: three of the widest prior; a larger mimic tells itself by its size
-)
+_FAR = 2.0  # times the limit, at a quick look, beyond which a form is not looked at closely
 
 
 class Geometry:
@@ -102,7 +97,13 @@ class Geometry:
         placed[free] = size
         return placed
 
-    def rivals(self, signal: Matrix, others: dict[str, list[Variant]], beside: Matrix) -> list[str]:
+    def rivals(
+        self,
+        signal: Matrix,
+        others: dict[str, list[Variant]],
+        beside: Matrix,
+        settings: ClaimSettings,
+    ) -> list[str]:
         """Causes that these data cannot tell from a signal: any form of a plausible size imitates it.
 
         Parameters
@@ -113,15 +114,16 @@ class Geometry:
         beside : ndarray, shape (k,)
             What causes that stay add, whose sizes may change: what two causes make together may be
             made by one of them and a third, though no two of them look alike.
+        settings : ClaimSettings
         """
         known = [variant for variants in others.values() for variant in variants]
         odds = dict(zip(map(id, known), self._odds(signal, known, beside).tolist(), strict=True))
 
         def alike(variant: Variant) -> bool:
-            if odds[id(variant)] >= _FAR:
+            if odds[id(variant)] >= _FAR * settings.separable:
                 return False
             left, size = self._imitation(signal, variant, beside)
-            return left < ENOUGH and size <= _PLAUSIBLE
+            return left < settings.separable and size <= settings.plausible_size
 
         return [cause for cause, variants in others.items() if any(map(alike, variants))]
 

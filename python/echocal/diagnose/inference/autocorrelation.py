@@ -7,27 +7,28 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.inference.innovation import log_likelihood
-from echocal.diagnose.inference.noise import FINEST, RHO, WHITE, Memory, Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Memory, Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.order import Order
+from echocal.diagnose.settings.noise_models import NoiseModelSettings
 
 __all__ = ["at_first", "that_may_be_there"]
 
-_LONG = 20_000  # rows from which on a memory that cannot be there is not summed
-_HOPELESS = 300.0  # log likelihood behind the likeliest that no hypothesis on the mean makes up for
 _STRETCHES, _STRETCH = 5, 20_000  # rows that are looked at
-_RIDGE = 9.0  # square of the prior standard deviations that a coefficient may be from zero
 
 
-def at_first(order: Order) -> Sequence[Memory]:
+def at_first(order: Order, settings: NoiseModelSettings) -> Sequence[Memory]:
     """List the memories that a first pass has: all in a short table, none in a long one.
 
     Where no row follows another, nothing can be remembered.
     """
-    return (WHITE,) if len(order.starts) > _LONG or order.starts.all() else tuple(RHO)
+    nothing = len(order.starts) > settings.long_table or order.starts.all()
+    return (WHITE,) if nothing else tuple(memory for memory, _ in settings.autoregressions)
 
 
-def that_may_be_there(columns: Columns, sums: Sums, residual: NDArray[np.float64]) -> list[Memory]:
+def that_may_be_there(
+    columns: Columns, sums: Sums, residual: NDArray[np.float64], settings: NoiseModelSettings
+) -> list[Memory]:
     """Find the memories that what every cause together leaves may have.
 
     Of a long table what is left by all columns together is the noise, but for some numbers. A
@@ -42,6 +43,7 @@ def that_may_be_there(columns: Columns, sums: Sums, residual: NDArray[np.float64
         Theirs, of a pass that remembered nothing.
     residual : ndarray, shape (n,)
         What is to be explained [m].
+    settings : NoiseModelSettings
 
     Returns
     -------
@@ -52,7 +54,7 @@ def that_may_be_there(columns: Columns, sums: Sums, residual: NDArray[np.float64
         return []
     products, order = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0)).products, sums.order
     among, along = products[1:-1, 1:-1], products[1:-1, -1]
-    ridge = max(products[-1, -1] / sums.degrees(), FINEST**2) / _RIDGE
+    ridge = max(products[-1, -1] / sums.degrees(), VARIANCE_FLOOR**2) / settings.ridge_width**2
     sizes = np.linalg.solve(among + ridge * np.eye(len(among)), along)
     used = np.flatnonzero(sizes)
     left = residual - columns.combined((1 + used).tolist(), sizes[used])
@@ -60,9 +62,9 @@ def that_may_be_there(columns: Columns, sums: Sums, residual: NDArray[np.float64
     left, order = left[rows], order.at(rows)
     logs = {
         memory: max(log_likelihood(left, order, Noise(memory, rho, 0.0, 1.0)) for rho in rhos if rho)
-        for memory, rhos in RHO.items()
+        for memory, rhos in settings.autoregressions
     }
-    least = max(log_likelihood(left, order, Noise(0.0, 0.0, 0.0, 1.0)), *logs.values()) - _HOPELESS
+    least = max(log_likelihood(left, order, Noise(0.0, 0.0, 0.0, 1.0)), *logs.values()) - settings.pruning
     return [memory for memory, log in logs.items() if log > least]
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.candidates.effects import UNKNOWN, Variant
-from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.candidates.variant import UNKNOWN, Variant
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.sums import Whitened
 
 __all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
@@ -162,8 +162,9 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> W
     """Average the likelihood over noises, sizes and the unknown variance of the noise.
 
     The coefficients have normal priors, in a mixture of three widths, cut off at their bounds;
-    the variance has Jeffreys's prior, and within the coefficients' prior it stands at its
-    estimate (a Laplace approximation).
+    the variance has Jeffreys's prior. The coefficients' prior is scaled by the variance over its
+    least-squares estimate; with that both integrals are exact, but for the cut at bounds
+    (docs/method.md, Eq. 11 to 16).
 
     Parameters
     ----------
@@ -187,6 +188,6 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> W
 def weigh_each(hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False) -> list[Weighed]:
     """Weigh several hypotheses, each by itself, on several threads."""
     forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
-    given = stack.products, stack.log_weight, stack.degrees, FINEST**2
+    given = stack.products, stack.log_weight, stack.degrees, VARIANCE_FLOOR**2
     found = _core.weigh(*given, forms, one_width)
     return [Weighed(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]

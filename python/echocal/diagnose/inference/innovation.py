@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["innovation", "log_likelihood"]
@@ -43,4 +43,4 @@ def innovation(left: Column, order: Order, noise: Noise) -> Column:
 def log_likelihood(left: Column, order: Order, noise: Noise) -> float:
     """Log likelihood of normal noise of unknown size, up to a constant of the rows."""
     square = float(np.mean(innovation(left, order, noise) ** 2))
-    return -0.5 * len(left) * math.log(max(square, FINEST**2))
+    return -0.5 * len(left) * math.log(max(square, VARIANCE_FLOOR**2))

@@ -4,18 +4,12 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import NamedTuple
 
-__all__ = ["CONVECTIONS", "FINEST", "RHO", "WHITE", "Convection", "Memory", "Noise", "noises"]
+from echocal.diagnose.settings.noise_models import NoiseModelSettings
 
-FINEST = 1e-9
-"""Standard deviation below which no noise is believed [m]; data of a simulation may have none."""
+__all__ = ["VARIANCE_FLOOR", "WHITE", "Convection", "Memory", "Noise", "all_convections", "noises"]
 
-RHO: dict[float, tuple[float, ...]] = {
-    0.0: (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.98),
-    0.5: (0.7, 0.85, 0.95, 0.99),
-    0.8: (0.9, 0.95, 0.98, 0.995),
-    0.9: (0.95, 0.98, 0.995),
-}
-_STAND_RATIO = (0.0, 0.1, 1.0, 10.0)  # variance of a stand's own error over the noise's
+VARIANCE_FLOOR = 1e-9
+"""Standard deviation below which no noise is believed [m]; simulated data may have none."""
 
 
 class Convection(NamedTuple):
@@ -32,11 +26,6 @@ class Convection(NamedTuple):
     rho: float
     growth: float
 
-
-CONVECTIONS = tuple(
-    Convection(rho, growth) for rho in (0.6, 0.8, 0.9, 0.95, 0.98) for growth in (0.1, 0.3, 1.0, 3.0)
-)
-"""The convections considered, where rows are at different distances."""
 
 Memory = float | Convection | None
 """What a pass over the rows remembers: a moving-average coefficient, a convection, or nothing."""
@@ -85,25 +74,35 @@ class Noise:
         return (1 - self.rho**2) / (1 - 2 * self.rho * self.memory + self.memory**2)
 
 
-def noises(stands: bool, convections: Collection[Convection] = ()) -> tuple[Noise, ...]:
+def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
+    """List the convections considered, where rows are at different distances."""
+    growths = settings.convection_growths
+    return tuple(Convection(rho, growth) for rho in settings.convection_rhos for growth in growths)
+
+
+def noises(
+    settings: NoiseModelSettings, stands: bool, convections: Collection[Convection] = ()
+) -> tuple[Noise, ...]:
     """List the noises considered.
 
     Parameters
     ----------
+    settings : NoiseModelSettings
     stands : bool
-        Whether stands may err, each by itself.
+        Whether stations may err, each by itself.
     convections : collection of Convection
-        Those of `CONVECTIONS` that are considered; if any are, the prior of the others is nobody's.
+        Those that are considered; if any are, the prior of the others is nobody's.
 
     Returns
     -------
     tuple of Noise
     """
-    # half of the prior on uncorrelated rows, the usual assumption; half on stands without an error
-    alike = [(m, r) for m, rhos in RHO.items() for r in rhos if r]
-    half = 0.25 if convections else 0.5
-    rows = [(0.0, 0.0, 0.0, 0.5), *((m, r, 0.0, half / len(alike)) for m, r in alike)]
-    rows += [(0.0, c.rho, c.growth, half / len(CONVECTIONS)) for c in convections]
-    ratios = {s: 0.5 if s == 0.0 else 0.5 / (len(_STAND_RATIO) - 1) for s in _STAND_RATIO}
+    alike = [(m, r) for m, rhos in settings.autoregressions for r in rhos if r]
+    correlated = 1.0 - settings.white
+    half = correlated / 2 if convections else correlated
+    rows = [(0.0, 0.0, 0.0, settings.white), *((m, r, 0.0, half / len(alike)) for m, r in alike)]
+    rows += [(0.0, c.rho, c.growth, half / len(all_convections(settings))) for c in convections]
+    grid, none = settings.station_ratios, settings.no_station_error
+    ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stands else [(0.0, 1.0)]
     return tuple(Noise(m, r, s, p * q, growth) for m, r, growth, p in rows for s, q in each)

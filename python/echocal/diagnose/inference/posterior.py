@@ -2,32 +2,47 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from echocal import _core
-from echocal.diagnose.candidates.effects import UNKNOWN, Candidates
+from echocal.diagnose.candidates.variant import UNKNOWN, Candidates
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, form
-from echocal.diagnose.inference.noise import FINEST
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR
+from echocal.diagnose.settings import PriorSettings, Settings
 
-__all__ = ["HOPELESS", "PRIOR", "posterior", "preferred", "set_prior"]
-
-PRIOR = {"nothing": 0.44, "one": 0.45, "two": 0.1, "three": 0.01, UNKNOWN: 0.05}
-"""Probability of no to three causes; and, independently, of a shape without a cause, the last resort.
-
-Each cause beyond three is as rare beside the last as the third is beside the second.
-"""
-
-HOPELESS = 25.0
-"""Log odds against the most probable hypothesis beyond which one is left out, and no set made of it.
-
-None is told whose odds are beyond 14; but one beyond may lead to a larger set that is.
-"""
-
-_UNDECIDED = 1.5  # log odds between two forms of a cause below which neither is better
+__all__ = ["Inference", "infer", "posterior", "preferred", "set_prior"]
 
 
-def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
+@dataclass(frozen=True)
+class Inference:
+    """The hypotheses after the data.
+
+    Attributes
+    ----------
+    stack : Stack
+        Products under every noise model.
+    carried : Stack
+        Products under the noise models that some hypothesis makes probable.
+    weighed : list of Weighed
+        Most probable first; hypotheses that the data rule out are not among them.
+    """
+
+    stack: Stack
+    carried: Stack
+    weighed: list[Weighed]
+
+
+def infer(case: Case) -> Inference:
+    """Weigh every hypothesis that competes, on the rows that a fit may see."""
+    stack = case.stack(case.folds.fit)
+    weighed, carried = posterior(case.found, stack, case.settings)
+    return Inference(stack, carried, weighed)
+
+
+def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list[Weighed], Stack]:
     """Weigh no cause, each cause, each pair, larger sets greedily, and the best of all beside each shape.
 
     Returns
@@ -39,16 +54,16 @@ def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
     """
     order = {cause: i for i, cause in enumerate(dict.fromkeys(v.cause for v in found.variants))}
     forms = [form(v, None if v.cause == UNKNOWN else order[v.cause]) for v in found.variants]
-    counts = [PRIOR[name] for name in ("nothing", "one", "two", "three")]
+    priors = settings.priors
     outcomes, noises, _ = _core.posterior(
         stack.products,
         stack.log_weight,
         stack.degrees,
-        FINEST**2,
+        VARIANCE_FLOOR**2,
         forms,
-        counts,
-        PRIOR[UNKNOWN],
-        HOPELESS,
+        priors.counts,
+        priors.unexplained_term,
+        settings.search.pruning_log_odds,
     )
     weighed = [
         Weighed(Hypothesis(tuple(found.variants[i] for i in chosen), prior), *result)
@@ -57,19 +72,19 @@ def posterior(found: Candidates, stack: Stack) -> tuple[list[Weighed], Stack]:
     return weighed, stack.only(np.array(noises))
 
 
-def set_prior(ids: Sequence[str], causes: int) -> float:
+def set_prior(ids: Sequence[str], causes: int, priors: PriorSettings) -> float:
     """Probability of one set of causes before the data, of as many causes as compete."""
     known = sum(id_ != UNKNOWN for id_ in ids)
-    shape = PRIOR[UNKNOWN] if known < len(ids) else 1 - PRIOR[UNKNOWN]
-    counts = [PRIOR[name] for name in ("nothing", "one", "two", "three")]
+    shape = priors.unexplained_term if known < len(ids) else 1 - priors.unexplained_term
+    counts = priors.counts
     rarer = (counts[3] / counts[2]) ** max(known - 3, 0)
     return shape * counts[min(known, 3)] * rarer / math.comb(causes, known)
 
 
-def preferred(same: list[Weighed]) -> Weighed:
+def preferred(same: list[Weighed], undecided: float) -> Weighed:
     """Of forms of the same causes, most probable first: the best, or a freer one that is as good.
 
     Where the data do not say which value is right, its uncertainty says so.
     """
-    near = [w for w in same if w.log_posterior > same[0].log_posterior - _UNDECIDED]
+    near = [w for w in same if w.log_posterior > same[0].log_posterior - undecided]
     return max(near, key=lambda w: len(w.mean))

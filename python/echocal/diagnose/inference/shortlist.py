@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import Scene
-from echocal.diagnose.candidates.unexplained_terms import DEGREES, Basis, degrees_of
+from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.candidates.unexplained_terms import Basis, degrees_of
 from echocal.diagnose.inference.innovation import innovation, log_likelihood
-from echocal.diagnose.inference.noise import RHO, Noise
+from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.preprocess.order import Order
+from echocal.diagnose.settings import NoiseModelSettings, TermSettings
 
 __all__ = ["MEASURE", "set_aside"]
 
@@ -23,8 +24,6 @@ MEASURE = (
 )
 """What they are chosen by, in words."""
 
-_WIDEST = 420  # columns of causes and shapes: memory grows with their square, to 1 GB for so many
-_LEAST = 8  # further columns that a shape is tried against, however many known quantities there are
 _ROWS = 20_000  # that tell which column is worth a closer look
 _RUN = 97  # of them that follow each other: a prime, so that no period of a table is missed
 _FREE, _PART = 64, 4  # coefficients of all curves against known quantities; rows for each of them
@@ -64,17 +63,20 @@ def set_aside(
     tuple of str
         The one nearest to a place comes first.
     """
-    able = [name for name, column in further.items() if degrees_of(column)]
-    others += sum(degrees_of(column) for column in known.values())
-    most = max((_WIDEST - others) // max(DEGREES), _LEAST)
+    terms, search = scene.settings.terms, scene.settings.search
+    able = [name for name, column in further.items() if degrees_of(column, terms)]
+    others += sum(degrees_of(column, terms) for column in known.values())
+    most = max((search.most_columns - others) // max(terms.degrees), search.shortlist_least)
     if len(able) <= most:
         return ()
     rows = rows[np.arange(len(rows)) // _RUN % -(-len(rows) // _ROWS) == 0]
     order = order.at(rows)
     first = _Look.of(scene, rows, order, [], _WHITE)
-    second = _Look.of(scene, rows, order, curves := _curves(known, rows), _WHITE)
-    second = _Look.of(scene, rows, order, curves, _likeliest(second.residual, order))
-    scores = np.array([_scores(name, further[name][rows], (first, second)) for name in able])
+    second = _Look.of(scene, rows, order, curves := _curves(known, rows, terms), _WHITE)
+    second = _Look.of(
+        scene, rows, order, curves, _likeliest(second.residual, order, scene.settings.noise_models)
+    )
+    scores = np.array([_scores(name, further[name][rows], (first, second), terms) for name in able])
     places = np.argsort(np.argsort(-scores, axis=0, kind="stable"), axis=0).min(axis=1)
     return tuple(able[at] for at in np.argsort(places, kind="stable")[most:])
 
@@ -88,6 +90,8 @@ class _Look:
     order : Order
     noise : Noise
         What is taken out of every column with it.
+    degrees : tuple of int
+        Of the curves that are tried.
     taken : ndarray, shape (p, n)
         Orthonormal: what the columns span.
     residual : ndarray, shape (n,)
@@ -96,6 +100,7 @@ class _Look:
 
     order: Order
     noise: Noise
+    degrees: tuple[int, ...]
     taken: Column
     residual: Column
 
@@ -106,13 +111,14 @@ class _Look:
         temperature = scene.conditions.get("temperature")
         warm = np.zeros(len(rows)) if temperature is None else temperature[rows] - np.mean(temperature[rows])
         columns = np.array([np.ones(len(rows)), *(distance * warm**power for power in range(3)), *further])
-        bare = cls(order, noise, np.empty((0, len(rows))), np.zeros(len(rows)))
+        degrees = scene.settings.terms.degrees
+        bare = cls(order, noise, degrees, np.empty((0, len(rows))), np.zeros(len(rows)))
         columns, (residual,) = bare.seen(columns), bare.seen(scene.residual[rows][None])
         columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=1, keepdims=True)), 1e-300)
         value, vector = np.linalg.eigh(columns @ columns.T)
         told = value > _ALIKE * value[-1]
         taken = (vector[:, told] / np.sqrt(value[told])).T @ columns
-        return cls(order, noise, taken, residual - (taken @ residual) @ taken)
+        return cls(order, noise, degrees, taken, residual - (taken @ residual) @ taken)
 
     def seen(self, columns: Column) -> Column:
         """Columns, shape (k, n), less unknown levels, and less what the rows before tell."""
@@ -132,31 +138,34 @@ class _Look:
         among += _ALIKE * np.trace(among) * np.eye(len(among))
         whole, rows = max(float(self.residual @ self.residual), 1e-300), len(self.residual)
         gains = []
-        for degree in {min(degree, len(along)) for degree in DEGREES}:
+        for degree in {min(degree, len(along)) for degree in self.degrees}:
             sizes = np.linalg.solve(among[:degree, :degree], along[:degree])
             rest = max(1.0 - float(along[:degree] @ sizes) / whole, 1e-12)
             gains.append(-0.5 * rows * np.log(rest) - 0.5 * degree * np.log(rows))
         return float(max(gains))
 
 
-def _scores(name: str, column: Column, looks: Sequence[_Look]) -> list[float]:
+def _scores(name: str, column: Column, looks: Sequence[_Look], settings: TermSettings) -> list[float]:
     """How well a shape against a column fits what each look leaves."""
-    basis = Basis.of(name, column)
+    basis = Basis.of(name, column, settings)
     if not basis.low < basis.high:  # nearly constant: a shape would hang on a few rows
         return [-np.inf] * len(looks)
-    functions = np.array(basis.at(column)[: max(degrees_of(column), 1)])
+    functions = np.array(basis.at(column)[: max(degrees_of(column, settings), 1)])
     return [look.score(functions) for look in looks]
 
 
-def _curves(known: Mapping[str, Column], rows: Labels) -> list[Column]:
+def _curves(known: Mapping[str, Column], rows: Labels, settings: TermSettings) -> list[Column]:
     """Smooth functions of known quantities, as many as the rows allow."""
-    able = [(name, column) for name, column in known.items() if degrees_of(column)]
+    able = [(name, column) for name, column in known.items() if degrees_of(column, settings)]
     each = min(_FREE, len(rows) // _PART) // max(len(able), 1)
-    bases = ((Basis.of(name, column[rows]).at(column[rows]), degrees_of(column)) for name, column in able)
-    return [function for functions, most in bases for function in functions[: min(each, most)]]
+    curves: list[Column] = []
+    for name, column in able:
+        functions = Basis.of(name, column[rows], settings).at(column[rows])
+        curves += functions[: min(each, degrees_of(column, settings))]
+    return curves
 
 
-def _likeliest(left: Column, order: Order) -> Noise:
+def _likeliest(left: Column, order: Order, settings: NoiseModelSettings) -> Noise:
     """The noise that what is left has most likely, of those that remember alike at all distances."""
-    noises = [Noise(memory, rho, 0.0, 1.0) for memory, rhos in RHO.items() for rho in rhos]
+    noises = [Noise(memory, rho, 0.0, 1.0) for memory, rhos in settings.autoregressions for rho in rhos]
     return max(noises, key=lambda noise: log_likelihood(left, order, noise))

@@ -1,14 +1,14 @@
 """Sums over the rows of a table, and what noise makes of them."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.inference.noise import RHO, WHITE, Memory, Noise
+from echocal.diagnose.inference.noise import WHITE, Memory, Noise
 from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["Sums", "Whitened"]
@@ -43,7 +43,7 @@ class Sums:
         The sums, in the core.
     order : Order
     blocks : ndarray of int, shape (n,)
-    memories : list
+    memories : tuple
         What they were summed with.
     cell_block, cell_group : ndarray of int, shape (cells,)
         Block and group (stretch, or stand) of each cell.
@@ -54,7 +54,7 @@ class Sums:
     products: _core.Sums
     order: Order
     blocks: NDArray[np.int64]
-    memories: list[Memory]
+    memories: tuple[Memory, ...]
     cell_block: NDArray[np.int64]
     cell_group: NDArray[np.int64]
     rows: NDArray[np.int64]
@@ -66,7 +66,7 @@ class Sums:
         columns: Columns,
         order: Order,
         blocks: NDArray[np.int64],
-        memories: Sequence[Memory] = tuple(RHO),
+        memories: Sequence[Memory],
     ) -> "Sums":
         """Pass once over the rows of some columns, of which the first is a group's own."""
         cells, places = order.cells(blocks)
@@ -76,7 +76,7 @@ class Sums:
             products=columns.products(order, blocks, cells, places, series, memories),
             order=order,
             blocks=blocks,
-            memories=list(memories),
+            memories=tuple(memories),
             cell_block=places[0],
             cell_group=places[1],
             rows=np.bincount(blocks, minlength=count),
@@ -88,11 +88,14 @@ class Sums:
         """Whether groups have an unknown level (nothing known about it) or a random error."""
         return self.order.flat_level
 
-    def remember(self, columns: Columns, memories: Sequence[Memory]) -> None:
-        """Pass once more over the rows of the same columns, with other memories."""
+    def with_memories(self, columns: Columns, memories: Sequence[Memory]) -> "Sums":
+        """Pass once more over the rows of the same columns, with other memories.
+
+        The core's sums grow; the old `Sums` does not know of what is new.
+        """
         more = Sums.gather(columns, self.order, self.blocks, memories)
         self.products.join(more.products)
-        self.memories.extend(memories)
+        return replace(self, memories=(*self.memories, *memories))
 
     def has(self, noise: Noise) -> bool:
         """Whether the rows were summed as a noise asks for."""

@@ -1,28 +1,15 @@
 """Noises: causes that change the distribution of readings.
 
-One file a noise. Steps are read off the columns themselves, before anything is weighed.
+One file a noise: its facts, its thresholds, what it does to a table, and its likelihood or its
+detector. `registry` lists them; `common` is what they share.
 """
 
-from collections.abc import Iterator
-
 from echocal.diagnose.findings.facts import CauseFacts
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.noises import (
-    correlated_noise,
-    cycle_slip,
-    noise_growth,
-    polling_jitter,
-    reading_quantization,
-    reference_error,
-    temperature_quantization,
-    timer_quantization,
-)
-from echocal.diagnose.preprocess.quantization_grid import HARMLESS, NEGLIGIBLE
-from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.quantization import find_steps
+from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["find_steps", "noises"]
-
-_STEPS = (reading_quantization, timer_quantization, temperature_quantization)
+__all__ = ["NoiseSettings", "find_steps", "noises"]
 
 
 def noises() -> tuple[CauseFacts, ...]:
@@ -34,35 +21,4 @@ def noises() -> tuple[CauseFacts, ...]:
     >>> "timer_quantization" in [noise.id for noise in echocal.noises()]
     True
     """
-    others = (cycle_slip, noise_growth, polling_jitter, correlated_noise, reference_error)
-    return tuple(module.FACTS for module in (*_STEPS, *others))
-
-
-def find_steps(view: View) -> tuple[list[Finding], list[str], View]:
-    """Find the steps of readings, echo times and temperatures.
-
-    Returns
-    -------
-    list of Finding
-        Steps that matter beside the noise.
-    list of str
-        A note on each step that does not.
-    View
-        The table with readings that were cut off in the middle of their steps.
-    """
-    found, harmless = [], []
-    for finding in _looked_for(view):
-        if finding.share < HARMLESS or finding.rms < NEGLIGIBLE:
-            harmless.append(f"{finding.because}: harmless")
-            continue
-        found.append(finding)
-        if finding.repaired is not None:
-            view = view.after(finding.repaired)
-    return found, harmless, view
-
-
-def _looked_for(view: View) -> Iterator[Finding]:
-    for module in _STEPS:
-        finding = module.detect(view)
-        if finding is not None and finding.probability > 0.5:
-            yield finding
+    return tuple(noise.facts for noise in registry.NOISES)

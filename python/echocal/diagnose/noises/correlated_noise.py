@@ -1,37 +1,51 @@
-"""Noise that remembers."""
+"""Autocorrelated noise."""
 
 import numpy as np
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.candidates.variant import UNKNOWN
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
 
-__all__ = ["FACTS", "of", "parameters"]
+__all__ = ["NOISE"]
+
+_LIKELY = 0.5  # probability from which on autocorrelation is said to grow with the distance
+_TURNS = 20  # correlation times in a table, below which autocorrelation looks like a slow function
+_NOTE = (
+    "; something unknown that changes with the rows would look the same: measure some of them again, in "
+    "another order"
+)
 
 FACTS = CauseFacts(
     id="correlated_noise",
     kind="noise",
-    sentence="The noise remembers: neighboring rows err alike, as in drifting cells of warm air.",
+    sentence="The noise is autocorrelated: neighboring rows err alike, as in drifting cells of warm air.",
     signature="autocorrelation of what the causes leave, in row order",
     source="arendst/Tasmota PR #4488: slow oscillation of a static target",
     parameters=(
-        Quantity("autoregression", "1", "coefficient from one row to the next"),
-        Quantity("growth", "1/m", "remembered variance over the rest, where it grows with distance"),
+        Quantity(
+            "autoregression",
+            "1",
+            "coefficient from one row to the next",
+            (0.0, 1.0),
+            "half on 0; else one of 17 with a moving average",
+        ),
+        Quantity("growth", "1/m", "autocorrelated variance over the rest, where it grows with distance"),
     ),
     check="repeat the rows in a random order",
     prior=0.05,
+    formula="e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d",
 )
 
-_LIKELY = 0.5  # probability from which on memory is said to grow with the distance
 
-
-def of(noise: Noise) -> bool:
-    """Whether a noise of the engine's guards is this cause."""
+def concerns(noise: Noise) -> bool:
+    """Whether a noise that the fits reckon with is this cause."""
     return noise.rho != 0.0
 
 
-def parameters(noises: tuple[Noise, ...], share: np.ndarray, _: float) -> dict[str, tuple[float, float]]:
-    """Mean and spread of the coefficient over the noises that remember; of the growth, where there is one."""
-    weight = share * np.array([of(noise) for noise in noises])
+def parameters(noises: tuple[Noise, ...], share: np.ndarray, variance: float) -> Values:
+    """Mean and spread of the coefficient, and of the growth where there is one."""
+    weight = share * np.array([concerns(noise) for noise in noises])
     weight = weight / max(weight.sum(), 1e-300)
     found = {"autoregression": _mean(np.array([noise.rho for noise in noises]), weight)}
     growth = np.array([noise.growth for noise in noises])
@@ -43,3 +57,37 @@ def parameters(noises: tuple[Noise, ...], share: np.ndarray, _: float) -> dict[s
 def _mean(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
     mean = float(weight @ values)
     return mean, float(np.sqrt(weight @ (values - mean) ** 2))
+
+
+def because(values: Values) -> str:
+    """Say how much a row tells of the next."""
+    follows = f"with a coefficient of {values['autoregression'][0]:.2f} (autocorrelation in row order)"
+    if "growth" in values:
+        return f"what the causes leave follows the rows before {follows}, the more the farther the target"
+    return f"what the causes leave follows the row before {follows}"
+
+
+def rivals(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:
+    """Noise with a long memory is a function of the row like any other."""
+    rows = 1 / (1 - values["autoregression"][0])
+    return ((UNKNOWN,), _NOTE) if _TURNS * rows > degrees else ((), "")
+
+
+def draw(table: Columns, random: np.random.Generator) -> None:
+    """Let neighboring rows err alike."""
+    white = random.normal(0.0, 1e-3, len(table["reading_m"]))
+    slow = np.zeros_like(white)
+    for row in range(1, len(slow)):
+        slow[row] = 0.8 * slow[row - 1] + white[row]
+    table["reading_m"] += slow
+
+
+NOISE = NuisanceNoise(
+    facts=FACTS,
+    draw=draw,
+    concerns=concerns,
+    parameters=parameters,
+    because=because,
+    rivals=rivals,
+    is_answer=False,
+)

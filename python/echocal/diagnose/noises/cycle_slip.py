@@ -6,10 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
-from echocal.diagnose.noises.trace import Likelihood, Trace
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.noises.common.kinds import FittedNoise
+from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "fit"]
+__all__ = ["NOISE"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -17,16 +20,37 @@ Orders = tuple[int, ...]
 
 _PERIOD = 25e-6  # s, of 40 kHz (HC-SR04 data sheet)
 _MISSED = (0, 1, 2, 3)  # cycles, where zero is known
-_EITHER = (-2, -1, 0, 1, 2)  # around the level of a stretch, which may itself have slipped
+_EITHER = (-2, -1, 0, 1, 2)  # around the level of a segment, which may itself have slipped
 _KERNELS = (np.inf, 4.0)
 _PER_CELL = 60  # rows from which on a distance has probabilities of its own
 _CELLS = 8
 _TRACE = 5e-3  # part of the rows below which a component costs nothing and says nothing
-_FEWEST = 0.01  # rows slipped, or not slipped, for a mixture to be one
-_INTACT = 0.1  # rows without a slip
-_APART = 0.6  # widths of the kernel that a period must be
-_LEVEL = 5e-3  # m, prior of the level of a stretch around what the causes say
-_STRETCH = 4  # rows that a stretch has at least on average
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this noise."""
+
+    fewest: float = threshold(
+        0.01, "1", "part of the rows outside of the largest group, for a mixture to be one; judgement"
+    )
+    intact: float = threshold(
+        0.1, "1", "part of the rows without a slip: if all slipped, that is a delay; judgement"
+    )
+    apart: float = threshold(
+        0.6, "1", "scatter of a group in periods, beyond which groups run together; judgement"
+    )
+    level: float = threshold(
+        5e-3, "m", "standard deviation of a segment's level around what the effects say; judgement"
+    )
+    segment: float = threshold(4, "1", "rows of a segment on average, for segments to have levels; judgement")
+    sharp: float = threshold(
+        0.35, "1", "deviation from a segment's median in periods, of a row that belongs to a group; judgement"
+    )
+    split: float = threshold(
+        0.02, "1", "part of the rows one period off, from which on segments are tried; judgement"
+    )
+
 
 FACTS = CauseFacts(
     id="cycle_slip",
@@ -35,11 +59,18 @@ FACTS = CauseFacts(
     signature="readings fall into groups one period of 40 kHz apart: 25 us, 4.3 mm",
     source="arduino.stackexchange 49904: a static target jumps by about 4 mm",
     parameters=(
-        Quantity("probability", "1", "part of the rows that missed a cycle"),
-        Quantity("period", "s", "distance of the groups in time"),
+        Quantity(
+            "probability",
+            "1",
+            "part of the rows that missed a cycle",
+            (0.0, 1.0),
+            "one for each order and part of the distances; costs half a log of its rows",
+        ),
+        Quantity("period", "s", "distance of the groups in time", (_PERIOD, _PERIOD), "fixed: 40 kHz"),
     ),
     check="draw a histogram of repeated readings; raise the gain, or bring the target nearer",
     prior=0.04,
+    formula="e = k c period / 2 + noise; k = 1 to 3 with the probability, or -2 to 2 around a segment",
 )
 
 
@@ -70,34 +101,37 @@ class _Mixture:
         return float(part @ (1 - self.weights.max(axis=1)))
 
 
-def fit(trace: Trace) -> Likelihood | None:
+def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     """Mix groups one period apart, with probabilities for each part of the distances."""
+    own = settings.of(FACTS, Thresholds)
     step = 0.5 * trace.speed * _PERIOD
     cells = _cells(trace.distance)
     one = np.zeros(len(trace), dtype=np.int64)
     fits = []
-    if trace.skewed:
-        fits += [_mixture(trace, step, cells, freedom, _MISSED, one) for freedom in _KERNELS]
-    if _split(trace, step):
-        fits += [_mixture(trace, step, one, freedom, _EITHER, trace.stretch) for freedom in _KERNELS]
-    least, widest = max(_FEWEST, 3 / len(trace)), _APART * float(np.median(step))
-    fits = [f for f in fits if f.distinct > least and f.scale < widest and f.intact > _INTACT]
+    if trace.skewed(settings.worth):
+        fits += [_mixture(trace, step, _Groups(cells, _MISSED, one), freedom, own) for freedom in _KERNELS]
+    if _split(trace, step, own):
+        fits += [
+            _mixture(trace, step, _Groups(one, _EITHER, trace.stretch), freedom, own) for freedom in _KERNELS
+        ]
+    least, widest = max(own.fewest, 3 / len(trace)), own.apart * float(np.median(step))
+    fits = [f for f in fits if f.distinct > least and f.scale < widest and f.intact > own.intact]
     if not fits:
         return None
     best = max(fits, key=lambda f: f.log)
     slipped = 1 - best.intact
-    told = (
+    because = (
         f"{100 * slipped:.0f} % of the rows read one or more steps of {1e3 * float(np.median(step)):.2f} mm "
         f"(25 us) {_where(best)}; the groups scatter by {1e3 * best.scale:.2f} mm"
     )
     log = float(np.logaddexp.reduce([f.log for f in fits]) - np.log(2 * len(_KERNELS)))
     uncertainty = float(np.sqrt(max(slipped * (1 - slipped), 1e-6) / len(trace)))
-    return Likelihood(log, {"probability": (slipped, uncertainty), "period": (_PERIOD, 0.0)}, told)
+    return Likelihood(log, {"probability": (slipped, uncertainty), "period": (_PERIOD, 0.0)}, because)
 
 
 def _where(found: _Mixture) -> str:
     if found.orders == _EITHER:
-        return "off the level of their stretch, to either side"
+        return "off the level of their segment, to either side"
     near, far = found.weights[0], found.weights[-1]
     if abs(near[0] - far[0]) > 0.1:
         ends = [100 * (1 - float(end[0])) for end in (near, far)]
@@ -105,13 +139,14 @@ def _where(found: _Mixture) -> str:
     return "too far"
 
 
-def _split(trace: Trace, step: Column) -> bool:
-    """Whether stretches of one target are long, sharp, and have rows one period off."""
+def _split(trace: Trace, step: Column, own: Thresholds) -> bool:
+    """Whether segments of one target are long, sharp, and have rows one period off."""
     count = np.bincount(trace.stretch)
-    if len(trace) < _STRETCH * len(count):
+    if len(trace) < own.segment * len(count):
         return False
     off = np.abs(trace.left - trace.stretch_median) / step
-    return bool(np.median(off) < 0.35 and np.mean(np.abs(off - 1) < 0.35) > 0.02)
+    one_off = np.abs(off - 1) < own.sharp
+    return bool(np.median(off) < own.sharp and np.mean(one_off) > own.split)
 
 
 def _cells(distance: Column) -> Labels:
@@ -125,17 +160,25 @@ def _cells(distance: Column) -> Labels:
     return found
 
 
-def _mixture(
-    trace: Trace, step: Column, cells: Labels, freedom: float, orders: Orders, stretch: Labels
-) -> _Mixture:
-    """Fit the groups; the level is zero, one, or one per stretch."""
+@dataclass(frozen=True)
+class _Groups:
+    """Groups to fit: parts of the distances, missed cycles, and segments with levels of their own."""
+
+    cells: Labels
+    orders: Orders
+    segment: Labels
+
+
+def _mixture(trace: Trace, step: Column, groups: _Groups, freedom: float, own: Thresholds) -> _Mixture:
+    """Fit the groups; the level is zero, one, or one per segment."""
+    cells, orders, stretch = groups.cells, groups.orders, groups.segment
     left = np.ascontiguousarray(trace.left)
     leveled = bool(stretch.any()) or trace.free_mean
     level: Column = (
         trace.stretch_median if stretch.any() else np.full(len(left), np.quantile(left, 0.1) * leveled)
     )
     first = max(0.25 * float(np.median(step)), 1e-4)
-    spread = _LEVEL if leveled else 0.0
+    spread = own.level if leveled else 0.0
     log, level, scale, weights = _core.slips(
         left, step, cells, stretch, [float(order) for order in orders], freedom, spread, level, first
     )
@@ -144,6 +187,15 @@ def _mixture(
     cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
     if leveled:  # a level of its own costs what its prior spreads it over
         levels = np.bincount(stretch, level) / members
-        cost += 0.5 * float(np.log1p(members * (_LEVEL / scale) ** 2).sum())
-        cost += 0.5 * float(np.sum((levels / _LEVEL) ** 2))
+        cost += 0.5 * float(np.log1p(members * (own.level / scale) ** 2).sum())
+        cost += 0.5 * float(np.sum((levels / own.level) ** 2))
     return _Mixture(log - cost, weights, orders, scale, cells)
+
+
+def draw(table: Columns, random: np.random.Generator) -> None:
+    """Miss one cycle more often the farther the target is."""
+    missed = random.random(len(table["reading_m"])) < 0.15 + 0.1 * table["distance_m"]
+    table["reading_m"] += missed * 0.5 * (331.4 + 0.6 * table["temperature_C"]) * _PERIOD
+
+
+NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, thresholds=Thresholds())

@@ -1,39 +1,66 @@
 """Noise that grows with the distance."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
-from echocal.diagnose.noises.trace import KERNELS, Likelihood, Trace, log_density, scale_of
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.noises.common.kinds import FittedNoise
+from echocal.diagnose.noises.common.trace import KERNELS, Likelihood, Trace, log_density, scale_of
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "fit"]
+__all__ = ["NOISE"]
 
 _GROWTH = np.geomspace(0.05, 20.0, 9)  # 1/m
-_MATTERS = 1.5  # scatter far over scatter near, below which it is no verdict
-_WORTH = 2.0  # standard errors of the correlation from which on a fit is tried
-_LEAST_SPREAD = 0.1  # part of the mean distance
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this noise."""
+
+    matters: float = threshold(
+        1.5,
+        "1",
+        "scatter of the farthest over that of the nearest quarter, below which it is no verdict; judgement",
+    )
+    spread: float = threshold(
+        0.1, "1", "range of the distances over their mean, below which nothing can be seen to grow; judgement"
+    )
+
 
 FACTS = CauseFacts(
     id="noise_growth",
     kind="noise",
     sentence="The scatter of the readings grows with the distance.",
-    signature="standard deviation s (1 + k d)",
+    signature="the standard deviation of the farthest rows exceeds that of the nearest",
     source="arduino.stackexchange 77711: 2 mm at 1.26 m; enesbcs/rpieasy #49: 1 to 4 mm",
     parameters=(
-        Quantity("scatter", "m", "standard deviation at no distance"),
-        Quantity("growth", "1/m", "growth with the distance"),
+        Quantity(
+            "scatter",
+            "m",
+            "standard deviation at no distance",
+            (0.0, None),
+            "profiled; costs half a log of the rows",
+        ),
+        Quantity(
+            "growth", "1/m", "growth with the distance", (0.05, 20.0), "nine values, even in the logarithm"
+        ),
     ),
     check="repeat readings at a near and a far target",
     prior=0.05,
+    formula="e = scatter (1 + growth d) z; z normal, or Student's t with 8, 4 or 2.5 degrees of freedom",
+    needs=("reference_distance",),
 )
 
 
-def fit(trace: Trace) -> Likelihood | None:
+def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     """Profile the growth; None where all distances are alike."""
-    distance = trace.distance
-    if np.ptp(distance) < _LEAST_SPREAD * distance.mean():
+    own, distance = settings.of(FACTS, Thresholds), trace.distance
+    if np.ptp(distance) < own.spread * distance.mean():
         return None
     rise = np.corrcoef(np.abs(trace.innovation), distance)[0, 1] * np.sqrt(len(trace))
-    if not rise > _WORTH:
+    if not rise > settings.worth:
         return None
     # what was learned of one row tells of the next by its innovation, of nearly the same distance
     wide = 1 + np.outer(_GROWTH, distance)
@@ -50,7 +77,7 @@ def fit(trace: Trace) -> Likelihood | None:
     kernel = int(logs[:, best].argmax())
     near, far = (distance <= np.quantile(distance, 0.25)), (distance >= np.quantile(distance, 0.75))
     scatter = [1e3 * float(np.std(trace.left[rows])) for rows in (near, far)]
-    told = (
+    because = (
         f"the nearest quarter of the rows scatters by {scatter[0]:.2f} mm, the farthest {scatter[1]:.2f} mm "
         "(standard deviation of what the causes leave)"
     )
@@ -58,5 +85,14 @@ def fit(trace: Trace) -> Likelihood | None:
     sigma = float(scales[kernel, best])
     parameters = {"scatter": (sigma, sigma / np.sqrt(2 * len(trace))), "growth": (mean, spread)}
     return Likelihood(
-        average - 0.5 * np.log(len(trace)), parameters, told, scatter[1] > _MATTERS * scatter[0]
+        average - 0.5 * np.log(len(trace)), parameters, because, scatter[1] > own.matters * scatter[0]
     )
+
+
+def draw(table: Columns, random: np.random.Generator) -> None:
+    """Scatter farther readings more."""
+    distance = table["distance_m"]
+    table["reading_m"] += random.normal(0.0, 2e-3, len(distance)) * distance
+
+
+NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, removes_nuisance=True, thresholds=Thresholds())

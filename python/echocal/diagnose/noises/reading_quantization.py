@@ -1,20 +1,34 @@
 """Readings in whole steps."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.noises.common.kinds import Quantization
 from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["NOISE"]
 
-_AWAY = 4.0  # standard errors by which the mean must miss rounding,
-_NEAR = 2.5  # and hit truncation
-_ANYHOW = 3e-4  # m, by which a mean is off anyhow: a ruler's millimeter
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this noise."""
+
+    away: float = threshold(
+        4.0, "1", "standard errors by which the mean of the errors must miss rounding; judgement"
+    )
+    near: float = threshold(2.5, "1", "standard errors by which it must hit truncation; judgement")
+    anyhow: float = threshold(
+        3e-4, "m", "by which a mean is off anyhow: a ruler's millimeter, 1 mm / sqrt(12)"
+    )
+    fewest: float = threshold(5, "1", "rows that a mean needs; judgement")
+
 
 FACTS = CauseFacts(
     id="reading_quantization",
@@ -23,15 +37,20 @@ FACTS = CauseFacts(
     signature="readings are multiples of one step; cut off, they are half a step short on average",
     source="integer division t/58 of the Arduino examples: floor to 1 cm",
     parameters=(
-        Quantity("step", "m", "step of the readings"),
-        Quantity("cut", "1", "1: cut off; 0: rounded"),
+        Quantity("step", "m", "step of the readings", (FINEST, 1.0), "any"),
+        Quantity(
+            "cut", "1", "1: cut off; 0: rounded", (0.0, 1.0), "rounded, unless the mean error says cut off"
+        ),
     ),
     check="print the raw echo time in microseconds",
     prior=0.1,
+    formula="reading' = step * floor(reading / step + (1 - cut) / 2)",
+    needs=("reading",),
+    repair="adds half a step to readings that are cut off",
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: NoiseSettings) -> Finding | None:
     """Find the step of the readings, and whether they are cut off."""
     observations = view.observations
     if observations.reading is None:
@@ -40,7 +59,7 @@ def detect(view: View) -> Finding | None:
     if lattice is None or lattice.step < FINEST:
         return None
     step = lattice.step
-    cut = _cut(view, step)
+    cut = _cut(view, step, settings.of(FACTS, Thresholds))
     share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
     kind = "cut off: half a step is added" if cut else "rounded"
     because = (
@@ -68,14 +87,27 @@ def detect(view: View) -> Finding | None:
     )
 
 
-def _cut(view: View, step: float) -> bool:
+def _cut(view: View, step: float, own: Thresholds) -> bool:
     """Whether readings are half a step short, and would not be had they been rounded."""
     if view.reference is None:
         return False
     error = (view.indication - view.reference)[view.good]
-    if len(error) < 5:
+    if len(error) < own.fewest:
         return False
     scatter = 1.4826 * float(np.median(np.abs(error - np.median(error))))
-    standard_error = float(np.hypot(max(scatter, step / 4) / np.sqrt(len(error)), _ANYHOW))
+    standard_error = float(np.hypot(max(scatter, step / 4) / np.sqrt(len(error)), own.anyhow))
     mean = float(np.clip(error, *np.quantile(error, [0.02, 0.98])).mean())
-    return bool(abs(mean) > _AWAY * standard_error and abs(mean + step / 2) < _NEAR * standard_error)
+    return bool(abs(mean) > own.away * standard_error and abs(mean + step / 2) < own.near * standard_error)
+
+
+def draw(table: Columns, random: np.random.Generator) -> None:
+    """Cut readings off at whole centimeters, or round them to 5 mm."""
+    if random.random() < 0.5:
+        table["reading_m"] = np.floor(100 * table["reading_m"]) / 100
+    else:
+        table["reading_m"] = np.round(200 * table["reading_m"]) / 200
+
+
+NOISE = Quantization(
+    facts=FACTS, draw=draw, detect=detect, imitates=("cycle_slip", "polling_jitter"), thresholds=Thresholds()
+)

@@ -1,19 +1,32 @@
 """Temperatures in whole steps."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.noises.common.kinds import Quantization
 from echocal.diagnose.preprocess.quantization_grid import find_lattice
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["NOISE"]
 
-_EVEN = 0.8  # part of the steps of a sweep that are alike
-_TURNS = 0.1  # and of those that change direction
-_COARSEST = 1.05  # K; the steps of a sweep are wider, those of thermometers are not
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this noise."""
+
+    even: float = threshold(0.8, "1", "part of the steps of a sweep that are alike; judgement")
+    turns: float = threshold(0.1, "1", "part of the steps of a sweep that change direction; judgement")
+    coarsest: float = threshold(
+        1.05, "K", "widest step of a thermometer: 1 K of a DHT11; the steps of a sweep are wider"
+    )
+
 
 FACTS = CauseFacts(
     id="temperature_quantization",
@@ -21,20 +34,22 @@ FACTS = CauseFacts(
     sentence="The thermometer gives whole steps; the air between two steps is compensated wrong.",
     signature="temperatures are multiples of one step; variance that grows with the square of the distance",
     source="data sheets: DS18B20 0.0625 K, DHT11 1 K; LM35 on a 10-bit converter at 5 V 0.49 K",
-    parameters=(Quantity("step", "K", "step of the temperatures"),),
+    parameters=(Quantity("step", "K", "step of the temperatures", (0.0, 1.05), "any"),),
     check="list the different temperatures in the table",
     prior=0.1,
+    formula="T' = step * round(T / step)",
+    needs=("temperature",),
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: NoiseSettings) -> Finding | None:
     """Find the step of the temperatures, unless they were set in a sweep."""
-    recorded = view.temperature
+    own, recorded = settings.of(FACTS, Thresholds), view.temperature
     if recorded is None:
         return None
     kept = np.where(view.good, recorded, np.nan)
     lattice = find_lattice(kept)
-    if lattice is None or lattice.step > _COARSEST or _sweep(kept[view.good]):
+    if lattice is None or lattice.step > own.coarsest or _sweep(kept[view.good], own):
         return None
     error = lattice.step * _per_kelvin(view) / np.sqrt(12)
     variance = float(np.mean(error[view.good] ** 2))
@@ -49,7 +64,7 @@ def detect(view: View) -> Finding | None:
     )
 
 
-def _sweep(recorded: NDArray[np.float64]) -> bool:
+def _sweep(recorded: NDArray[np.float64], own: Thresholds) -> bool:
     """Whether the temperatures were set: mostly in steps of one width that seldom turn back."""
     steps = np.diff(recorded)
     moved = steps[np.abs(steps) > 1e-9]
@@ -58,7 +73,7 @@ def _sweep(recorded: NDArray[np.float64]) -> bool:
     width = float(np.median(np.abs(moved)))
     even = np.mean(np.abs(np.abs(moved) - width) < 1e-6 * width)
     turns = np.mean(np.diff(np.sign(moved)) != 0)
-    return bool(even > _EVEN and turns < _TURNS)
+    return bool(even > own.even and turns < own.turns)
 
 
 def _per_kelvin(view: View) -> NDArray[np.float64]:
@@ -66,3 +81,15 @@ def _per_kelvin(view: View) -> NDArray[np.float64]:
     conditions = view.observations.conditions
     warmer = {**conditions, "temperature": conditions["temperature"] + 1.0}
     return np.asarray(view.base.indication(view.observations.echo_time, warmer) - view.indication)
+
+
+def draw(table: Columns, random: np.random.Generator) -> None:
+    """Give whole degrees; the reading is compensated with these."""
+    true = random.uniform(5.0, 35.0, len(table["temperature_C"]))
+    table["temperature_C"] = np.round(true)
+    table["reading_m"] *= (331.4 + 0.6 * table["temperature_C"]) / (331.4 + 0.6 * true)
+
+
+NOISE = Quantization(
+    facts=FACTS, draw=draw, detect=detect, imitates=("noise_growth",), thresholds=Thresholds()
+)

@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from echocal.diagnose.findings.facts import CauseFacts, Quantity
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.noises.common.kinds import Quantization
 from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["FACTS", "detect"]
+__all__ = ["NOISE"]
 
 FACTS = CauseFacts(
     id="timer_quantization",
@@ -16,13 +18,15 @@ FACTS = CauseFacts(
     sentence="The timer counts whole ticks: 1 or 4 us of a microcontroller, 1 ms of a system clock.",
     signature="echo times are multiples of one step",
     source="Arduino micros(): 4 us; DarkFlippers/unleashed-firmware PR #367: 1 ms, 17 cm",
-    parameters=(Quantity("step", "s", "tick of the timer"),),
+    parameters=(Quantity("step", "s", "tick of the timer", (1e-7, 1e-2), "any"),),
     check="time the echo with a capture unit of the timer",
     prior=0.1,
+    formula="echo time' = step * round(echo time / step)",
+    needs=("echo_time",),
 )
 
 
-def detect(view: View) -> Finding | None:
+def detect(view: View, settings: NoiseSettings) -> Finding | None:
     """Find the tick of the echo times."""
     reading = view.observations.reading
     if reading is not None and view.resolution > FINEST:
@@ -42,3 +46,13 @@ def detect(view: View) -> Finding | None:
     return Finding(
         FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share, step / 12**0.5
     )
+
+
+def draw(table: Columns, random: np.random.Generator) -> None:
+    """Count ticks of 16 us."""
+    speed = 331.4 + 0.6 * table["temperature_C"]
+    tick = 0.5 * speed * 16e-6  # m
+    table["reading_m"] = np.round(table["reading_m"] / tick) * tick
+
+
+NOISE = Quantization(facts=FACTS, draw=draw, detect=detect, imitates=("cycle_slip", "polling_jitter"))

@@ -68,10 +68,14 @@ class Base:
         """The base as it is."""
         return self.model()
 
+    @property
+    def reading_speed(self) -> str:
+        """Speed that a device has used that nobody says anything about, as a law's name or expression."""
+        return self.law if self.device_speed is None else str(self.device_speed)
+
     def indication(self, echo_time: Column, conditions: Mapping[str, Column]) -> Column:
         """Reading [m] that belongs to an echo time [s]."""
-        law = self.law if self.device_speed is None else str(self.device_speed)
-        reading: Column = Model(law, air=self.air).distance(echo_time, **conditions)
+        reading: Column = Model(self.reading_speed, air=self.air).distance(echo_time, **conditions)
         return reading
 
     def model(self, extra: Parameters | None = None, **more: Any) -> Model:

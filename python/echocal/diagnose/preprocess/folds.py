@@ -6,7 +6,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.scene import Table
+from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.preprocess.window import instant, times
+from echocal.diagnose.settings.rows import RowSettings
+from echocal.errors import UsageError
+from echocal.observations import Observations
 
 __all__ = ["Folds", "Rows"]
 
@@ -14,8 +18,6 @@ Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 Rows = Mask | slice
 """Rows by a mask, or by where they begin and end."""
-
-_FOLDS = 5
 
 
 @dataclass(frozen=True)
@@ -43,21 +45,25 @@ class Folds:
     known: dict[bytes, Rows] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, table: Table, held_out: Mask | None, held_text: str = "") -> "Folds":
-        """Hold out what the user says; else stands in turn, or runs of rows in turn."""
+    def of(
+        cls, table: Table, observations: Observations, after: str | float | None, settings: RowSettings
+    ) -> "Folds":
+        """Hold out what the user says; else stations in turn, or runs of rows in turn."""
+        count = settings.folds
+        held_out, held_text = _held_out(observations, table, after, settings.fewest)
         if held_out is not None:
             return cls(
                 held_out.astype(np.int64), (np.array([False, True]),), np.array([True, False]), held_text
             )
-        stands = 1 + int(table.groups.max())
-        if table.reference is not None and stands >= _FOLDS:
-            blocks, by = table.groups % _FOLDS, "stand"
+        stations = 1 + int(table.groups.max())
+        if table.reference is not None and stations >= count:
+            blocks, by = table.groups % count, "station"
         else:
-            blocks = np.arange(len(table)) * _FOLDS // len(table)
+            blocks = np.arange(len(table)) * count // len(table)
             by = "time" if "elapsed_time" in table.conditions else "row order"
-        held = tuple(np.arange(_FOLDS) == fold for fold in range(_FOLDS))
+        held = tuple(np.arange(count) == fold for fold in range(count))
         return cls(
-            blocks.astype(np.int64), held, np.ones(_FOLDS, dtype=bool), f"blocked by {by}, {_FOLDS} folds"
+            blocks.astype(np.int64), held, np.ones(count, dtype=bool), f"blocked by {by}, {count} folds"
         )
 
     @property
@@ -88,3 +94,27 @@ class Folds:
         mask = held[self.blocks]
         first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
         return slice(first, last) if last - first == int(mask.sum()) else mask
+
+
+def _held_out(
+    observations: Observations, table: Table, after: str | float | None, fewest: int
+) -> tuple[Mask | None, str]:
+    """Rows that the user wants held out, and how to say so."""
+    if after is None:
+        return None, ""
+    if isinstance(after, str):
+        held = times(observations, after)[table.row] >= instant(after)
+    else:
+        elapsed = table.conditions.get("elapsed_time")
+        if elapsed is None:
+            message = "cannot hold out by time: the table has no column of times (map one to time_s)"
+            raise UsageError(message)
+        held = elapsed >= after
+    judged = int(held.sum())
+    if min(judged, len(held) - judged) < fewest:
+        message = (
+            f"holding out after {after} leaves {len(held) - judged} rows to fit and {judged} to judge by; "
+            f"both need at least {fewest}"
+        )
+        raise UsageError(message)
+    return held, f"rows from {after} on, held out from everything"

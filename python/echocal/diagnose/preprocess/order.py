@@ -1,4 +1,4 @@
-"""How rows belong together: series, stands or stretches, and where their targets are."""
+"""How rows belong together: series, stations or segments, and where their targets are."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Order:
     starts : ndarray of bool, shape (n,)
         First rows of series: nothing is remembered across.
     groups : ndarray of int, shape (n,)
-        Stretch of constant level, or stand, of each row.
+        Segment of constant level, or station, of each row.
     distance : ndarray, shape (n,)
         Of each row [m].
     flat_level : bool

@@ -1,19 +1,13 @@
-"""The step of a column whose values stand on a lattice."""
+"""The step of a column whose values are quantized: whole multiples of one step."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FINEST", "HARMLESS", "NEGLIGIBLE", "Lattice", "find_lattice"]
+__all__ = ["FINEST", "Lattice", "find_lattice"]
 
 Column = NDArray[np.float64]
-
-HARMLESS = 0.01
-"""Part of the variance of the noise below which a step is a note, not a cause."""
-
-NEGLIGIBLE = 1.5e-4
-"""Standard deviation [m] that a step makes, below which nobody who measures distances by echo cares."""
 
 FINEST = 2e-5
 """Step of a reading below which arithmetic made it, not the device [m]."""
@@ -59,7 +53,7 @@ def find_lattice(values: Column) -> Lattice | None:
     Returns
     -------
     Lattice or None
-        None where values stand anywhere, or too few differ.
+        None where values are not quantized, or too few differ.
     """
     known = np.isfinite(values)
     finite = values if known.all() else values[known]

@@ -1,4 +1,4 @@
-"""Rows by time: the window asked for, and what is held out."""
+"""Rows by time: the window asked for."""
 
 import re
 from dataclasses import replace
@@ -7,16 +7,14 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.scene import Table
 from echocal.errors import UsageError
 from echocal.observations import Observations
 
-__all__ = ["between", "held_out"]
+__all__ = ["between", "instant", "times"]
 
 Mask = NDArray[np.bool_]
 
 OUTSIDE = "outside the time asked for"
-_FEWEST = 8  # rows to fit, and to judge by
 _DATE = len("2022-07-20")
 
 
@@ -31,16 +29,16 @@ def between(observations: Observations, since: str | None, until: str | None) ->
     """
     if since is None and until is None:
         return observations
-    if since is not None and until is not None and _instant(since) > _instant(until, last=True):
+    if since is not None and until is not None and instant(since) > instant(until, last=True):
         message = f"rows since {since} and until {until} are none: the first time is the later one"
         raise UsageError(message)
     outside = np.zeros(len(observations), dtype=bool)
     if since is not None:
-        outside |= ~(_times(observations, since) >= _instant(since))
+        outside |= ~(times(observations, since) >= instant(since))
     if until is not None:
-        outside |= ~(_times(observations, until) <= _instant(until, last=True))
+        outside |= ~(times(observations, until) <= instant(until, last=True))
     if len(observations) and outside.all():
-        time = _times(observations, since or until or "")
+        time = times(observations, since or until or "")
         ends = (np.datetime_as_string(end(time), unit="s") for end in (np.nanmin, np.nanmax))
         there = "none" if np.isnat(time).all() else " to ".join(map(str, ends))
         message = f"no row lies in the time asked for ({since or ''} .. {until or ''}); the table's: {there}"
@@ -50,36 +48,16 @@ def between(observations: Observations, since: str | None, until: str | None) ->
     return replace(observations, unusable=reasons.astype(str))
 
 
-def held_out(observations: Observations, table: Table, after: str | float | None) -> tuple[Mask | None, str]:
-    """Rows that the user wants held out, and how to say so."""
-    if after is None:
-        return None, ""
-    if isinstance(after, str):
-        held = _times(observations, after)[table.row] >= _instant(after)
-    else:
-        elapsed = table.conditions.get("elapsed_time")
-        if elapsed is None:
-            message = "cannot hold out by time: the table has no column of times (map one to time_s)"
-            raise UsageError(message)
-        held = elapsed >= after
-    judged = int(held.sum())
-    if min(judged, len(held) - judged) < _FEWEST:
-        message = (
-            f"holding out after {after} leaves {len(held) - judged} rows to fit and {judged} to judge by; "
-            f"both need at least {_FEWEST}"
-        )
-        raise UsageError(message)
-    return held, f"rows from {after} on, held out from everything"
-
-
-def _times(observations: Observations, wanted: str) -> NDArray[np.datetime64]:
+def times(observations: Observations, wanted: str) -> NDArray[np.datetime64]:
+    """Time of every row; refuses a table that has none."""
     if observations.time is None:
         message = f"'{wanted}' is a time, and the table has no column of times (map one to time)"
         raise UsageError(message)
     return observations.time
 
 
-def _instant(text: str, *, last: bool = False) -> np.datetime64:
+def instant(text: str, *, last: bool = False) -> np.datetime64:
+    """Read an ISO 8601 time; with `last`, of a date its last instant."""
     try:
         instant = np.datetime64(_in_utc(text), "ns")
         if np.isnat(instant):

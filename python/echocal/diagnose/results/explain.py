@@ -1,15 +1,14 @@
 """A diagnosis in plain sentences."""
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, quantity_text, shifted_text
-from echocal.diagnose.results.result import Diagnosis
-from echocal.diagnose.selection.joint import NAMED
+from echocal.diagnose.noises.registry import listed_only
+from echocal.diagnose.results.diagnosis import Diagnosis
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 
-_GUARD = "correlated_noise"  # every table is guarded against it: told, but never the news
 _SHOWN = 6  # causes named in one proposal
 
 
@@ -29,14 +28,15 @@ def explain(diagnosis: Diagnosis) -> str:
 def lead(diagnosis: Diagnosis) -> str:
     """One sentence on the verdict, without its period."""
     if diagnosis.verdict == "nothing":
-        slow = any(c.id == _GUARD and c.indistinguishable_from for c in diagnosis.causes)
+        slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
         which = " that remembers for long, or something unknown that changes as slowly" if slow else ""
         return f"Nothing is found beyond noise{which}"
     if diagnosis.verdict == "unknown":
         return "Something is there that no cause of the catalogue explains"
     if diagnosis.verdict == "ambiguous":
         return f"Something is wrong, and {_left_open(diagnosis)}"
-    named = [c for c in diagnosis.causes if c.probability >= NAMED and not c.doubt and c.id != _GUARD]
+    named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
+    named = [c for c in named if c.id not in listed_only()]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
     faults = [cause.id for cause in named if cause.kind == "gross"]
     others = [cause.id for cause in named if cause.kind not in {"effect", "gross"}]

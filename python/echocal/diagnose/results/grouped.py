@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from echocal.diagnose.findings.parts import Cause, Refuted
-from echocal.diagnose.results.result import Diagnosis
+from echocal.diagnose.results.diagnosis import Diagnosis
 
 __all__ = ["LEAST", "Group", "grouped", "in_common"]
 

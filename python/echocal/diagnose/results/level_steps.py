@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.preprocess.scene import Table
-from echocal.diagnose.results.result import Diagnosis
+from echocal.diagnose.preprocess.table import Table
 from echocal.observations import Observations
 
-__all__ = ["LevelStep", "further_step", "steps_of"]
+__all__ = ["LevelStep", "steps_of"]
 
 _WINDOW = 13  # rows on each side whose medians tell the size
 
@@ -20,7 +19,7 @@ class LevelStep:
     Attributes
     ----------
     row : int
-        First row of the new stretch; row 1 is the first, as in messages.
+        First row of the new segment; row 1 is the first, as in messages.
     time : str or None
         Its time, ISO 8601 in UTC.
     size_m : float
@@ -46,19 +45,3 @@ def steps_of(table: Table, observations: Observations) -> tuple[LevelStep, ...]:
         time = None if observations.time is None else str(observations.time[row].astype("datetime64[s]"))
         steps.append(LevelStep(row + 1, time, float(np.median(after) - np.median(before))))
     return tuple(steps)
-
-
-def further_step(table: Table, diagnosis: Diagnosis) -> int | None:
-    """Source row at which an unknown level jumps, where the evidence names a step and stretches have none.
-
-    A step of a level that nobody knows is no error of the sensor: the stretch ends there.
-    """
-    if table.reference is not None:
-        return None
-    found = (c for c in diagnosis.causes if c.id == "step_change" and c.in_model)
-    cause = next(found, None)
-    if cause is None:
-        return None
-    time = next(p.value for p in cause.parameters if p.name == "time")
-    later = np.flatnonzero(table.conditions["elapsed_time"] > time)
-    return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])

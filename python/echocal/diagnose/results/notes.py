@@ -1,59 +1,54 @@
 """What a person should know beside the verdict."""
 
-from functools import reduce
+from collections.abc import Sequence
 
 import numpy as np
 
 from echocal.diagnose.findings.parts import Refuted
-from echocal.diagnose.findings.sentences import enumerated, first_against_others, tendency
-from echocal.diagnose.inference.case import INVISIBLE, Case
+from echocal.diagnose.findings.sentences import enumerated
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
 from echocal.diagnose.inference.shortlist import MEASURE
-from echocal.diagnose.results.level_steps import steps_of
-from echocal.diagnose.selection.claims import Claim, free_size, without
+from echocal.diagnose.inference.visible import INVISIBLE
+from echocal.diagnose.results.level_steps import LevelStep
+from echocal.diagnose.selection.claims import free_size, without
 from echocal.diagnose.selection.tension import reconciled
-from echocal.diagnose.validation.refute import Judgment
+from echocal.diagnose.validation.refute import Validation
 from echocal.observations import Observations
 from echocal.registry import find_effect
 
-__all__ = ["because", "notes"]
+__all__ = ["notes"]
 
 _SHOWN = 8  # columns, or steps of the level, that are listed
-_TENSION = 3.0  # standard uncertainties between a size found and the size that theory fixes
 
 
-def because(case: Case, claim: Claim, judgment: Judgment) -> str:
-    """One sentence on a cause that a user can check in the data."""
-    signal = case.signal(claim.variant, claim.mean)
-    beside = [c for c in judgment.kept if c is not claim] if claim in judgment.kept else []
-    left = reduce(np.subtract, (case.signal(c.variant, c.mean) for c in beside), case.residual)
-    if "position_in_group" in find_effect(claim.cause).reads:
-        return first_against_others(left, signal, case.table.conditions["position_in_group"])
-    return tendency(left, signal, case.recorded)
-
-
-def notes(case: Case, observations: Observations, judgment: Judgment, stack: Stack) -> tuple[str, ...]:
+def notes(
+    case: Case,
+    observations: Observations,
+    validation: Validation,
+    stack: Stack,
+    steps: Sequence[LevelStep],
+) -> tuple[str, ...]:
     """Tension with theory, claims taken back, steps, and what could not be seen."""
     said = list(observations.notes)
-    said += [_tension(case, cause, judgment, stack) for cause in case.found.size_tangents]
-    said += _temperature(judgment)
+    said += [_tension(case, cause, validation, stack) for cause in case.found.size_tangents]
+    said += _temperature(validation)
     hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
     if hidden:
         said.append(f"whatever their size, these causes {INVISIBLE}: {', '.join(hidden)}")
-    said += list(dict.fromkeys(_refuted(refuted) for refuted in judgment.refuted))
-    for cause in judgment.unheard:
+    said += list(dict.fromkeys(_refuted(refuted) for refuted in validation.refuted))
+    for cause in validation.unjudged:
         said.append(
             f"{cause} shows in too few stands or stretches to be learned from the others: the gain on rows "
             "never fitted says nothing about it"
         )
     said += [*_both(case, observations), *_aside(case)]
-    if passing := ", ".join(judgment.model.campaign_effects):
+    if passing := ", ".join(validation.model.campaign_effects):
         said.append(
             f"{passing} belongs to this campaign: for another, leave it out (Model.transferable, echocal "
             "correct --transferable)"
         )
-    if len(case.table.steps):
-        steps = steps_of(case.table, observations)
+    if steps:
         at = "; ".join(str(step) for step in steps[:_SHOWN])
         more = f"; and {len(steps) - _SHOWN} more" if len(steps) > _SHOWN else ""
         said.append(
@@ -116,13 +111,13 @@ def _refuted(refuted: Refuted) -> str:
     )
 
 
-def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
+def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> str:
     """Whether a correction that theory is sure of has the size that theory gives it."""
     if find_effect(cause).supplies is None:  # a habit of devices, not a law of nature
         return ""
-    claimed = cause in [c.cause for c in judgment.kept]
+    claimed = cause in [c.cause for c in validation.kept]
     known = case.found.size_tangents[cause][1]
-    beside = without(judgment.weighed.hypothesis, cause)
+    beside = without(validation.weighed.hypothesis, cause)
     plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # the first look
     size, uncertainty = free_size(cause, case.found, beside, stack)
     if max(plain_u, uncertainty) > 0.5 * abs(known):
@@ -131,7 +126,7 @@ def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
             if claimed
             else f"these rows cannot show {cause} (its size left free: {size:.2f} +/- {uncertainty:.2f})"
         )
-    odd = max(abs(plain - known) / plain_u, abs(size - known) / uncertainty) > _TENSION
+    odd = max(abs(plain - known) / plain_u, abs(size - known) / uncertainty) > case.settings.claims.tension
     if claimed and not odd:
         return ""
     found = (
@@ -150,9 +145,9 @@ def _tension(case: Case, cause: str, judgment: Judgment, stack: Stack) -> str:
     )
 
 
-def _temperature(judgment: Judgment) -> list[str]:
+def _temperature(validation: Validation) -> list[str]:
     """What the base's law already does for the readings."""
-    fixed, before = judgment.gain.rms_fixed_speed_m, judgment.gain.rms_before_m
+    fixed, before = validation.gain.rms_fixed_speed_m, validation.gain.rms_before_m
     if fixed is None or before > 0.5 * fixed:
         return []
     return [

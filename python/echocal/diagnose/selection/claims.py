@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import UNKNOWN, Candidates, Variant
+from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh, weigh_each
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.parsimony import Ids, shown
+from echocal.diagnose.settings import ClaimSettings, Settings
 from echocal.registry import find_effect
 
 __all__ = [
@@ -30,9 +31,6 @@ __all__ = [
     "without",
 ]
 
-_NEARLY = 1 / 3  # of the highest probability: below the odds that anybody would act on
-_POSSIBLE = 0.05  # probability from which on another cause is mentioned
-
 Parameters = dict[str, dict[str, float]]
 
 
@@ -48,11 +46,13 @@ class Ranking:
         Of each of `weighed`; sums to one.
     sets : list of (tuple of str, float)
         Sets of ids (with ``unknown`` for a shape), most probable first; sums to one.
+    settings : Settings
     """
 
     weighed: list[Weighed]
     probability: NDArray[np.float64]
     sets: list[tuple[tuple[str, ...], float]]
+    settings: Settings
 
     def of(self, causes: Sequence[str]) -> float:
         """Probability that at least one of these is at work."""
@@ -72,10 +72,11 @@ class Ranking:
         if not effects:
             return None
         likely = max(effects.values())
-        near = [named for named in effects if effects[named] > _NEARLY * likely]
+        near = [named for named in effects if effects[named] > self.settings.claims.nearly * likely]
         top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
         same = [w for w in self.weighed if w.hypothesis.effects == top]
-        return preferred([w for w in same if w.hypothesis.shape == same[0].hypothesis.shape])
+        alike = [w for w in same if w.hypothesis.shape == same[0].hypothesis.shape]
+        return preferred(alike, self.settings.search.form_preference)
 
     def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
         """Probability of a set of effects alone, and of it beside at least one of some causes."""
@@ -105,12 +106,13 @@ def _out_of_reach(ids: Sequence[str]) -> int:
     return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 
-def rank(weighed: list[Weighed], causes: int) -> Ranking:
+def rank(weighed: list[Weighed], causes: int, settings: Settings) -> Ranking:
     """Normalize, add up the variants of each set of causes, and count only causes that show."""
     log = np.array([w.log_posterior for w in weighed])
     probability = np.exp(log - log.max())
     probability /= probability.sum()
-    return Ranking(weighed, probability, list(shown(weighed, probability, causes).items()))
+    sets = shown(weighed, probability, causes, settings.priors)
+    return Ranking(weighed, probability, list(sets.items()), settings)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside: identity is what matters
@@ -154,7 +156,8 @@ def claims(
         for other, own in known:
             if other is not variant:
                 beside[list(other.free)] = best.mean[own]
-        rivals = shape.rivals(signal, {c: v for c, v in others.items() if c not in chosen}, beside)
+        possible = {c: v for c, v in others.items() if c not in chosen}
+        rivals = shape.rivals(signal, possible, beside, ranking.settings.claims)
         probability = ranking.of([variant.cause, *rivals])
         made.append(Claim(variant, best.mean[place], deviation[place], tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
@@ -174,7 +177,12 @@ def resized(made: Sequence[Claim], weighed: Weighed) -> list[Claim]:
 
 
 def beside_a_remainder(
-    made: Sequence[Claim], found: Candidates, stack: Stack, against: str, rms: float
+    made: Sequence[Claim],
+    found: Candidates,
+    stack: Stack,
+    against: str,
+    rms: float,
+    settings: ClaimSettings,
 ) -> list[Claim]:
     """Doubt the causes claimed beside a shape that no cause explains.
 
@@ -192,7 +200,7 @@ def beside_a_remainder(
         rival = max((_evidence((*less, second), stack) for second in seconds), default=-np.inf)
         better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
         doubted.append(replace(claim, probability=min(claim.probability, float(better))))
-    likely = (claim for claim in doubted if claim.probability >= _POSSIBLE)
+    likely = (claim for claim in doubted if claim.probability >= settings.mentioned_from)
     return sorted(likely, key=lambda claim: -claim.probability)
 
 
@@ -221,7 +229,11 @@ def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
     taken = {id_ for claim in made for id_ in (claim.cause, *claim.rivals)}
     found = []
     for ids, probability in ranking.sets:
-        if len(ids) == 1 and probability >= _POSSIBLE and ids[0] not in {UNKNOWN, *taken}:
+        if (
+            len(ids) == 1
+            and probability >= ranking.settings.claims.mentioned_from
+            and ids[0] not in {UNKNOWN, *taken}
+        ):
             weighed = next(w for w in ranking.weighed if w.hypothesis.causes == ids)
             deviation = np.sqrt(np.diag(weighed.covariance))
             found.append(Claim(weighed.hypothesis.variants[0], weighed.mean, deviation, (), probability))
@@ -289,8 +301,8 @@ def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
     return replace(hypothesis, variants=tuple(v for v in hypothesis.variants if v.cause != cause))
 
 
-def posterior_sets(ranking: Ranking, least: float = 1e-6) -> dict[tuple[str, ...], float]:
+def posterior_sets(ranking: Ranking) -> dict[tuple[str, ...], float]:
     """Every set worth a line, with probabilities that sum to one."""
-    kept = {ids: p for ids, p in ranking.sets if p >= least}
+    kept = {ids: p for ids, p in ranking.sets if p >= ranking.settings.claims.listed_from}
     total = sum(kept.values())
     return {ids: p / total for ids, p in kept.items()}

@@ -13,9 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.inference.hypothesis import Weighed
 from echocal.diagnose.inference.posterior import set_prior
+from echocal.diagnose.settings import PriorSettings
 
 __all__ = ["Ids", "shown"]
 
@@ -26,7 +27,9 @@ _USUAL = sum(width**2 for width in _WIDTHS) / len(_WIDTHS)  # variance of the mi
 _VISIBLE = 1.0  # signal over noise, summed over rows
 
 
-def shown(weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: int) -> dict[Ids, float]:
+def shown(
+    weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: int, priors: PriorSettings
+) -> dict[Ids, float]:
     """Probability of each set of causes that show.
 
     Parameters
@@ -37,6 +40,7 @@ def shown(weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: 
         Of each of `weighed`; sums to one.
     causes : int
         Number of causes that compete.
+    priors : PriorSettings
 
     Returns
     -------
@@ -55,7 +59,7 @@ def shown(weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: 
         for cause, part in hidden(best[ids]).items():
             fewer = tuple(id_ for id_ in ids if id_ != cause)
             if fewer in before:
-                odds = set_prior(ids, causes) / set_prior(fewer, causes)
+                odds = set_prior(ids, causes, priors) / set_prior(fewer, causes, priors)
                 moved[fewer] = part * odds * before[fewer]
         scale = min(1.0, before[ids] / max(sum(moved.values()), 1e-300))
         for fewer, p in moved.items():

@@ -5,23 +5,20 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
 from echocal.diagnose.selection.claims import Claim, Ranking, resized, sizes, without
 
-__all__ = ["told_apart", "unexplained"]
-
-_SEEN = 0.5  # probability from which on a shape without a cause is reported
-_BLURRED = 3.0  # times as uncertain beside the shape as without it
+__all__ = ["sized_apart", "unexplained"]
 
 
 def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
     """The shape that no cause accounts for, where one is more probable than not."""
     shapes = ranking.shapes()
     total = sum(shapes.values())
-    if total < _SEEN:
+    if total < case.settings.claims.unexplained_from:
         return None
     against = max(shapes, key=lambda name: shapes[name])
     for weighed in ranking.weighed:
@@ -38,7 +35,9 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
     return Unexplained(against, rms, min(probability, 1.0), text)
 
 
-def told_apart(best: Weighed, claimed: Sequence[Claim], stack: Stack) -> tuple[Weighed, list[Claim]]:
+def sized_apart(
+    best: Weighed, claimed: Sequence[Claim], stack: Stack, blurred_from: float
+) -> tuple[Weighed, list[Claim]]:
     """Size the causes without the shape beside them where the data cannot share out between the two.
 
     Beside a shape against the column that a cause shows in, the cause's size is nearly free: then
@@ -49,7 +48,7 @@ def told_apart(best: Weighed, claimed: Sequence[Claim], stack: Stack) -> tuple[W
         return best, list(claimed)
     weighed = weigh(bare, stack)
     own = sizes(weighed)
-    blurred = any((c.deviation > _BLURRED * own[c.cause][1]).any() for c in claimed)
+    blurred = any((c.deviation > blurred_from * own[c.cause][1]).any() for c in claimed)
     if not blurred:
         return best, list(claimed)
     return weighed, resized(claimed, weighed)

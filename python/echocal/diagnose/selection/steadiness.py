@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.sentences import parameter_text
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
@@ -19,10 +19,6 @@ from echocal.registry import find_effect
 
 __all__ = ["unsteady"]
 
-_CHANCE = 1e-4  # that parts of a table with one size differ as much
-_BESIDE_A_REMAINDER = 1e-2  # where something is at work already that may well be taken for the cause
-_FEWEST = 2  # rows
-_RUNS = 5
 _OF_ROWS = ("row", "time")
 
 Size = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]
@@ -52,12 +48,18 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -
     dict of str to str
         Id, and the sizes found in a sentence.
     """
-    chance = _BESIDE_A_REMAINDER if any(v.cause == UNKNOWN for v in best.hypothesis.variants) else _CHANCE
+    settings = case.settings.claims
+    beside_term = any(v.cause == UNKNOWN for v in best.hypothesis.variants)
+    chance = settings.unsteady_beside_term if beside_term else settings.unsteady
     families = _families(case, claims, noise, best)
     said: dict[str, str] = {}
     left = list(claims)
     while left:  # the least steady first: beside it the others are not what they are without
-        looks = [_sizes(claim, fits) for fits in _fits(families, left, noise) for claim in left]
+        looks = [
+            _sizes(claim, fits)
+            for fits in _fits(families, left, noise, settings.steadiness_rows)
+            for claim in left
+        ]
         chances = [_chance(sizes) for sizes in looks]
         worst = int(np.argmin(chances))
         if chances[worst] * len(families) >= chance:  # looked at more than once
@@ -105,14 +107,15 @@ def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) 
 def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
     """Runs of the rows that a fit may see, as many in each; nothing is taken off that changes with them."""
     fit = case.folds.fit[case.folds.blocks]
-    runs = np.full(len(fit), _RUNS)
-    runs[fit] = np.arange(fit.sum()) * _RUNS // fit.sum()
+    count = case.settings.claims.steadiness_runs
+    runs = np.full(len(fit), count)
+    runs[fit] = np.arange(fit.sum()) * count // fit.sum()
     chosen = [0, *wanted, len(case.found.columns) - 1]  # a group's own first, the residual last
     columns = Columns(case.base.model(), case.residual, case.table.conditions, None)
     for column in case.found.columns.at(chosen):
         columns.store(column)
     sums = Sums.gather(columns, case.sums.order, runs, [noise.remembers])
-    parts = tuple(np.arange(len(sums.rows)) == run for run in range(_RUNS))
+    parts = tuple(np.arange(len(sums.rows)) == run for run in range(count))
     place = {column: at for at, column in enumerate(chosen[1:-1], 1)}
     return Family(sums, parts, place, {})
 
@@ -151,7 +154,9 @@ def _shape(best: Weighed) -> dict[int, float]:
     }
 
 
-def _fits(families: Sequence[Family], claims: Sequence[Claim], noise: Noise) -> list[list[Weighed]]:
+def _fits(
+    families: Sequence[Family], claims: Sequence[Claim], noise: Noise, fewest: int
+) -> list[list[Weighed]]:
     """All claims, fitted to each part alone, beside the shape as it is on the whole."""
     found = []
     for family in families:
@@ -159,7 +164,7 @@ def _fits(families: Sequence[Family], claims: Sequence[Claim], noise: Noise) -> 
         fits = []
         for use in family.parts:
             degrees = family.sums.degrees(use)
-            if degrees >= _FEWEST:
+            if degrees >= fewest:
                 whitened = family.sums.whiten(noise, use)
                 whitened = replace(whitened, products=_less(whitened.products, family.shape))
                 fits.append(weigh(together, Stack.of([whitened], degrees), one_width=True))

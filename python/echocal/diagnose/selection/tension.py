@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
-from echocal.diagnose.candidates.effects import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
 from echocal.diagnose.selection.claims import free_sizes, without
 
 __all__ = ["reconciled"]
 
-_AGREES = 2.0  # standard uncertainties within which a size is theory's
 _MOVED = 0.5  # standard uncertainties that a shape must move the size to be worth a word
 _NAMED = 3  # columns named in one sentence
 
@@ -34,10 +33,10 @@ def reconciled(
     shape moves it toward theory is a suspect.
     """
     said = ""
-    if abs(size - known) <= _AGREES * uncertainty:
+    if abs(size - known) <= (agrees := case.settings.claims.agrees) * uncertainty:
         said = (
             "; the rows are not independent (slow air, slow instruments), and with that reckoned the size is "
-            f"within {_AGREES:g} standard uncertainties of theory's"
+            f"within {agrees:g} standard uncertainties of theory's"
         )
     moved = []
     named = without(beside, UNKNOWN)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.findings.parts import Gain, Ladder
-from echocal.diagnose.inference.noise import FINEST, Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.folds import Folds, Rows
-from echocal.diagnose.preprocess.scene import Table, levels
+from echocal.diagnose.preprocess.table import Table, levels
+from echocal.diagnose.settings import ValidationSettings
 from echocal.model import Model
 
 __all__ = [
@@ -21,8 +22,8 @@ __all__ = [
     "fixed_speed_rms",
     "floor",
     "measure",
-    "silent",
     "summarize",
+    "uninformative",
     "worse",
 ]
 
@@ -30,10 +31,7 @@ Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 
-_PIECES = 40  # contiguous pieces of the held-out rows that are resampled
-_RESAMPLES = 2000
 _CACHED = 32_768  # rows whose differences stay near the processor
-_AUDIBLE = 0.1  # part of a cause's own signal that rows never fitted must see of it to judge it
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,36 +118,37 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
     return HeldOut(error).rms
 
 
-def interval(before: HeldOut, after: HeldOut, seed: int) -> tuple[float, float]:
-    """95 % interval of the drop in RMS [m], from resampled contiguous pieces of rows."""
+def interval(before: HeldOut, after: HeldOut, seed: int, settings: ValidationSettings) -> tuple[float, float]:
+    """Interval of the drop in RMS [m], from resampled contiguous pieces of rows."""
     judged = before.known & after.known
     count = int(judged.sum())
-    pieces = min(_PIECES, count)
+    pieces = min(settings.pieces, count)
     firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
     rows = np.diff(firsts)
     errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
     squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
-    drawn = np.random.default_rng(seed).integers(len(rows), size=(_RESAMPLES, len(rows)))
-    places = drawn + len(rows) * np.arange(_RESAMPLES)[:, None]
-    counts = np.bincount(places.ravel(), minlength=places.size).reshape(_RESAMPLES, -1)
+    drawn = np.random.default_rng(seed).integers(len(rows), size=(settings.resamples, len(rows)))
+    places = drawn + len(rows) * np.arange(settings.resamples)[:, None]
+    counts = np.bincount(places.ravel(), minlength=places.size).reshape(settings.resamples, -1)
     total = counts @ rows
     rms = [np.sqrt(counts @ square / total) for square in squares]
-    low, high = np.percentile(rms[0] - rms[1], [2.5, 97.5])
+    tail = 50 * (1 - settings.interval)
+    low, high = np.percentile(rms[0] - rms[1], [tail, 100 - tail])
     return float(low), float(high)
 
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
-    """Whether rows never fitted speak against a cause: with it, they are further off."""
+    """Whether held-out rows are farther off with a cause."""
     if with_cause.known.all() and without.known.all():
         return with_cause.rms > without.rms
     loss = with_cause.error**2 - without.error**2
     return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
 
 
-def silent(with_cause: HeldOut, without: HeldOut, signal: Column) -> bool:
-    """Whether rows never fitted can say nothing on a cause: with it they are as without it.
+def uninformative(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
+    """Whether held-out rows cannot judge a cause: with it they are as without it.
 
-    A cause that shows in one stand alone cannot be learned from the others, and changes none of
+    A cause that shows at one station alone cannot be learned from the others, and changes none of
     them; what is left of a difference is chance.
 
     Parameters
@@ -157,13 +156,15 @@ def silent(with_cause: HeldOut, without: HeldOut, signal: Column) -> bool:
     with_cause, without : HeldOut
     signal : ndarray, shape (n,)
         What the cause adds to every reading [m].
+    share : float
+        Part of this signal that the held-out rows must see.
     """
     judged = with_cause.known & without.known
     one, other = with_cause.error, without.error
     if not judged.all():
         one, other, signal = one[judged], other[judged], signal[judged]
     some = (slice(first, first + _CACHED) for first in range(0, len(signal), _CACHED))
-    return sum(_squares(one[rows] - other[rows]) for rows in some) < _AUDIBLE**2 * _squares(signal)
+    return sum(_squares(one[rows] - other[rows]) for rows in some) < share**2 * _squares(signal)
 
 
 def _squares(values: Column) -> float:
@@ -177,7 +178,7 @@ def floor(sums: Sums, held: Mask, variance: float) -> float:
     by the rows less the effective number of coefficients.
     """
     white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
-    return float(np.sqrt(_core.left_over(white, sums.degrees(held), variance, FINEST**2)))
+    return float(np.sqrt(_core.left_over(white, sums.degrees(held), variance, VARIANCE_FLOOR**2)))
 
 
 def summarize(
@@ -188,12 +189,13 @@ def summarize(
     rms_floor: float,
     folds: Folds,
     seed: int,
+    settings: ValidationSettings,
 ) -> Gain:
     """Put the figures together."""
     judged = int((before.known & after.known).sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
-    worth = reachable > 0.02 * before.rms**2  # below, there is nothing to gain
+    worth = reachable > settings.reachable * before.rms**2  # below, there is nothing to gain
     return Gain(
         rms_fixed_speed_m=rms_fixed,
         ladder=ladder,
@@ -202,6 +204,6 @@ def summarize(
         rms_floor_m=rms_floor,
         held_out_rows=judged,
         fraction_of_reachable=(before.rms**2 - after.rms**2) / reachable if worth else None,
-        interval_95=interval(before, after, seed),
+        interval_95=interval(before, after, seed, settings),
         scheme=folds.scheme,
     )

@@ -1,4 +1,4 @@
-"""Claims before the rows that no fit saw."""
+"""Claims on held-out rows."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -10,27 +10,29 @@ from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
+from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import (
     HeldOut,
     fixed_speed_rms,
     floor,
     measure,
-    silent,
     summarize,
+    uninformative,
     worse,
 )
 from echocal.diagnose.validation.shifted import shifted
 from echocal.model import Model
 
-__all__ = ["Judgment", "judge"]
+__all__ = ["Validation", "validate"]
 
 Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Judgment:
-    """What the held-out rows leave of the claims.
+class Validation:
+    """The claims after the held-out rows.
 
     Attributes
     ----------
@@ -43,8 +45,8 @@ class Judgment:
     gain : Gain
     fitted : callable
         ``fitted(blocks)`` is the same model, fitted on these blocks alone.
-    unheard : tuple of str
-        Kept causes that no held-out row could speak for or against.
+    unjudged : tuple of str
+        Kept causes that no held-out row could judge.
     """
 
     kept: tuple[Claim, ...]
@@ -53,19 +55,31 @@ class Judgment:
     model: Model
     gain: Gain
     fitted: Callable[[Mask], Model]
-    unheard: tuple[str, ...] = ()
+    unjudged: tuple[str, ...] = ()
+
+    def further_level_step(self, table: Table) -> int | None:
+        """Source row at which an unknown level jumps, where a step is claimed and no segment begins.
+
+        A step of a level that nobody knows is no error of the sensor: the segment ends there.
+        """
+        if table.reference is not None or all(claim.cause != "step_change" for claim in self.kept):
+            return None
+        time = self.model.effects["step_change"]["time"]
+        later = np.flatnonzero(table.conditions["elapsed_time"] > time)
+        return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])
 
 
-def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> Judgment:
+def validate(case: Case, selection: Selection) -> Validation:
     """Drop causes that make rows never fitted worse; measure what remains.
 
     A cause may fit rows by chance or stand in for something else; rows that it was not fitted to
     tell. They are asked about each cause beside the others, then about the whole beside the bare
     base. This can only take claims back, never add one.
     """
+    noise = selection.noise
     trials = _Trials(case, noise)
     before = measure(case.table, case.folds, lambda _: case.base.model())
-    left = _against_the_base(trials, _one_by_one(trials, best.hypothesis, claimed), before)
+    left = _against_the_base(trials, _one_by_one(trials, selection.best.hypothesis, selection.claims), before)
     weighed = _fit(case, left.hypothesis, case.folds.fit, noise)
     fixed = any(c.cause == "fixed_speed" for c in left.kept) or case.base.device_speed is not None
     gain = summarize(
@@ -76,11 +90,12 @@ def judge(case: Case, best: Weighed, claimed: Sequence[Claim], noise: Noise) -> 
         floor(case.sums, case.folds.judged, weighed.variance),
         case.folds,
         case.seed,
+        case.settings.validation,
     )
     gain = replace(gain, shifted=shifted(case, left.hypothesis, [c.cause for c in left.kept], noise))
     model = _extended(case, weighed, left.kept, gain)
     fitted = trials.fitted(left.hypothesis, left.kept)
-    return Judgment(left.kept, left.refuted, weighed, model, gain, fitted, left.unheard)
+    return Validation(left.kept, left.refuted, weighed, model, gain, fitted, left.unjudged)
 
 
 @dataclass(frozen=True)
@@ -91,23 +106,23 @@ class _Left:
     kept: tuple[Claim, ...]
     after: HeldOut
     refuted: tuple[Refuted, ...]
-    unheard: tuple[str, ...]
+    unjudged: tuple[str, ...]
 
 
 def _one_by_one(trials: "_Trials", hypothesis: Hypothesis, claimed: Sequence[Claim]) -> _Left:
     """Drop, the least probable first, causes without which rows never fitted are less far off."""
-    kept, refuted, unheard = tuple(claimed), [], []
+    kept, refuted, unjudged = tuple(claimed), [], []
     after = trials.of(hypothesis, kept)
     for claim in sorted(claimed, key=lambda c: c.probability):
         fewer = tuple(c for c in kept if c is not claim)
         lesser = without(hypothesis, claim.cause)
         spared = trials.of(lesser, fewer)
-        if silent(after, spared, trials.case.signal(claim.variant, claim.mean)):
-            unheard.append(claim.cause)
+        if trials.uninformative(after, spared, trials.case.signal(claim.variant, claim.mean)):
+            unjudged.append(claim.cause)
         elif worse(after, spared):
             refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
             hypothesis, kept, after = lesser, fewer, spared
-    return _Left(hypothesis, kept, after, tuple(refuted), tuple(unheard))
+    return _Left(hypothesis, kept, after, tuple(refuted), tuple(unjudged))
 
 
 def _against_the_base(trials: "_Trials", left: _Left, before: HeldOut) -> _Left:
@@ -119,12 +134,12 @@ def _against_the_base(trials: "_Trials", left: _Left, before: HeldOut) -> _Left:
     """
     if not left.kept or not left.after.rms >= before.rms:
         return left
-    quiet = tuple(claim for claim in left.kept if claim.cause in left.unheard)
+    quiet = tuple(claim for claim in left.kept if claim.cause in left.unjudged)
     hypothesis = left.hypothesis
     for claim in left.kept:
         hypothesis = hypothesis if claim in quiet else without(hypothesis, claim.cause)
     signal = sum(trials.case.signal(claim.variant, claim.mean) for claim in quiet)
-    if quiet and not silent(trials.of(hypothesis, quiet), before, np.asarray(signal)):
+    if quiet and not trials.uninformative(trials.of(hypothesis, quiet), before, np.asarray(signal)):
         for claim in quiet:  # only beside the others was nothing to be heard of them
             hypothesis = without(hypothesis, claim.cause)
         quiet = ()
@@ -133,8 +148,8 @@ def _against_the_base(trials: "_Trials", left: _Left, before: HeldOut) -> _Left:
     refuted = tuple(
         Refuted(c.cause, c.probability, left.after.rms, before.rms, c.rivals, together=ids) for c in gone
     )
-    unheard = tuple(claim.cause for claim in quiet)
-    return _Left(hypothesis, quiet, before, (*left.refuted, *refuted), unheard)
+    unjudged = tuple(claim.cause for claim in quiet)
+    return _Left(hypothesis, quiet, before, (*left.refuted, *refuted), unjudged)
 
 
 def _extended(case: Case, weighed: Weighed, kept: Sequence[Claim], gain: Gain) -> Model:
@@ -184,6 +199,10 @@ class _Trials:
             fitted = self.fitted(hypothesis, kept)
             self.known[key] = measure(self.case.table, self.case.folds, fitted)
         return self.known[key]
+
+    def uninformative(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
+        """Whether held-out rows cannot judge what adds this signal."""
+        return uninformative(one, other, signal, self.case.settings.validation.informative_share)
 
     def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
         """The model with the kept causes, as a function of the blocks that it is fitted on."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.effects import UNKNOWN, Variant
+from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.parts import Shifted
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh
@@ -24,9 +24,6 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 _ALONG = ("distance", "temperature", "relative_humidity")
-_INNER = (0.2, 0.8)  # part of the rows, by the column, that a model is fitted to
-_FEWEST = 8  # rows to fit, and to judge by
-_PLACES = 5  # distinct values: fewer have no middle to fit to
 _MOST, _RUN = 100_000, 1000  # rows that are looked at, in runs
 
 
@@ -67,12 +64,12 @@ def _along(
     seen: Labels,
 ) -> Shifted | None:
     """Fit to the middle of a column, which is given at the rows that are looked at."""
-    if np.isnan(column).any() or not _varies(column):
+    if np.isnan(column).any() or not _varies(column, case.settings.validation.shifted_values):
         return None
-    low, high = quantiles(column, _INNER)
+    low, high = quantiles(column, case.settings.validation.shifted_inner)
     middle = (low <= column) & (column <= high)
     inside, outside = seen[middle], seen[~middle]
-    if min(len(inside), len(outside)) < _FEWEST:
+    if min(len(inside), len(outside)) < case.settings.rows.fewest:
         return None
     effects = _fit(case, hypothesis, causes, noise, inside)
     before, after = (
@@ -83,9 +80,9 @@ def _along(
     return Shifted(name, low, high, len(outside), before, after)
 
 
-def _varies(column: Column) -> bool:
+def _varies(column: Column, fewest: int) -> bool:
     """Whether a column has a middle: mostly its first rows tell."""
-    return any(len(np.unique(some)) >= _PLACES for some in (column[:_RUN], column))
+    return any(len(np.unique(some)) >= fewest for some in (column[:_RUN], column))
 
 
 def _seen(case: Case) -> Labels:

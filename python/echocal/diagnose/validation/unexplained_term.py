@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.effects import UNKNOWN, Variant
 from echocal.diagnose.candidates.unexplained_terms import Basis, column_of
+from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.parts import OF_THIS_TABLE, Unexplained
 from echocal.diagnose.findings.sentences import spoken
 from echocal.diagnose.inference.case import Case
@@ -15,15 +15,15 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.validation.gain import errors, measure
-from echocal.diagnose.validation.refute import Judgment
+from echocal.diagnose.validation.refute import Validation
 from echocal.model import Model, Shape
 
-__all__ = ["with_its_shape"]
+__all__ = ["with_its_function"]
 
 _KNOTS = 65
 
 
-def with_its_shape(case: Case, found: Unexplained, judgment: Judgment, noise: Noise) -> Unexplained:
+def with_its_function(case: Case, found: Unexplained, judgment: Validation, noise: Noise) -> Unexplained:
     """Fit the shape to what the model leaves of the rows that a fit may see.
 
     Only the part that no cause of the model takes up is the shape's: where a cause and a shape
@@ -49,7 +49,7 @@ def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise
     table, rows = case.table, blocks[case.folds.blocks]
     left = np.nan_to_num(errors(table, model, rows))
     against = column_of(name, table.against())
-    basis = Basis.of(name, against[rows])  # held flat outside what these rows saw
+    basis = Basis.of(name, against[rows], case.settings.terms)  # held flat outside what these rows saw
     waves = basis.at(against)
     columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):

@@ -1,4 +1,4 @@
-"""Whether noise remembers more the farther the target is, as of warm cells that drift through the path."""
+"""Whether autocorrelation grows with the distance, as warm cells that drift through the path make it."""
 
 from collections.abc import Sequence
 
@@ -7,12 +7,9 @@ import numpy as np
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack, Weighed
 from echocal.diagnose.inference.innovation import log_likelihood
-from echocal.diagnose.inference.noise import CONVECTIONS, Convection, Noise
+from echocal.diagnose.inference.noise import Convection, Noise, all_convections
 
 __all__ = ["convections"]
-
-_REMEMBERS = 0.1  # probability of memory from which on its form matters
-_BEHIND = 7.0  # log likelihood behind the likeliest memory, from which on a convection is none
 
 
 def convections(case: Case, weighed: Sequence[Weighed], carried: Stack) -> list[Convection]:
@@ -22,26 +19,27 @@ def convections(case: Case, weighed: Sequence[Weighed], carried: Stack) -> list[
     ----------
     case : Case
     weighed : sequence of Weighed
-        Hypotheses under noise that remembers alike at all distances, most probable first.
+        Hypotheses under noise with the same autocorrelation at all distances, most probable first.
     carried : Stack
         Its noises.
 
     Returns
     -------
     list of Convection
-        Of `CONVECTIONS`; empty where all rows are at one distance or none remembers.
+        Empty where all rows are at one distance or the noise is white.
     """
-    if not case.at_distances or _memory(weighed, carried) < _REMEMBERS:
+    settings = case.settings.noises
+    if not case.at_distances or _autocorrelated(weighed, carried) < settings.autocorrelated:
         return []
     simplest = min(weighed, key=lambda one: len(one.hypothesis.variants))
     found: set[Convection] = set()
     for one in {id(one): one for one in (weighed[0], simplest)}.values():
-        found |= _beside(case, one, carried.likeliest(one)[0])
-    return [one for one in CONVECTIONS if one in found]
+        found |= _beside(case, one, carried.likeliest(one)[0], settings.convection_behind)
+    return [one for one in all_convections(case.settings.noise_models) if one in found]
 
 
-def _memory(weighed: Sequence[Weighed], carried: Stack) -> float:
-    """Probability that noise remembers."""
+def _autocorrelated(weighed: Sequence[Weighed], carried: Stack) -> float:
+    """Probability that the noise is autocorrelated."""
     log = np.array([one.log_posterior for one in weighed])
     share = np.exp(log - log.max())
     remembers = np.array([noise.rho > 0.0 for noise in carried.noises])
@@ -49,11 +47,12 @@ def _memory(weighed: Sequence[Weighed], carried: Stack) -> float:
     return float(share @ part / share.sum())
 
 
-def _beside(case: Case, one: Weighed, usual: Noise) -> set[Convection]:
+def _beside(case: Case, one: Weighed, usual: Noise, behind: float) -> set[Convection]:
     """Convections that are likely enough beside one hypothesis."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     left, order = case.left(one, rows), case.sums.order.at(rows)
-    noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in CONVECTIONS)
+    every = all_convections(case.settings.noise_models)
+    noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in every)
     logs = [log_likelihood(left, order, noise) for noise in noises]
-    least = max(log_likelihood(left, order, usual), *logs) - _BEHIND
-    return {each for each, log in zip(CONVECTIONS, logs, strict=True) if log > least}
+    least = max(log_likelihood(left, order, usual), *logs) - behind
+    return {each for each, log in zip(every, logs, strict=True) if log > least}

@@ -4,14 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FarRows
 
 __all__ = ["chance_far", "far", "millimeters", "recorded", "repeats"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-_FAR = 12.0  # robust standard deviations
-_FAR_PART = 0.015  # and part of the reading
 
 
 def recorded(view: View) -> Column:
@@ -20,21 +18,22 @@ def recorded(view: View) -> Column:
     return view.observations.echo_time if reading is None else reading
 
 
-def far(view: View) -> Mask:
+def far(view: View, settings: FarRows) -> Mask:
     """Rows farther off than noise or air."""
-    if view.farthest <= _FAR * view.scatter:
+    if view.farthest <= settings.deviations * view.scatter:
         return np.zeros(len(view), dtype=bool)
     with np.errstate(invalid="ignore"):
-        limit = np.maximum(_FAR * view.scatter, _FAR_PART * np.abs(view.expected))
+        limit = np.maximum(settings.deviations * view.scatter, settings.part * np.abs(view.expected))
         return np.asarray(view.good & (np.abs(view.deviation) > limit))
 
 
-def chance_far(view: View) -> float:
+def chance_far(view: View, settings: FarRows) -> float:
     """Rows that heavy-tailed noise alone would put that far: Student's t of 3 degrees, whole table."""
     from scipy.special import stdtr  # takes long to import
 
     with np.errstate(invalid="ignore"):
-        limit = np.maximum(_FAR * view.scatter, _FAR_PART * np.abs(view.expected))[view.good]
+        whole = np.maximum(settings.deviations * view.scatter, settings.part * np.abs(view.expected))
+    limit = whole[view.good]
     part = len(limit) / max(len(limit[::97]), 1)
     scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
     return float(2 * part * stdtr(3, -limit[::97] / scale).sum()) + 1e-3

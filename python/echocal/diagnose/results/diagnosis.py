@@ -21,6 +21,7 @@ from echocal.diagnose.findings.parts import (
     Unexplained,
     Verdict,
 )
+from echocal.diagnose.settings import Settings
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
@@ -56,7 +57,8 @@ class Diagnosis:
         Rows used and left out; the base simulation; the most probable noise.
     notes : tuple of str
         What a person should know beside the verdict.
-    seconds : float
+    settings : Settings
+        Every number that decided the verdict.
     model : Model
         The base extended by the causes that stand in the model. Its ``air`` holds the median of the
         recorded humidity, pressure and CO2: what it assumes where they are not given.
@@ -65,6 +67,8 @@ class Diagnosis:
     members : tuple of Member
         The sets of causes that the data leave possible, each with its model: what `predict` and
         `correct` average over.
+    seconds : float
+        What the diagnosis took [s].
 
     Examples
     --------
@@ -91,10 +95,11 @@ class Diagnosis:
     base: Mapping[str, Any]
     noise: Mapping[str, float]
     notes: tuple[str, ...]
-    seconds: float
+    settings: Settings = field(repr=False)
     model: Model = field(repr=False)
     traces: Traces = field(repr=False)
     members: tuple[Member, ...] = field(repr=False, default=())
+    seconds: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
@@ -112,6 +117,7 @@ class Diagnosis:
             "base": _plain(self.base),
             "noise": _plain(self.noise),
             "notes": list(self.notes),
+            "settings": self.settings.to_dict(),
             "seconds": self.seconds,
         }
 

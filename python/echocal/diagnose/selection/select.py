@@ -1,51 +1,36 @@
-"""What is believed of a table before the rows that no fit saw are asked."""
+"""The decision to claim a cause, or none, before held-out rows are asked."""
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 
-from echocal.diagnose.faults import Faults
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.inference.posterior import posterior
-from echocal.diagnose.noises.convection import convections
-from echocal.diagnose.noises.weighing import GUARDS, NoiseShares, weigh_noises
-from echocal.diagnose.progress import Steps
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.weighing import NoiseShares
 from echocal.diagnose.selection.claims import (
     Claim,
     Ranking,
     beside_a_remainder,
     claims,
-    rank,
     resized,
     without,
 )
 from echocal.diagnose.selection.parsimony import Ids
-from echocal.diagnose.selection.remainder import told_apart, unexplained
+from echocal.diagnose.selection.remainder import sized_apart, unexplained
 from echocal.diagnose.selection.steadiness import unsteady
 
-__all__ = ["Belief", "believe"]
-
-_IN_DOUBT = 0.6  # probability of no effect below which some effect is told, though each may be unlikely
-_IN_DOUBT_OF_FEW = 0.44  # the same, of too few rows to tell whether their noise remembers
-_FEW = 100  # rows
-_IN_DOUBT_AMID_NOISE = 0.25  # the same, where noise remembers or stands err: what else does it do?
-_UNUSUAL = 0.5  # probability from which on such noise is reckoned to be there
-_LIKELY = 0.5  # probability from which on a claim enters the model; if none is, all do
+__all__ = ["Selection", "select"]
 
 
 @dataclass(frozen=True)
-class Belief:
-    """What the rows that a fit may see say.
+class Selection:
+    """What is claimed, before held-out rows are asked.
 
     Attributes
     ----------
-    stack, carried : Stack
-        Products under every noise, and under those that any hypothesis allows.
-    shares : NoiseShares
-    ranking : Ranking
     best : Weighed
         The hypothesis whose causes are claimed, sized as the model has them.
     listed : sequence of Claim
@@ -55,15 +40,11 @@ class Belief:
     noise : Noise
         The likeliest beside the best hypothesis.
     remainder : Unexplained or None
-        A shape that no cause accounts for.
+        A smooth function that no cause accounts for.
     varying : mapping of str to str
         Claims that have no one size, and the sizes found.
     """
 
-    stack: Stack
-    carried: Stack
-    shares: NoiseShares
-    ranking: Ranking
     best: Weighed
     listed: Sequence[Claim]
     claims: Sequence[Claim]
@@ -72,32 +53,22 @@ class Belief:
     varying: Mapping[str, str]
 
 
-def believe(case: Case, faults: Faults, work: Steps) -> Belief:
-    """Weigh what competes, claim the best, and doubt the claims."""
-    work.begin("weighing causes")
-    stack = case.stack(case.folds.fit)
-    weighed, carried = posterior(case.found, stack)
-    if drifting := convections(case, weighed, carried):
-        case.sums.remember(case.found.columns, drifting)
-        del stack, weighed, carried  # of a wide table these are large: not beside what takes their place
-        stack = case.stack(case.folds.fit)
-        weighed, carried = posterior(case.found, stack)
-    steps = [f.cause for f in faults.accepted if f.facts.kind == "noise"]
-    work.begin("weighing noises")
-    shares = weigh_noises(case, weighed, carried, steps)
-    ranking = rank(shares.weighed, case.found.competing)
+def select(case: Case, ranking: Ranking, shares: NoiseShares, carried: Stack) -> Selection:
+    """Claim the causes of the best hypothesis, and doubt the claims."""
+    settings = case.settings.claims
     best, listed = _claimed(case, ranking, carried, shares)
     whole = best
     noise, _ = carried.likeliest(best)
     remainder = unexplained(case, ranking)
     if remainder is not None:
-        listed = beside_a_remainder(listed, case.found, carried, remainder.against, remainder.rms_m)
-        best, listed = told_apart(best, listed, carried)
-    likely = [c for c in listed if c.probability >= _LIKELY] or listed  # the rest is listed, not modeled
+        against = remainder.against
+        listed = beside_a_remainder(listed, case.found, carried, against, remainder.rms_m, settings)
+        best, listed = sized_apart(best, listed, carried, settings.blurred)
+    likely = [c for c in listed if c.probability >= settings.modeled_from] or listed  # the rest is listed
     varying = unsteady(case, likely, noise, whole)
     if remainder is not None:  # what changes its size bends after what nobody explains
         best, likely = _spared(best, likely, varying, carried)
-    return Belief(stack, carried, shares, ranking, best, listed, likely, noise, remainder, varying)
+    return Selection(best, listed, likely, noise, remainder, varying)
 
 
 def _claimed(
@@ -124,12 +95,13 @@ def _claimed(
 
 
 def _in_doubt(rows: int, ranking: Ranking, shares: NoiseShares) -> float:
-    """Probability of no effect below which some effect is told."""
+    """Probability of no effect below which some effect is claimed."""
+    settings = ranking.settings.claims
     guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
-    there = (sum(found.get(guard.FACTS.id, 0.0) for found in guards) for guard in GUARDS)
-    if max(there) > _UNUSUAL:
-        return _IN_DOUBT_AMID_NOISE
-    return _IN_DOUBT_OF_FEW if rows < _FEW else _IN_DOUBT
+    there = (sum(found.get(guard.facts.id, 0.0) for found in guards) for guard in registry.nuisances())
+    if max(there, default=0.0) > settings.noisy_from:
+        return settings.claim_below_amid_noise
+    return settings.claim_below_of_few if rows < settings.few_rows else settings.claim_below
 
 
 def _spared(

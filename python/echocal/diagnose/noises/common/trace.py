@@ -16,7 +16,6 @@ KERNELS = (np.inf, 8.0, 4.0, 2.5)
 """Degrees of freedom of the noise below everything: normal, and heavier tails."""
 
 _ROUNDS = 8  # of the fixed point for a scale
-_WORTH = 2.0  # standard errors of a moment from which on a fit is tried
 
 
 def log_density(values: Column, scale: Column | float, freedom: float) -> Column:
@@ -45,15 +44,15 @@ class Likelihood:
         Log likelihood, less what its free parameters cost.
     parameters : mapping of str to (float, float)
         Value and standard uncertainty.
-    told : str
-        What a person can check.
+    because : str
+        A sentence that a person can check.
     matters : bool
         Whether a verdict counts it.
     """
 
     log: float
     parameters: dict[str, tuple[float, float]]
-    told: str
+    because: str
     matters: bool = True
 
 
@@ -74,7 +73,7 @@ class Trace:
     free_mean : bool
         Whether the hypothesis found a level of its own, so that zero means nothing.
     stretch : ndarray of int, shape (n,)
-        Which run of rows with one target, undisturbed, each row belongs to.
+        Segment of rows with one target, undisturbed, that each row belongs to.
     """
 
     left: Column
@@ -97,16 +96,15 @@ class Trace:
         medians = 0.5 * (self.left[order][middle[0]] + self.left[order][middle[1]])
         return np.asarray(medians[self.stretch])
 
-    @cached_property
-    def skewed(self) -> bool:
-        """Whether there is anything that one-sided delays would do: worth the time of a fit."""
+    def skewed(self, worth: float) -> bool:
+        """Whether a moment is so many standard errors off as one-sided delays would move it."""
         count, mean, spread = len(self), float(self.left.mean()), float(self.left.std()) + 1e-12
         unit = (self.left - mean) / spread
         square = unit * unit  # powers of other than two take long
         skew = float(np.mean(square * unit)) * np.sqrt(count / 6)
         flat = (3 - float(np.mean(square * square))) * np.sqrt(count / 24)
         late = 0.0 if self.free_mean else mean / spread * np.sqrt(count)
-        return skew > _WORTH or flat > _WORTH or late > 2 * _WORTH
+        return skew > worth or flat > worth or late > 2 * worth
 
     @cached_property
     def plain(self) -> float:

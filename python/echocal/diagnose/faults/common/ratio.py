@@ -6,15 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
 from echocal.observations import Observations
 
 __all__ = ["Factor", "divided", "factor_of"]
-
-_SPREAD = 0.03  # of the log ratio: what laws, thermometers and clocks do to it
-_NEAR = 0.15  # of the log ratio, beyond which a factor is not the explanation
-_BEYOND = 1.0001 * float(np.exp(_NEAR))  # the same as a factor
-_MOST = 0.6  # part of the rows that must share the factor
-_CAP = 60.0
 
 
 @dataclass(frozen=True)
@@ -26,15 +21,16 @@ class Factor:
     log_bayes: float
 
 
-def factor_of(view: View, factors: tuple[float, ...]) -> Factor | None:
+def factor_of(view: View, factors: tuple[float, ...], settings: FaultSettings) -> Factor | None:
     """The factor that turns readings into references, if one of these does.
 
     Rows out of physical range take part: a wrong unit is what puts them there.
     """
     if view.reference is None:
         return None
-    low, high = view.ratios
-    if all(low > factor * _BEYOND or high < factor / _BEYOND for factor in factors):
+    (low, high), limits = view.ratios, settings.factor
+    beyond = 1.0001 * float(np.exp(limits.near))
+    if all(low > factor * beyond or high < factor / beyond for factor in factors):
         return None  # no row is near any of them
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / view.reference)
@@ -44,12 +40,12 @@ def factor_of(view: View, factors: tuple[float, ...]) -> Factor | None:
     center = float(np.median(log_ratio))
     nearest = min(factors, key=lambda factor: abs(center - np.log(factor)))
     off = center - float(np.log(nearest))
-    shared = float(np.mean(np.abs(log_ratio - np.log(nearest)) < _NEAR))
-    if abs(off) > _NEAR or shared < _MOST:
+    shared = float(np.mean(np.abs(log_ratio - np.log(nearest)) < limits.near))
+    if abs(off) > limits.near or shared < limits.most:
         return None
-    without, with_it = (1.5 * np.log1p((x / _SPREAD) ** 2) for x in (center, off))
+    without, with_it = (1.5 * np.log1p((x / limits.spread) ** 2) for x in (center, off))
     gain = len(log_ratio) * max(shared - 0.5, 0.0)  # many rows, one story
-    return Factor(nearest, float(np.exp(center)), min(float(without - with_it) + gain, _CAP))
+    return Factor(nearest, float(np.exp(center)), min(float(without - with_it) + gain, settings.cap))
 
 
 def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Observations:

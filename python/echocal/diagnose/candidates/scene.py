@@ -1,0 +1,94 @@
+"""Where the candidates are evaluated."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.columns import Columns
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.settings import Settings
+from echocal.model import Model
+
+__all__ = ["Scene"]
+
+Column = NDArray[np.float64]
+
+_CACHED = 8192  # rows that are worked on at a time, so that their columns stay near the processor
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Where the candidates are evaluated: the table as they see it.
+
+    Attributes
+    ----------
+    base : Base
+        The base simulation.
+    distance : ndarray, shape (n,)
+        Reference distance, or the level of each row's segment [m].
+    conditions : mapping of str to ndarray
+        Recorded influence quantities.
+    relevel : callable
+        ``relevel(model)`` is every row's distance [m] if that model were right.
+    groups : ndarray of int, shape (n,), or None
+        Segment of each row where the level is unknown; None where the distance is.
+    residual : ndarray, shape (n,)
+        Reading less what the base simulation predicts [m].
+    settings : Settings
+    echoes : bool
+        Whether the readings come from recorded echo times.
+    """
+
+    base: Base
+    distance: Column
+    conditions: Mapping[str, Column]
+    relevel: Callable[[Model], Column]
+    groups: NDArray[np.int64] | None
+    residual: Column
+    settings: Settings
+    echoes: bool = False
+
+    @cached_property
+    def leftover(self) -> Column:
+        """Residual less what a scale and the temperature may have done, shape (n,) [m].
+
+        Where something begins in time shows there, whatever else is wrong.
+        """
+        warm = np.asarray(self.conditions.get("temperature", 0.0))
+        mean, spread = np.mean(warm), max(float(np.std(warm)), 1e-12)
+        firsts = range(0, len(self.distance), _CACHED)
+
+        def design(first: int) -> Column:
+            rows = slice(first, first + _CACHED)
+            distance = self.distance[rows]
+            scaled = ((warm[rows] if warm.ndim else warm) - mean) / spread
+            columns = np.empty((4, len(distance)))
+            columns[0], columns[1] = 1.0, distance
+            for power in (2, 3):  # the distance times the temperature, once and twice
+                np.multiply(columns[power - 1], scaled, out=columns[power])
+            return columns
+
+        among, along = np.zeros((4, 4)), np.zeros(4)
+        for first in firsts:
+            columns = design(first)
+            among += columns @ columns.T
+            along += columns @ self.residual[first : first + _CACHED]
+        found = np.linalg.lstsq(among, along, rcond=1e-9)[0]
+        left = self.residual.copy()
+        for first in firsts:
+            left[first : first + _CACHED] -= found @ design(first)
+        return left
+
+    def columns(self) -> Columns:
+        """A table's columns, of which there is none yet."""
+        return Columns(self.base.plain, self.distance, self.conditions, self.groups)
+
+    def levels(self, id_: str, at: Mapping[str, float]) -> Column | None:
+        """Level of each segment [m] if an effect were there; None where the distance is known."""
+        if self.groups is None:
+            return None
+        firsts = np.unique(self.groups, return_index=True)[1]
+        return self.relevel(self.base.model({id_: at}))[firsts]

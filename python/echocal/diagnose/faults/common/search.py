@@ -1,0 +1,125 @@
+"""The search for every fault in turn."""
+
+from dataclasses import dataclass, field, replace
+
+from echocal.diagnose.faults import registry
+from echocal.diagnose.findings.facts import CauseFacts
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.noises.common.quantization import find_steps
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.observations import Observations
+
+__all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What was found before causes of the mean are compared.
+
+    Attributes
+    ----------
+    observations : Observations
+        The table as the rest of the diagnosis takes it.
+    found : tuple of Finding
+        Also those that are not accepted, as long as they are possible.
+    settings : FaultSettings
+    """
+
+    observations: Observations
+    found: tuple[Finding, ...]
+    settings: FaultSettings = field(default_factory=FaultSettings)
+
+    @property
+    def accepted(self) -> tuple[Finding, ...]:
+        """Faults that the table was repaired of."""
+        return tuple(f for f in self.found if f.probability >= self.settings.accepted)
+
+    @property
+    def quantizations(self) -> list[str]:
+        """Ids of the quantizations among them."""
+        return [f.cause for f in self.accepted if f.facts.kind == "noise"]
+
+    @property
+    def explain_a_refusal(self) -> bool:
+        """Whether a fault of a whole column was repaired and rows are left to use."""
+        gross = any(f.facts.kind == "gross" for f in self.accepted)
+        return gross and bool(self.observations.usable.any())
+
+
+def gross_faults() -> tuple[CauseFacts, ...]:
+    """Return what is known about faults of whole columns.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> [fault.id for fault in echocal.gross_faults()][-1]
+    'unit_mixup'
+    """
+    return tuple(fault.facts for fault in registry.of_kind("gross"))
+
+
+def row_faults() -> tuple[CauseFacts, ...]:
+    """Return what is known about faults of single rows.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> "timeout" in [fault.id for fault in echocal.row_faults()]
+    True
+    """
+    return tuple(fault.facts for fault in registry.of_kind("row"))
+
+
+def find_faults(
+    observations: Observations,
+    base: Base,
+    given: float | None,
+    constant: bool,
+    settings: FaultSettings,
+    noise_settings: NoiseSettings,
+) -> Faults:
+    """Look for every fault in turn, each in the table that the ones before left.
+
+    Parameters
+    ----------
+    observations : Observations
+    base : Base
+    given : float or None
+        Reference distance of every row [m], where the user said it.
+    constant : bool
+        Whether the distance is only known to be constant.
+    settings : FaultSettings
+    noise_settings : NoiseSettings
+        Of the search for quantization.
+
+    Returns
+    -------
+    Faults
+        Whatever was repaired or left out stands in a finding, with its rows.
+    """
+    known = not constant and (given is not None or observations.reference_distance is not None)
+    view = View(observations, base, given, known)
+    found = []
+    for fault in (*registry.of_kind("gross"), *registry.of_kind("row")):
+        if fault.facts.kind == "row" and not view.good.any():
+            continue
+        finding = fault.detect(view, settings)
+        if finding is None:
+            continue
+        finding = replace(finding, facts=settings.facts(finding.facts))
+        if finding.probability < settings.listed:
+            continue
+        found.append(finding)
+        if finding.probability >= settings.accepted and finding.repaired is not None:
+            view = view.after(finding.repaired)
+    harmless: list[str] = []
+    if view.good.any():
+        steps, harmless, view = find_steps(view, noise_settings)
+        found += steps
+    reported = [f for f in found if f.probability >= settings.accepted and f.facts.kind != "noise"]
+    notes = tuple(f"{f.cause}: {f.because}" for f in reported)
+    notes = (*observations.notes, *notes, *harmless)
+    return Faults(replace(view.observations, notes=notes), tuple(found), settings)

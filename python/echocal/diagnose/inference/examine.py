@@ -1,0 +1,43 @@
+"""Build the columns of every candidate, and pass over the rows once."""
+
+import numpy as np
+
+from echocal.diagnose.candidates.effects import effect_candidates
+from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.candidates.unexplained_terms import term_candidates
+from echocal.diagnose.candidates.variant import Candidates
+from echocal.diagnose.inference.autocorrelation import at_first, that_may_be_there
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.noise import WHITE
+from echocal.diagnose.inference.shortlist import set_aside
+from echocal.diagnose.inference.sums import Sums
+from echocal.diagnose.inference.visible import drop_infinite, drop_invisible
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.folds import Folds
+from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.settings import Settings
+
+__all__ = ["examine"]
+
+
+def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Settings) -> Case:
+    """Build the columns and pass over them once."""
+    distance = table.distance(base.model())
+    groups = None if table.reference is not None else table.groups
+    residual = table.indication - base.expected(distance, table.conditions)
+    scene = Scene(base, distance, table.conditions, table.distance, groups, residual, settings, table.echoes)
+    found = Candidates(scene.columns())
+    found.columns.slope()  # first: what a group's own level adds
+    effect_candidates(found, scene)
+    order, rows = table.order, np.flatnonzero(folds.fit[folds.blocks])
+    found.aside = set_aside(scene, order, table.known(), table.extra, rows, len(found.columns))
+    against = {name: column for name, column in table.against().items() if name not in found.aside}
+    term_candidates(found, against, settings.terms, known_distance=groups is None)
+    found.columns.store(residual)  # last: what is to be explained
+    sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))
+    drop_infinite(found, sums)
+    drop_invisible(found, sums, residual, settings.priors)
+    if sums.memories == (WHITE,):
+        others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
+        sums = sums.with_memories(found.columns, others) if others else sums
+    return Case(table, base, found, residual, sums, folds, seed, settings)

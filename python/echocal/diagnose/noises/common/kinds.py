@@ -1,0 +1,102 @@
+"""What the file of a noise hands to the registry: one of three kinds of entries."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.findings.facts import CauseFacts, Columns
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.causes import NoThresholds
+from echocal.diagnose.settings.noises import NoiseSettings
+
+__all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "Quantization", "Values"]
+
+Matrix = NDArray[np.floating[Any]]
+Values = dict[str, tuple[float, float]]
+"""Value and standard uncertainty of each parameter, by name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoiseEntry:
+    """A cause that changes the distribution of the readings.
+
+    Attributes
+    ----------
+    facts : CauseFacts
+    draw : callable
+        What the noise does to a table: changes it in place. The tests plant the noise with it.
+    thresholds : object
+        Defaults of the numbers that decide about it.
+    """
+
+    facts: CauseFacts
+    draw: Callable[[Columns, np.random.Generator], None]
+    thresholds: object = NoThresholds()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantization(NoiseEntry):
+    """A noise that is read off a column before anything is fitted.
+
+    Attributes
+    ----------
+    detect : callable
+        Hands back the step and its evidence, or None.
+    imitates : tuple of str
+        Ids of fitted noises that the steps of the column look like. They are not tried beside it.
+    """
+
+    detect: Callable[[View, NoiseSettings], Finding | None]
+    imitates: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedNoise(NoiseEntry):
+    """A noise with a likelihood of its own. Such noises exclude each other.
+
+    Attributes
+    ----------
+    fit : callable
+        Log likelihood of the residuals of one hypothesis, less the cost of its free parameters; or
+        None where the residuals have no sign of it.
+    removes_nuisance : bool
+        Whether `fit` looks at `Trace.innovation`, without the nuisance noises; else at `Trace.left`.
+    """
+
+    fit: Callable[[Trace, NoiseSettings], Likelihood | None]
+    removes_nuisance: bool = False
+
+
+def _nothing(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:
+    return (), ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NuisanceNoise(NoiseEntry):
+    """A noise that every hypothesis on the mean reckons with.
+
+    Attributes
+    ----------
+    concerns : callable
+        Whether one of the noises of `echocal.diagnose.inference.noise` is this cause.
+    parameters : callable
+        Its parameters from these noises, the probability of each, and the variance [m^2].
+    because : callable
+        A sentence on the parameters that a person can check.
+    rivals : callable
+        What looks the same, from the parameters and the degrees of freedom, and a note on it.
+    is_answer : bool
+        Whether a verdict counts it; else it is listed only.
+    """
+
+    concerns: Callable[[Noise], bool]
+    parameters: Callable[[tuple[Noise, ...], Matrix, float], Values]
+    because: Callable[[Values], str]
+    rivals: Callable[[Values, float], tuple[tuple[str, ...], str]] = _nothing
+    is_answer: bool = True

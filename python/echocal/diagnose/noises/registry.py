@@ -1,0 +1,61 @@
+"""The registry of noises: one line each."""
+
+from collections.abc import Iterator
+from importlib import import_module
+
+from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
+from echocal.diagnose.settings.causes import Threshold, listed_thresholds
+from echocal.diagnose.settings.noises import NoiseSettings
+
+__all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "nuisances", "quantizations"]
+
+
+def _noise(id_: str) -> NoiseEntry:
+    noise = import_module(f"echocal.diagnose.noises.{id_}").NOISE
+    assert isinstance(noise, NoiseEntry)
+    return noise
+
+
+NOISES: tuple[NoiseEntry, ...] = tuple(
+    _noise(id_)
+    for id_ in (
+        "reading_quantization",
+        "timer_quantization",
+        "temperature_quantization",
+        "cycle_slip",
+        "noise_growth",
+        "polling_jitter",
+        "correlated_noise",
+        "reference_error",
+    )
+)
+
+
+def quantizations() -> tuple[Quantization, ...]:
+    """Noises that are read off a column."""
+    return tuple(noise for noise in NOISES if isinstance(noise, Quantization))
+
+
+def fitted() -> tuple[FittedNoise, ...]:
+    """Noises with a likelihood of their own."""
+    return tuple(noise for noise in NOISES if isinstance(noise, FittedNoise))
+
+
+def nuisances() -> tuple[NuisanceNoise, ...]:
+    """Noises that every hypothesis reckons with."""
+    return tuple(noise for noise in NOISES if isinstance(noise, NuisanceNoise))
+
+
+def listed_only() -> frozenset[str]:
+    """Ids of noises that no verdict counts: they are no error of the readings."""
+    return frozenset(noise.facts.id for noise in nuisances() if not noise.is_answer)
+
+
+def every_threshold(settings: NoiseSettings) -> Iterator[Threshold]:
+    """List every number that decides about noises: shared ones, priors, and those of each noise."""
+    yield from listed_thresholds(settings)
+    for noise in NOISES:
+        facts = noise.facts
+        yield Threshold(f"{facts.id}.prior", settings.prior(facts), "1", facts.prior_source)
+        own = settings.of(facts, type(noise.thresholds))
+        yield from listed_thresholds(own, facts.id)

@@ -1,0 +1,100 @@
+"""The whole diagnosis, on one screen: each stage takes what the stages before it found.
+
+Every loop over the rows is here. One more level step, and the columns are built again. Noise whose
+autocorrelation grows with the distance, and the hypotheses are weighed again.
+"""
+
+import warnings
+
+from echocal.diagnose.experiment_design.members import members
+from echocal.diagnose.experiment_design.next_measurements import propose
+from echocal.diagnose.faults import find_faults
+from echocal.diagnose.inference.examine import examine
+from echocal.diagnose.inference.posterior import infer
+from echocal.diagnose.noises.common.convection import convections
+from echocal.diagnose.noises.common.weighing import weigh_noises
+from echocal.diagnose.preprocess.folds import Folds
+from echocal.diagnose.preprocess.prepare import prepare
+from echocal.diagnose.preprocess.reading import Reading
+from echocal.diagnose.preprocess.window import between
+from echocal.diagnose.progress import Steps
+from echocal.diagnose.request import Request
+from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.report import report
+from echocal.diagnose.selection.claims import rank
+from echocal.diagnose.selection.joint import join
+from echocal.diagnose.selection.select import select
+from echocal.diagnose.validation.refute import validate
+from echocal.errors import DomainWarning
+
+__all__ = ["run"]
+
+
+def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
+    """Diagnose a table.
+
+    Parameters
+    ----------
+    reading : Reading
+    request : Request
+    work : Steps
+        Told as each stage begins.
+
+    Returns
+    -------
+    Diagnosis
+        Without the seconds that it took.
+
+    Raises
+    ------
+    DataError
+        If the table has too few usable rows.
+    UsageError
+        If the request contradicts the table.
+    """
+    settings = request.settings
+    base, distance, constant = request.base, request.reference_distance, request.constant_distance
+    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
+        work.begin("looking for faults")
+        observations = between(reading.observations, request.since, request.until)
+        faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
+        if reading.refusal is not None and not faults.explain_a_refusal:
+            raise reading.refusal
+        observations = faults.observations
+        ranges = request.ranges(list(observations.conditions))
+        level_steps: list[int] = []
+        while True:
+            work.begin("building columns")
+            table = prepare(observations, base, distance, constant, settings.rows, level_steps)
+            folds = Folds.of(table, observations, request.hold_out_after, settings.rows)
+            case = examine(table, base, folds, request.seed, settings)
+
+            work.begin("weighing causes")
+            inference = infer(case)
+            if growing := convections(case, inference.weighed, inference.carried):
+                case = case.with_noises(growing)
+                del inference  # of a wide table it is large
+                inference = infer(case)
+
+            work.begin("weighing noises")
+            carried = inference.carried
+            shares = weigh_noises(case, inference.weighed, carried, faults.quantizations)
+            ranking = rank(shares.weighed, case.found.competing, settings)
+            selection = select(case, ranking, shares, carried)
+
+            work.begin("validating on held-out rows")
+            validation = validate(case, selection)
+            step = validation.further_level_step(table)
+            if step is None or len(level_steps) == settings.rows.most_level_steps:
+                break
+            level_steps.append(step)
+            work.level_steps = len(level_steps)
+
+        work.begin("planning measurements")
+        joint = join(ranking, faults.found, shares, carried)
+        possible = members(case, ranking, selection.listed, validation, carried)
+        proposals = propose(case, possible, selection, validation, ranges)
+        found = (inference, ranking, selection, validation, joint)
+        diagnosis = report(case, observations, *found, possible, proposals)
+    work.end()
+    return diagnosis

@@ -1,0 +1,84 @@
+"""From observations to the table that a diagnosis works on."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.level_steps import level_steps
+from echocal.diagnose.preprocess.outliers import without_outliers
+from echocal.diagnose.preprocess.reference import reference_of
+from echocal.diagnose.preprocess.series import series_starts
+from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.preprocess.usable import some, usable_rows
+from echocal.diagnose.settings.rows import RowSettings
+from echocal.errors import DataError
+from echocal.observations import Observations
+
+__all__ = ["prepare"]
+
+
+def prepare(
+    observations: Observations,
+    base: Base,
+    reference_distance: float | None,
+    constant_distance: bool,
+    settings: RowSettings,
+    more_steps: Sequence[int] = (),
+) -> Table:
+    """Leave out what cannot be used; find outliers, segments and series.
+
+    Parameters
+    ----------
+    observations : Observations
+    base : Base
+    reference_distance : float or None
+        Of every row [m], where the user gave it.
+    constant_distance : bool
+        Whether the distance is only known to be constant.
+    settings : RowSettings
+    more_steps : sequence of int
+        Source rows at which an unknown level is known to jump, besides those found.
+
+    Raises
+    ------
+    DataError
+        If too few rows are left.
+    UsageError
+        If nobody says what the distance is.
+    """
+    reference = reference_of(observations, reference_distance, constant_distance)
+    usable = usable_rows(observations, base, reference)
+    usable, stations = without_outliers(observations, usable, reference, settings)
+    rows, indication = usable.rows, usable.indication
+    unusable = dict(sorted(usable.left_out.items()))
+    if len(rows) < settings.fewest:
+        why = "".join(f", {count} {reason}" for reason, count in unusable.items())
+        message = (
+            f"a diagnosis needs at least {settings.fewest} usable rows; of {len(observations)}, "
+            f"{len(rows)} are{why}"
+        )
+        raise DataError(message)
+    conditions = {name: some(column, rows) for name, column in observations.conditions.items()}
+    elapsed = conditions.get("elapsed_time")
+    steps = np.empty(0, dtype=np.int64)
+    if reference is None:
+        steps = level_steps(indication, elapsed, conditions.get("temperature"), settings)
+        steps = np.union1d(steps, np.searchsorted(rows, np.array(more_steps, dtype=np.int64)))
+    breaks = np.zeros(len(rows), dtype=bool)
+    breaks[steps] = True
+    groups = np.cumsum(breaks) if stations is None else stations
+    breaks[1:] |= groups[1:] != groups[:-1]
+    return Table(
+        row=rows,
+        indication=indication,
+        reference=None if reference is None else some(reference, rows),
+        conditions=conditions,
+        extra={name: some(column, rows) for name, column in observations.extra.items()},
+        groups=groups.astype(np.int64),
+        starts=series_starts(elapsed, breaks, settings.gap),
+        steps=rows[steps],
+        unusable=unusable,
+        total=len(observations),
+        echoes=observations.reading is None or "echo_time" in observations.source_names,
+    )

@@ -1,0 +1,133 @@
+"""The table as the rest of a diagnosis takes it: usable rows, their readings and how they belong together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.conditions import QUANTITIES
+from echocal.diagnose.preprocess.order import Order
+from echocal.model import Model
+from echocal.observations.quantiles import median
+
+__all__ = ["Table", "levels"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Usable rows of a table.
+
+    Attributes
+    ----------
+    row : ndarray of int, shape (n,)
+        Position in the source.
+    indication : ndarray, shape (n,)
+        Reading [m] with the base's speed of sound.
+    reference : ndarray, shape (n,), or None
+        Reference distance [m]; None where only known to be constant.
+    conditions, extra : mapping of str to ndarray
+    groups : ndarray of int, shape (n,)
+        Segment of constant level, or station.
+    starts : ndarray of bool, shape (n,)
+        First rows of series.
+    steps : ndarray of int
+        Source rows at which the level jumps.
+    unusable : mapping of str to int
+        Rows left out, by reason.
+    total : int
+        Rows of the source.
+    echoes : bool
+        Whether the indication comes from recorded echo times, which the device's own arithmetic has
+        not touched; also where the readings stand beside them.
+    """
+
+    row: Labels
+    indication: Column
+    reference: Column | None
+    conditions: Mapping[str, Column]
+    extra: Mapping[str, Column]
+    groups: Labels
+    starts: NDArray[np.bool_]
+    steps: Labels
+    unusable: Mapping[str, int]
+    total: int
+    echoes: bool = False
+
+    def __len__(self) -> int:
+        return len(self.row)
+
+    @cached_property
+    def order(self) -> Order:
+        """How the rows belong together."""
+        distance = self.indication if self.reference is None else self.reference
+        return Order(self.starts, self.groups, distance, flat_level=self.reference is None)
+
+    def distance(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
+        """Distance of every row [m] if a model were right: the reference, or each group's median.
+
+        Parameters
+        ----------
+        model : Model
+        rows : ndarray of bool, optional
+            Rows that the medians are taken over.
+        """
+        if self.reference is not None:
+            return self.reference
+        corrected = self.correct(model)
+        return levels(
+            corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
+        )
+
+    def correct(
+        self, model: Model, rows: NDArray[Any] | slice | None = None, out: Column | None = None
+    ) -> Column:
+        """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
+        reads = model.reads if model.shape is None else {*model.reads, model.shape.against}
+        needed = {name: column for name, column in self.conditions.items() if name in reads}
+        indication = self.indication
+        if rows is not None:
+            indication, needed = indication[rows], {name: column[rows] for name, column in needed.items()}
+        if model.shape is None:
+            return np.asarray(model.correct(indication, **needed, out=out))
+        further = self.extra.get(model.shape.against) if model.shape.is_extra else None
+        if further is not None:
+            needed[model.shape.against] = further if rows is None else further[rows]
+        corrected = np.asarray(model.correct(indication, **needed))
+        if out is not None:
+            out[:] = corrected
+        return corrected
+
+    def air(self) -> dict[str, float]:
+        """Median of each recorded quantity of the air but the temperature, which every device has."""
+        recorded = self.conditions.keys() & {"relative_humidity", "pressure", "co2_mole_fraction"}
+        medians = {name: median(self.conditions[name]) for name in sorted(recorded)}
+        return {name: float(f"{value:.6g}") for name, value in medians.items()}  # 63.4 % is 0.634
+
+    def against(self) -> dict[str, Column]:
+        """Columns that a remainder may be a function of, by the name a person knows."""
+        return {**self.known(), **self.extra}
+
+    def known(self) -> dict[str, Column]:
+        """Those that are no further columns: influence quantities, distance, and time or row."""
+        recorded = {n: c for n, c in self.conditions.items() if QUANTITIES[n].derived_from is None}
+        columns = {"time" if name == "elapsed_time" else name: c for name, c in recorded.items()}
+        if "time" not in columns:
+            columns["row"] = (self.row + 1).astype(float)  # as messages count
+        if self.reference is not None:
+            columns["distance"] = self.reference
+        return columns
+
+
+def levels(values: Column, groups: Labels, rows: NDArray[np.bool_], center: object) -> Column:
+    """Center of each group over `rows`, spread over all rows of the group; NaN for other groups."""
+    result = np.full(len(values), np.nan)
+    for group in np.unique(groups[rows]):
+        member = groups == group
+        result[member] = center(values[member & rows])  # type: ignore[operator]
+    return result

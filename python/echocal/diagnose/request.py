@@ -1,0 +1,77 @@
+"""What is asked of a table."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from echocal.diagnose.experiment_design.ranges import Ranges, checked_ranges
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.reference import refuse_distance
+from echocal.diagnose.settings import Settings
+from echocal.errors import UsageError
+from echocal.model import Model
+
+__all__ = ["Request"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What a user asks, checked as far as it can be without the table.
+
+    Attributes
+    ----------
+    base : Base
+        The base simulation.
+    reference_distance : float or None
+        Of every row [m].
+    constant_distance : bool
+        Whether the distance is only known to be constant.
+    since, until : str or None
+        Window of time, ISO 8601.
+    hold_out_after : str, float or None
+        Rows from this time on are held out from everything.
+    can_vary : mapping of str to (float, float), or None
+        What can be varied for the next measurements.
+    seed : int
+        Seed of the resampling behind the interval of the gain.
+    settings : Settings
+        Every number that decides a verdict.
+    """
+
+    base: Base
+    reference_distance: float | None
+    constant_distance: bool
+    since: str | None
+    until: str | None
+    hold_out_after: str | float | None
+    can_vary: Mapping[str, Sequence[float]] | None
+    seed: int
+    settings: Settings
+
+    @classmethod
+    def of(
+        cls,
+        base: str | float | Model,
+        seed: int,
+        settings: Settings | Mapping[str, Mapping[str, Any]] | None,
+        **others: Any,
+    ) -> "Request":
+        """Read what a user gave.
+
+        Raises
+        ------
+        UsageError
+            If it contradicts itself or physics.
+        """
+        simulated = Base.of(base)
+        refuse_distance(others["reference_distance"])
+        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+            message = f"seed is {seed!r}; give an integer of 0 or more"
+            raise UsageError(message)
+        return cls(base=simulated, seed=int(seed), settings=Settings.of(settings), **others)
+
+    def ranges(self, recorded: Sequence[str]) -> Ranges | None:
+        """What can be varied, checked against the conditions that the table records."""
+        return None if self.can_vary is None else checked_ranges(self.can_vary, recorded)

@@ -1,0 +1,170 @@
+"""From the stages' results to the diagnosis that a user gets."""
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.variant import UNKNOWN
+from echocal.diagnose.experiment_design.average import Member
+from echocal.diagnose.findings.parts import Cause, NextMeasurement, Parameter, Traces, Verdict
+from echocal.diagnose.findings.sentences import Recorded
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.posterior import Inference
+from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.results.because import because
+from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.level_steps import LevelStep, steps_of
+from echocal.diagnose.results.notes import notes
+from echocal.diagnose.selection.claims import Claim, Ranking, alternatives, parameters
+from echocal.diagnose.selection.joint import Joint
+from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.unexplained_term import with_its_function
+from echocal.diagnose.verdict import credible_set, verdict
+from echocal.errors import DomainWarning
+from echocal.observations import Observations
+from echocal.registry import find_effect
+
+__all__ = ["report"]
+
+
+def report(
+    case: Case,
+    observations: Observations,
+    inference: Inference,
+    ranking: Ranking,
+    selection: Selection,
+    validation: Validation,
+    joint: Joint,
+    members: tuple[Member, ...],
+    proposals: tuple[NextMeasurement, ...],
+) -> Diagnosis:
+    """Put the results together, and say them."""
+    word = verdict(ranking, selection, validation, joint)
+    remainder, noise = selection.remainder, selection.noise
+    steps = steps_of(case.table, observations)
+    return Diagnosis(
+        verdict=word,
+        causes=_causes(case, ranking, selection, validation, joint, word),
+        posterior=tuple(joint.sets.items()),
+        credible_set=credible_set(joint),
+        unexplained=remainder and with_its_function(case, remainder, validation, noise),
+        refuted=validation.refuted,
+        gain=validation.gain,
+        next_measurements=proposals,
+        rows=_rows(case.table, steps),
+        base=case.base.to_dict(),
+        noise=_noise(selection),
+        notes=(
+            *selection.varying.values(),
+            *_passed_over(ranking, selection, validation),
+            *notes(case, observations, validation, inference.stack, steps),
+            *_outside(case.table, validation),
+        ),
+        settings=case.settings,
+        model=validation.model,
+        traces=_traces(case, validation),
+        members=members,
+    )
+
+
+def _causes(
+    case: Case,
+    ranking: Ranking,
+    selection: Selection,
+    validation: Validation,
+    joint: Joint,
+    word: Verdict,
+) -> tuple[Cause, ...]:
+    recorded, doubts = Recorded(case.table.against()), selection.varying
+    others = alternatives(ranking, selection.listed) if word == "ambiguous" else []
+    return (
+        *(
+            _cause(case, claim, validation, recorded, doubts.get(claim.cause, ""))
+            for claim in validation.kept
+        ),
+        *(_cause(case, claim, validation, recorded) for claim in others),
+        *joint.causes,
+    )
+
+
+def _cause(case: Case, claim: Claim, validation: Validation, recorded: Recorded, doubt: str = "") -> Cause:
+    in_model = claim in validation.kept
+    value = validation.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
+    named = claim.deviation[: len(claim.variant.scales)]
+    uncertainty = dict(zip(claim.variant.names, named * claim.variant.scales, strict=False))
+    values = tuple(
+        Parameter(p.name, value[p.name], float(uncertainty.get(p.name, 0.0)), p.unit)
+        for p in find_effect(claim.cause).parameters
+        if p.name in value
+    )
+    text = because(case, claim, validation, recorded)
+    return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt)
+
+
+def _passed_over(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:
+    """Say why a cause that is likely in the posterior is none of the claims."""
+    if selection.remainder is None:
+        return []
+    said = {id_ for claim in selection.claims for id_ in (claim.cause, *claim.rivals)}
+    said |= {*selection.varying, *(refuted.id for refuted in validation.refuted)}
+    likely = sorted({id_ for ids, _ in ranking.sets for id_ in ids} - {UNKNOWN, *said})
+    return [
+        f"{id_} is likely in the posterior and not claimed: beside what nobody explains, a second smooth "
+        "shape or an offset explains these rows as well"
+        for id_ in likely
+        if ranking.of([id_]) >= ranking.settings.claims.named
+    ]
+
+
+def _rows(table: Table, steps: Sequence[LevelStep]) -> dict[str, Any]:
+    return {
+        "total": table.total,
+        "used": len(table),
+        "unusable": dict(table.unusable),
+        "level_steps_at_rows": (table.steps + 1).tolist(),
+        "level_steps": tuple(steps),
+    }
+
+
+def _noise(selection: Selection) -> dict[str, float]:
+    noise = selection.noise
+    return {
+        "standard_deviation_m": selection.best.variance**0.5,
+        "autoregression": noise.rho,
+        "moving_average": noise.memory,
+        "growth_with_distance": noise.growth,
+        "stand_variance_ratio": noise.stand_ratio,
+    }
+
+
+def _outside(table: Table, validation: Validation) -> list[str]:
+    """Where the extended model is used outside a law's domain, with row numbers of the source."""
+
+    def spread(column: NDArray[np.float64]) -> NDArray[np.float64]:
+        if len(column) == table.total:
+            return column
+        whole = np.full(table.total, np.nan)
+        whole[table.row] = column
+        return whole
+
+    recorded = {name: spread(column) for name, column in table.conditions.items()}
+    with warnings.catch_warnings(action="always", record=True) as caught:
+        validation.model.speed_of_sound(1.0, **recorded)
+    return list(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning)))
+
+
+def _traces(case: Case, validation: Validation) -> Traces:
+    table = case.table
+    fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
+    return Traces(
+        row=table.row,
+        before=errors(table, case.base.plain, fit),
+        after=errors(table, validation.model, fit),
+        held_out=~fit,
+        against=table.against(),
+    )

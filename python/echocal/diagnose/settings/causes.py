@@ -1,0 +1,85 @@
+"""Numbers that decide: each with its value, its unit and where it comes from."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import TypeVar
+
+from echocal.diagnose.findings.facts import CauseFacts
+
+__all__ = ["CauseSettings", "NoThresholds", "Threshold", "listed_thresholds"]
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """One number that decides.
+
+    Attributes
+    ----------
+    name : str
+        Path inside the settings: ``crosstalk.least``.
+    value : float
+    unit, source : str
+    """
+
+    name: str
+    value: float
+    unit: str
+    source: str
+
+
+def listed_thresholds(settings: object, name: str = "") -> Iterator[Threshold]:
+    """List every number of a dataclass of thresholds, of the dataclasses inside it too."""
+    if not is_dataclass(settings):
+        return
+    for each in fields(settings):
+        value, path = getattr(settings, each.name), f"{name}.{each.name}" if name else each.name
+        if is_dataclass(value):
+            yield from listed_thresholds(value, path)
+        elif "unit" in each.metadata:
+            yield Threshold(path, value, each.metadata["unit"], each.metadata["source"])
+
+
+@dataclass(frozen=True)
+class NoThresholds:
+    """A cause that only shared numbers decide about."""
+
+
+@dataclass(frozen=True)
+class CauseSettings:
+    """Numbers of single causes that replace the defaults.
+
+    Attributes
+    ----------
+    priors : mapping of str to float
+        Prior probability by id; default: that of the cause's facts.
+    thresholds : mapping of str to object
+        Thresholds by id, of the class ``Thresholds`` in the file of the cause; default: that class
+        without arguments.
+    """
+
+    priors: Mapping[str, float] = field(default_factory=dict)
+    thresholds: Mapping[str, object] = field(default_factory=dict)
+
+    def prior(self, facts: CauseFacts) -> float:
+        """Probability that a table has the cause, before the data."""
+        return self.priors.get(facts.id, facts.prior)
+
+    def facts(self, facts: CauseFacts) -> CauseFacts:
+        """Facts of a cause with the prior of these settings."""
+        return replace(facts, prior=self.priors[facts.id]) if facts.id in self.priors else facts
+
+    def of(self, facts: CauseFacts, kind: type[T]) -> T:
+        """Thresholds of one cause."""
+        own = self.thresholds.get(facts.id)
+        if own is None:
+            return kind()
+        if isinstance(own, Mapping):  # as a diagnosis records it
+            return kind(**own)
+        if not isinstance(own, kind):
+            message = (
+                f"thresholds of {facts.id}: {type(own).__qualname__} is not {kind.__module__}.Thresholds"
+            )
+            raise TypeError(message)
+        return own
