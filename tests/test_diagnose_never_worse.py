@@ -196,6 +196,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_base_and_correct_applies_it(
     taken_back: tuple[Table, echocal.Diagnosis, str], tmp_path: Path
 ) -> None:

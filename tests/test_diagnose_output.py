@@ -124,6 +124,7 @@ def test_command_line_writes_what_it_is_asked_for(tmp_path: Path) -> None:
     assert json.loads(out.read_text())["causes"][0]["id"] == "fixed_speed"
 
 
+@pytest.mark.slow
 def test_command_line_can_be_quiet_and_pipe() -> None:
     quiet = run(str(TABLE), "--quiet")
     assert (quiet.returncode, quiet.stdout) == (0, "")
@@ -210,6 +211,7 @@ def test_reference_distances_that_are_not_used_are_told(random: np.random.Genera
     assert any("1.5 to 1.6 m, were not used" in note for note in diagnosis.notes)
 
 
+@pytest.mark.slow
 def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
     model = tmp_path / "model.json"
     assert run(str(TABLE), "--model", str(model), "--quiet").returncode == 0
