@@ -1,5 +1,5 @@
-//! Numbers of the form `constant + slope * distance`: a model evaluated on them either proves that it is a straight
-//! line in the distance, and gives the line, or says that it is not.
+//! Numbers of the form `constant + slope * distance`. A model that is evaluated with them shows whether its echo time is a
+//! straight line in the distance. If it is one, the result is that line.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use echocal_core::scalar::Scalar;

@@ -1,8 +1,8 @@
 //! What the device measures: integer codes, and the quantity each code stands for.
 
 use crate::error::Error;
-use crate::ir::{IntegerType, Range};
 use crate::output::Output;
+use crate::types::{IntegerType, Range};
 use serde::Serialize;
 
 /// One argument of the generated function: an integer code and the quantity it stands for, `value = zero + lsb * code`.
@@ -25,7 +25,8 @@ pub struct Axis {
     pub ty: IntegerType,
 }
 
-/// The nearest code counts as inside: 0.1 degC is no binary fraction, and -20 degC must still be code -200.
+/// Tolerance of the ends of a range \[codes\]. 0.1 degC is no binary fraction, and -20 degC must still be code -200: the
+/// rounding error of such a quotient is below 1e-10 codes.
 const SLACK: f64 = 1e-9;
 
 impl Axis {

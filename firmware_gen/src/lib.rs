@@ -1,10 +1,22 @@
 //! Fixed-point C from a calibrated model, proven over every input.
 //!
-//! `design` searches the cheapest form that meets the error bound, the bit-exact twin in `ir` evaluates it, `prove`
-//! checks it on every input, `emit` writes it as C. Text and twin are made from one [`ir::Program`].
+//! [`design`](design()) searches the cheapest form that meets the error bound. The bit-exact twin in [`ir`] evaluates it.
+//! [`mod@prove`] checks it on every input. [`mod@emit`] writes it as C. Text and twin are made from one [`ir::Program`].
 //!
-//! Inside the search `[unit]` is the unit of the output, micrometers unless another is asked for, and times are echo
-//! codes; at the border distances are m.
+//! The rooms, from the ground up. A file imports only rooms above its own line in this list, and no two files import each
+//! other; `tests/firmware/test_rooms.py` reads this list and checks it.
+//!
+//! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `minimax`: numerics.
+//! 2. `output`: the unit of the result.
+//! 3. `device`: the codes that the device measures.
+//! 4. `ir`: programs of exact integer operations, and the twin.
+//! 5. `reference`: the model that a program must follow. `target`: costs on each core.
+//! 6. `lower`: a calibrated model as that reference. `form`: ways to compute the speed factor. `prove`: the proof.
+//! 7. `design`: the search.
+//! 8. `emit`: the texts.
+//!
+//! In the code `[unit]` is the unit of the output, micrometers by default. Times are echo codes. In the public interface
+//! distances are in meters.
 
 pub mod affine;
 pub mod design;
@@ -19,8 +31,9 @@ pub mod output;
 pub mod prove;
 pub mod reference;
 pub mod target;
+pub mod types;
 
-pub use design::{Design, Progress, Reachable, Request, design};
+pub use design::{Design, Failure, Progress, Reachable, Request, design};
 pub use device::{Axis, Device};
 pub use emit::{Measurement, Package, Provenance, emit};
 pub use error::Error;

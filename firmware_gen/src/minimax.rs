@@ -2,7 +2,7 @@
 //!
 //! E. W. Cheney, *Introduction to Approximation Theory*, 2nd ed., AMS Chelsea (1998), chapter 3.
 
-/// Exchanges after which the best polynomial so far is taken; smooth data settle in about five.
+/// Most exchanges; then the best polynomial so far is returned. Smooth data need about five. Set by hand.
 const EXCHANGES: usize = 20;
 
 /// Points to approximate, ascending and distinct in `x`.

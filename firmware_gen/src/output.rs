@@ -52,7 +52,7 @@ impl Output {
         })
     }
 
-    /// Whether errors of a whole unit matter: finer than every sensor, micrometers are simply rounded down.
+    /// Whether the rounding to whole units matters. Micrometers are finer than every sensor, and are rounded down.
     #[must_use]
     pub fn is_coarse(&self) -> bool {
         *self != Self::MICROMETERS

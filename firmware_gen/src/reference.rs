@@ -3,7 +3,7 @@
 use crate::device::Device;
 use crate::error::Error;
 
-/// The truth: the distance that the calibrated model gives.
+/// The distance that the calibrated model gives.
 pub trait Reference: Sync {
     /// Fill `distance` [m] for `time_of_flight` [s] under `conditions`, in the order and units of the device's axes.
     fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]);
@@ -18,7 +18,7 @@ impl<F: Fn(&[f64], f64) -> f64 + Sync> Reference for F {
     }
 }
 
-/// Most echo codes sampled at either end of a line.
+/// Most echo codes sampled at either end of a line. Set by hand; the proof checks all.
 const MOST_SAMPLES: i64 = 64;
 
 /// The model at one combination of conditions: nearly a straight line in the echo time.

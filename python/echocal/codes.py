@@ -18,11 +18,11 @@ class EchoCodes:
     lsb : float
         Tick [us]; 0.5 for Timer1 of an Arduino UNO at an eighth of its clock.
     longest : float, optional
-        Longest echo time that the firmware accepts [us]; default: that of the largest distance asked for, in
-        the conditions where it is longest, and never the time-out pulse of a module without an echo.
+        Longest echo time that the firmware accepts [us]; default: the latest echo from the largest
+        requested distance. The time-out pulse of a module without an echo is never accepted by default.
     shortest : float, optional
-        Shortest echo time that it accepts [us]; default: that of 20 mm, the least that an HC-SR04 measures,
-        in the conditions where it is shortest.
+        Shortest echo time that it accepts [us]; default: the earliest echo from
+        `echocal.echoes.BLANKING_M`, the least distance that an HC-SR04 measures.
     """
 
     lsb: float = 1.0
@@ -37,7 +37,7 @@ class TemperatureCodes:
     Parameters
     ----------
     lsb : float
-        Step of one code [degC]; 0.0625 for a DS18B20, negative where codes fall as it gets warmer.
+        Step of one code [degC]; 0.0625 for a DS18B20. Negative if the codes fall when the temperature rises.
     low, high : float
         Range that the firmware accepts [degC].
     zero : float
@@ -73,7 +73,7 @@ class HumidityCodes:
 Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
 
 
-def codes_of(name: str, kind: type[Codes], wish: Any) -> Codes:
+def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     """Return codes of a kind, which a tuple of numbers may stand for.
 
     Raises
@@ -82,7 +82,7 @@ def codes_of(name: str, kind: type[Codes], wish: Any) -> Codes:
         If it is neither.
     """
     try:
-        codes = wish if isinstance(wish, kind) else kind(*map(float, wish))
+        codes = request if isinstance(request, kind) else kind(*map(float, request))
         open_ = {field.name for field in fields(kind) if field.default is None}
         given = zip(fields(kind), astuple(codes), strict=True)
         if all(isinstance(value, Real) or (value is None and one.name in open_) for one, value in given):
@@ -90,7 +90,7 @@ def codes_of(name: str, kind: type[Codes], wish: Any) -> Codes:
     except (TypeError, ValueError):
         pass
     order = ", ".join(field.name for field in fields(kind))
-    message = f"{name} is {wish!r}; give {kind.__name__}({order}), or the numbers as a tuple"
+    message = f"{name} is {request!r}; give {kind.__name__}({order}), or the numbers as a tuple"
     raise UsageError(message)
 
 

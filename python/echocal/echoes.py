@@ -1,4 +1,4 @@
-"""Echo times that a device accepts: none below its blanking distance, none that is a time-out."""
+"""Accepted echo times: none below the blanking distance, none that is a time-out."""
 
 import math
 import warnings
@@ -20,7 +20,7 @@ BLANKING_M = 0.02
 # forum.arduino.cc 613370, shorter; some never end (forum.arduino.cc 55119).
 _TIMEOUT = "the time-out pulse of an SRF04 or HC-SR04 without an echo, 36 to 38 ms,"
 _LONGEST_US = 35_000.0
-"""Longest echo time that is accepted unasked [us]: a round number 2.8 % below the shorter time-out."""
+"""Longest default echo time [us]: a round number, 2.8 % below the shorter time-out of 36 ms."""
 
 _CODES = 65_535  # codes of a uint16_t above 0
 _SLACK = 1e-9  # of a code; an echo time that is a code exactly stays that code
@@ -43,7 +43,7 @@ class Accepted:
     shortest, longest : float
         Ends [us].
     cut : str or None
-        Where nobody asked for the longest, and it is shorter than the echo from the largest distance: why.
+        The reason, if the default longest echo time is shorter than the echo from the largest distance.
     """
 
     tick: float
@@ -57,28 +57,28 @@ class Accepted:
         return self.tick, self.shortest, self.longest
 
 
-def accepted(model: _core.Model, wish: Mapping[str, Any], echo: Echo) -> Accepted:
+def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Accepted:
     """Return the echo times that a device accepts.
 
     Parameters
     ----------
     model : _core.Model
         The model that the firmware follows.
-    wish : mapping
-        What is asked of the core, but for the echo.
+    request : mapping
+        The request to the core, without the echo.
     echo : float, EchoCodes, tuple or None
-        What was asked for; what it leaves open follows from the model: an echo from `BLANKING_M` in the
-        conditions where that is the shortest, one from the largest bounded distance where it is the longest.
+        The requested echo times. Defaults follow from the model: the earliest echo from `BLANKING_M`, and the
+        latest echo from the largest bounded distance, over all conditions.
 
     Returns
     -------
     Accepted
-        Its ends; ones that are no codes are the core's to refuse.
+        The accepted echo times. The core refuses ends that are not codes.
 
     Raises
     ------
     UsageError
-        If an end that was not asked for leaves nothing between the two.
+        If a default end leaves no echo time between the two.
     """
     asked = _asked(echo)
     tick, shortest, longest = float(asked.lsb), asked.shortest, asked.longest
@@ -87,9 +87,9 @@ def accepted(model: _core.Model, wish: Mapping[str, Any], echo: Echo) -> Accepte
     if shortest is not None and longest is not None:
         return Accepted(tick, float(shortest), float(longest))
     most = _most(tick) if longest is None else float(longest)
-    distances = [BLANKING_M, wish["maximum_distance"]]
+    distances = [BLANKING_M, request["maximum_distance"]]
     soonest, latest = zip(
-        *_core.echo_times(model, {**wish, "echo": (tick, 0.0, most)}, distances), strict=True
+        *_core.echo_times(model, {**request, "echo": (tick, 0.0, most)}, distances), strict=True
     )
     first = _first(soonest[0] * 1e6, tick) if shortest is None else float(shortest)
     if longest is not None:
@@ -104,7 +104,7 @@ def accepted(model: _core.Model, wish: Mapping[str, Any], echo: Echo) -> Accepte
 
 
 def _asked(echo: Echo) -> EchoCodes:
-    """Return what was asked for; what range makes sense, the core says."""
+    """Return the requested codes. The core checks their range."""
     if echo is None:
         return EchoCodes()
     if isinstance(echo, EchoCodes | tuple):
@@ -113,7 +113,7 @@ def _asked(echo: Echo) -> EchoCodes:
 
 
 def _most(tick: float) -> float:
-    """Return the longest echo time [us] that is accepted unasked, a code that 16 bits hold."""
+    """Return the longest default echo time [us]: a code of 16 bits."""
     code = min(_CODES, math.floor(_LONGEST_US / tick + _SLACK))
     if code < 1:
         message = (
@@ -139,7 +139,7 @@ def _last(latest: list[float], tick: float, most: float, distances: list[float])
     latest : list of float
         Longest echo time at each of `distances` [us].
     tick, most : float
-        Tick of the timer, and the longest echo time that is accepted unasked [us].
+        Tick of the timer, and the longest default echo time [us].
     distances : list of float
         The blanking distance and the largest one [m].
 
@@ -166,7 +166,7 @@ def _last(latest: list[float], tick: float, most: float, distances: list[float])
             "ones"
         )
     return most, (
-        f"echo times end at {most:g} us, before the largest distance asked for: the echo from {largest:g} m "
+        f"echo times end at {most:g} us, before the requested largest distance: the echo from {largest:g} m "
         f"takes up to {far:.0f} us, and all are accepted up to {math.floor(reach * 100) / 100:g} m; {why}"
     )
 
@@ -179,7 +179,7 @@ def _ends_early(longest: float, first: float) -> str:
 
 
 def _too_late(first: float, last: float, cut: str | None) -> str:
-    """Say why an echo min that was asked for leaves nothing below the echo max that was not."""
+    """Explain why a requested echo min leaves nothing below the default echo max."""
     end = (
         cut
         or f"the echo from the largest distance, {last:g} us, is the longest that is accepted ({_DISTANCE})"
@@ -188,7 +188,7 @@ def _too_late(first: float, last: float, cut: str | None) -> str:
 
 
 def _no_room(tick: float, largest: float, cut: str | None) -> str:
-    """Say why nothing is left between two ends that nobody asked for."""
+    """Explain why nothing is left between the two default ends."""
     if cut:
         return f"no echo from {BLANKING_M:g} m or more is accepted: {cut}"
     if largest < BLANKING_M:
@@ -204,7 +204,7 @@ def _no_room(tick: float, largest: float, cut: str | None) -> str:
 
 
 def warn_of(times: Accepted, *, stacklevel: int) -> None:
-    """Warn where what is reported without an echo is accepted, or keeps a distance out."""
+    """Warn if a reading without an echo is accepted, or if its exclusion shortens the range."""
     for message in _doubts(times):
         warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
 

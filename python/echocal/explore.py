@@ -1,4 +1,4 @@
-"""Every choice worth having between flash, time and error: proven functions, none beaten in all three."""
+"""The Pareto front between flash, time and error: proven functions, none of them dominated by another."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,8 +13,10 @@ __all__ = ["Choice", "explore"]
 
 FORMS = ("polynomial", "square", "factored", "interpolated_table", "segments", "full_table")
 TWO_INPUTS = ("additive", "grid")
-TIGHTER = 0.6  # of the error proven: what is asked for next
-TIGHTEST = 1e-6  # m; the output counts micrometers
+TIGHTER = 0.6
+"""The next bound, as a share of the error that was proven for the last. Set by hand."""
+TIGHTEST = 1e-6
+"""Tightest bound [m]: one unit of an output in micrometers."""
 
 Progress = Callable[[str, int, int], object]
 
@@ -30,13 +32,13 @@ class Choice:
     error : float
         Largest error, proven [m].
     flash : int
-        Bytes, with what the function takes from the compiler's library.
+        Bytes, including the functions of the compiler's library that it calls.
     steps : int
-        Most cycles (AVR) or instructions of a call.
+        Most cycles (AVR) or instructions of one call.
     figures : {"measured", "cost model"}
-        Where `flash` and `steps` come from.
+        Origin of `flash` and `steps`.
     core : str or None
-        The core they were measured on.
+        The core on which they were measured.
     """
 
     made: Firmware
@@ -48,22 +50,22 @@ class Choice:
 
     @property
     def unit(self) -> str:
-        """What `steps` counts."""
+        """Unit of `steps`."""
         return "cycles" if (self.core or self.made.report["target"]) == "avr" else "instructions"
 
     @property
     def form(self) -> str:
-        """What the function is, in words."""
+        """The form of the function, in words."""
         return str(self.made.report["form"]["description"])
 
-    def beats(self, other: "Choice") -> bool:
-        """Whether this one is no worse in anything and better in something."""
+    def dominates(self, other: "Choice") -> bool:
+        """Return whether this choice is nowhere worse than the other, and better in flash, time or error."""
         mine = (self.flash, self.steps, self.error)
         theirs = (other.flash, other.steps, other.error)
         return mine != theirs and all(a <= b for a, b in zip(mine, theirs, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what a program reads: figures, their origin, and the command that makes the files."""
+        """Return the figures, their origin, and the command that makes the files, for programs."""
         return {
             "form": self.form,
             "error_proven_m": self.error,
@@ -85,48 +87,48 @@ def explore(
     progress: Progress | None = None,
     **request: Any,
 ) -> list[Choice]:
-    """Design with every form at ever tighter bounds, and keep what nothing else beats.
+    """Design with every form at tighter and tighter bounds, and keep the Pareto front.
 
-    Flash and time are measured with compiler and simulator where these are installed, else they are
-    figures of the search's cost model and say so.
+    Flash and time are measured if the compiler and the simulator are installed. Otherwise they come from the
+    cost model of the search; `Choice.figures` states which.
 
     Parameters
     ----------
     model : Model
         The model to follow.
     target : str
-        What the C is for, as for `echocal.firmware.generate`.
+        Core that the C is for, as in `echocal.firmware.generate`.
     max_error : float
-        The loosest bound of interest [m].
+        The largest bound to try [m].
     core : str, optional
-        Core to measure on, a name in `echocal.silicon.CORES`; default: the target's own, ``"cortex-m0"``
+        Core to measure on, a key of `echocal.silicon.CORES`; default: the target's own, ``"cortex-m0"``
         for ``"c99"``.
     progress : callable, optional
-        Called with what is being tried, the searches done and the searches in all.
+        Called with the current search in words, the number of finished searches and that of all searches.
     **request
-        Further arguments of `echocal.firmware.generate`, the codes above all.
+        Further arguments of `echocal.firmware.generate`, such as the codes.
 
     Returns
     -------
     list of Choice
-        The least flash first.
+        The Pareto front, the least flash first.
 
     Raises
     ------
     BoundError
         If no form meets `max_error`.
     UsageError
-        If an effect needs an input that the device lacks, or the codes make no sense.
+        If an effect needs an input that the device lacks, or if the codes are invalid.
 
     Examples
     --------
     >>> from echocal import Model
     >>> from echocal.explore import explore
     >>> choices = explore(Model("cramer"), "cortex-m0", temperature=(1.0, 0.0, 40.0), echo=5000)
-    >>> any(a.beats(b) for a in choices for b in choices)
+    >>> any(a.dominates(b) for a in choices for b in choices)
     False
     """
-    generate(model, target, max_error=max_error, **request)  # what cannot be had at all is said here
+    generate(model, target, max_error=max_error, **request)  # raises if the loosest bound cannot be met
     forms = TWO_INPUTS if request.get("humidity") is not None else FORMS
     searches = [(form, prefer) for form in forms for prefer in ("size", "speed")]
     found: dict[str, Firmware] = {}
@@ -141,16 +143,16 @@ def explore(
         if progress is not None:
             progress("measuring", done, len(found))
         choices.append(_costed(made, where))
-    kept = [one for one in choices if not any(other.beats(one) for other in choices)]
+    kept = [one for one in choices if not any(other.dominates(one) for other in choices)]
     return sorted(kept, key=lambda choice: (choice.flash, choice.steps, choice.error))
 
 
 def _tightening(model: Model, target: str, bound: float, request: dict[str, Any]) -> Iterator[Firmware]:
-    """Yield designs for ever tighter bounds, until there is none."""
+    """Yield designs for tighter and tighter bounds, until none is found."""
     while bound >= TIGHTEST:
         try:
             made = generate(model, target, max_error=bound, **request)
-        except (BoundError, UsageError):  # this form cannot; the request itself was tried before
+        except (BoundError, UsageError):  # this form cannot meet it; the request itself is valid
             return
         yield made
         bound = TIGHTER * float(made.report["error_proven_m"])

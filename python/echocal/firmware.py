@@ -29,7 +29,7 @@ __all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "genera
 Progress = Callable[[str, int, int], object]
 
 _ABSOLUTE_ZERO = -273.15  # degC
-_MOST_THREADS = 65_535
+_MOST_THREADS = 65_535  # set by hand, far above any machine
 _DS18B20 = TemperatureCodes()
 
 
@@ -58,26 +58,26 @@ class Firmware:
     def outputs(
         self, echo: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
     ) -> NDArray[np.int32]:
-        """Return what the C function returns, bit for bit, in its `unit`.
+        """Return the outputs of the C function, bit for bit, in its `unit`.
 
         Parameters
         ----------
         echo : array_like of int, shape (...)
-            Echo time codes [us], or ticks of the timer where these are no microseconds.
+            Echo time codes [us]; ticks of the timer if a tick is not 1 us.
         temperature_code : array_like of int, shape (...)
             Temperature codes, broadcast against `echo`.
         humidity_code : array_like of int, shape (...), optional
-            Humidity codes, where the function takes them.
+            Humidity codes, if the function takes them.
 
         Returns
         -------
         ndarray of int32, shape (...)
-            Distance; the smallest ``int32`` for codes out of range.
+            Distance in `unit`; the smallest ``int32`` for codes out of range.
 
         Raises
         ------
         UsageError
-            If codes are no integers or do not broadcast, or humidity codes are missing or too many.
+            If codes are not integers or do not broadcast; if humidity codes are missing or superfluous.
         """
         device = self.report["device"]
         given = {device["echo"]["name"]: np.asarray(echo), "temperature_code": np.asarray(temperature_code)}
@@ -103,7 +103,7 @@ class Firmware:
     def distance_um(
         self, echo_us: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
     ) -> NDArray[np.int32]:
-        """Return what a function of micrometers returns [um], as `outputs` does.
+        """Return the outputs of a function that counts micrometers [um], as `outputs` does.
 
         Returns
         -------
@@ -113,7 +113,7 @@ class Firmware:
         Raises
         ------
         UsageError
-            If the function returns another unit, and for what `outputs` refuses.
+            If the function returns another unit, and in the cases of `outputs`.
         """
         if self.unit != "um":
             message = f"this function returns {self.unit}: take outputs(...)"
@@ -121,7 +121,7 @@ class Firmware:
         return self.outputs(echo_us, temperature_code, humidity_code)
 
     def ranked_by(self) -> tuple[int, int]:
-        """Return bytes and cycles as the search's cost model has them; no measurement, never in a report.
+        """Return bytes and cycles by the cost model of the search; they are not measured.
 
         Returns
         -------
@@ -131,13 +131,13 @@ class Firmware:
         return self._twin.ranked_by()
 
     def save(self, directory: str | os.PathLike[str]) -> list[Path]:
-        """Write the files into a directory, which is made if absent.
+        """Write the files into a directory. A missing directory is created.
 
         Returns
         -------
         list of Path
-            The files, with ``SHA256SUMS``, the list of their checksums. That list keeps files which an
-            earlier call generated into the same directory, as long as nobody edits them.
+            The files, and ``SHA256SUMS`` with their checksums. Files that an earlier call generated into the
+            same directory stay in that list, unless they were edited since.
 
         Raises
         ------
@@ -174,48 +174,48 @@ def generate(
     Parameters
     ----------
     model : Model
-        The model to follow: true distance from echo time and temperature.
+        The model to follow. It gives the true distance from echo time and temperature.
     target : str
-        What the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``,
+        Core that the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``,
         ``"rv32e"`` (without multiplier), or ``"c99"``, any compiler with ``stdint.h``.
     temperature : TemperatureCodes or tuple of (lsb, low, high)
         Codes of the thermometer [degC].
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
         Codes of the hygrometer [1]; default: the device has none.
     echo : float, EchoCodes or tuple of (lsb, longest, shortest), optional
-        Longest and shortest echo time that are accepted [us], in ticks of 1 us or of `lsb` [us]. What is left
-        out follows from the model: no echo from nearer than 20 mm, none from beyond `max_distance`, in the
-        conditions where these come soonest and latest.
+        Longest and shortest accepted echo time [us], and tick `lsb` of the timer [us], 1 us by default.
+        The default of the shortest is the earliest echo from `echocal.echoes.BLANKING_M`. The default of the
+        longest is the latest echo from `max_distance`. Both cover all conditions that the device accepts.
     output_unit : {"um", "mm", "cm"}
-        What the function counts, and the end of its name: ``echocal_distance_um``.
+        Unit of the output. It is also the end of the function's name: ``echocal_distance_um``.
     max_error : float
         Largest error against the model at distances up to `max_distance` [m]; 0.5 mm is ``0.5e-3``.
     max_distance : float
         Distances up to this meet `max_error` [m].
     prefer : {"size", "speed"}
-        What to save.
+        What to save: bytes of flash, or cycles.
     form : str, optional
         The only form to try, ``"polynomial"``, ``"interpolated_table"``, ``"segments"``, ``"square"``,
         ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the cheapest of all.
     accept : iterable of str, or str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float
-        Values of conditions that the device does not measure, e.g. ``{"relative_humidity": 0.5}``;
-        the default is the model's own air.
+        Values of conditions that the device does not measure, for example
+        ``{"relative_humidity": 0.5}``; default: the air of the model.
     max_table_bytes : int
-        Largest tables allowed, together.
+        Largest size of all tables together [byte].
     package : {"c", "arduino", "platformio", "esphome", "micropython"}
-        What the files are: plain C with its self-test, an Arduino library with an example sketch, a
+        Kind of files: plain C with its self-test, an Arduino library with an example sketch, a
         PlatformIO project with the library in it, a configuration for ESPHome, or a module for
         MicroPython and CircuitPython. All but the last hold the same C.
     measure : bool
-        Whether to compile the C for the target's core, call it in a simulator, and state in header and
-        report what it costs (``report["measured"]``); for ``c99`` on every core. Cores whose compiler or
-        simulator is not installed are left out: `echocal.silicon.missing` names what is missing.
+        Whether to compile the C for the target's core, run it in a simulator, and state the measured cost in
+        header and report (``report["measured"]``). ``c99`` is measured on every core. Cores without an
+        installed compiler or simulator are skipped; `echocal.silicon.missing` names the missing tools.
     n_threads : int, optional
         Threads of the proof; default: all processors.
     progress : callable, optional
-        Called with the form in words, the inputs checked so far and the inputs in all.
+        Called with the form in words, the number of checked inputs and the number of all inputs.
     model_name : str
         Name of the model file in the command that the files record.
 
@@ -227,9 +227,9 @@ def generate(
     Raises
     ------
     BoundError
-        If no form meets `max_error`; the message gives the best reachable, and its cost.
+        If no form meets `max_error`. The message states the smallest error that is possible, and its cost.
     UsageError
-        If an effect needs an input that the device lacks, or the codes make no sense.
+        If an effect needs an input that the device lacks, or if the codes are invalid.
 
     Examples
     --------
@@ -242,26 +242,26 @@ def generate(
     2001613
     """
     if not isinstance(model, Model):
-        message = f"firmware is made of a Model, got {type(model).__name__}; Model.load(path) reads a file"
+        message = f"firmware needs a Model, got {type(model).__name__}; Model.load(path) reads a file"
         raise UsageError(message)
     model.refuse_shape("firmware")
     if measure and package == "micropython":
-        message = "measure compiles C, and the package micropython holds none: measure another package"
+        message = "measure needs C, and the package micropython contains none: choose another package"
         raise UsageError(message)
-    codes = _warm(codes_of("temperature", TemperatureCodes, temperature))
-    damp = None if humidity is None else codes_of("humidity", HumidityCodes, humidity)
+    codes = _above_absolute_zero(codes_of("temperature", TemperatureCodes, temperature))
+    humidity_codes = None if humidity is None else codes_of("humidity", HumidityCodes, humidity)
     assume = _mapped(assume)
-    if damp is not None and "relative_humidity" in assume:
+    if humidity_codes is not None and "relative_humidity" in assume:
         message = "relative_humidity is measured: it cannot be assumed as well"
         raise UsageError(message)
     air = _assumed(model, assume)
-    wish: dict[str, Any] = {
+    request: dict[str, Any] = {
         "target": target,
         "package": package,
         "prefer": prefer,
         "form": form,
-        "temperature": (float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)),
-        "humidity": None if damp is None else tuple(map(float, (damp.lsb, damp.low, damp.high, damp.zero))),
+        "temperature": _numbers(codes),
+        "humidity": None if humidity_codes is None else _numbers(humidity_codes),
         "output_unit": output_unit,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
@@ -272,16 +272,16 @@ def generate(
         "model_hash": model.hash,
         "command": "",
     }
-    times = echoes.accepted(model._core, wish, echo)
-    wish["echo"] = times.codes
-    wish["command"] = _command(wish, model_name, assume) + (" --measure" if measure else "")
+    times = echoes.accepted(model._core, request, echo)
+    request["echo"] = times.codes
+    request["command"] = _command(request, model_name, assume) + (" --measure" if measure else "")
     try:
-        core = _core.design_firmware(model._core, wish, progress)
+        core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
         cost = _cost(_firmware(error.best, []), target, measure=measure)
         message = f"{error}; that function takes {cost}"
         raise BoundError(message) from None
-    _warn_outside(model, codes, damp, air)
+    _warn_outside(model, codes, humidity_codes, air)
     echoes.warn_of(times, stacklevel=2)
     made = _firmware(core, [])
     if not measure:
@@ -297,7 +297,7 @@ def _mapped(assume: Mapping[str, float] | None) -> dict[str, float]:
     raise UsageError(message)
 
 
-def _warm(codes: TemperatureCodes) -> TemperatureCodes:
+def _above_absolute_zero(codes: TemperatureCodes) -> TemperatureCodes:
     if codes.low < _ABSOLUTE_ZERO:
         message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
         raise UsageError(message)
@@ -305,13 +305,16 @@ def _warm(codes: TemperatureCodes) -> TemperatureCodes:
 
 
 def _warn_outside(
-    model: Model, codes: TemperatureCodes, damp: HumidityCodes | None, air: list[float]
+    model: Model, codes: TemperatureCodes, humidity: HumidityCodes | None, air: list[float]
 ) -> None:
-    """Warn where a corner of the codes lies outside the domain of the law; its limits are monotone."""
-    damps = (air[1],) if damp is None else (damp.low, damp.high)
-    for end, wet in itertools.product((codes.low, codes.high), dict.fromkeys(damps)):
-        where = "in the assumed air" if damp is None else f"and relative humidity {wet:g}"
-        outside = describe(model.law, [end, wet, *air[2:4], 0.0], f"outside at {end:g} degC {where}")
+    """Warn if a corner of the code ranges lies outside the domain of the law.
+
+    The domain's limits are monotone in temperature and humidity, so the corners are enough.
+    """
+    humidities = (air[1],) if humidity is None else (humidity.low, humidity.high)
+    for end, level in itertools.product((codes.low, codes.high), dict.fromkeys(humidities)):
+        where = "in the assumed air" if humidity is None else f"and relative humidity {level:g}"
+        outside = describe(model.law, [end, level, *air[2:4], 0.0], f"outside at {end:g} degC {where}")
         if outside:
             warnings.warn(outside, DomainWarning, stacklevel=3)
 
@@ -322,7 +325,7 @@ def _firmware(core: _core.Firmware, measured: list[dict[str, Any]]) -> Firmware:
 
 
 def _cost(made: Firmware, target: str, *, measure: bool) -> str:
-    """Flash and time in words, and where these figures come from."""
+    """Return flash and time in words, and whether they were measured."""
     able = (name for name in silicon.cores_of(target) if measure and not silicon.missing(name))
     core = next(able, None)
     found = None if core is None else silicon.measure(made, core)
@@ -344,6 +347,11 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     return [float(value[0]) for value in values]
 
 
+def _numbers(codes: TemperatureCodes | HumidityCodes) -> tuple[float, float, float, float]:
+    """Return step, ends and value of code 0, as the core takes them."""
+    return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)
+
+
 def _number(value: float) -> str:
     return f"{value:.12g}"
 
@@ -352,26 +360,34 @@ def _threads(wanted: int | None) -> int:
     return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
 
-def _command(wish: Mapping[str, Any], model_name: str, assume: Mapping[str, float]) -> str:
+def _command(request: Mapping[str, Any], model_name: str, assume: Mapping[str, float]) -> str:
     """Return the command line that makes the same files again."""
-    lsb, low, high, zero = wish["temperature"]
-    words = ["echocal", "firmware", model_name, "--target", wish["target"], "--temperature-lsb", _number(lsb)]
+    lsb, low, high, zero = request["temperature"]
+    words = [
+        "echocal",
+        "firmware",
+        model_name,
+        "--target",
+        request["target"],
+        "--temperature-lsb",
+        _number(lsb),
+    ]
     words += [f"--temperature-range={_number(low)}:{_number(high)}"]
     words += [f"--temperature-zero={_number(zero)}"] if zero else []
-    if wish["humidity"]:
-        lsb, low, high, zero = wish["humidity"]
+    if request["humidity"]:
+        lsb, low, high, zero = request["humidity"]
         words += ["--humidity-lsb", _number(lsb), f"--humidity-range={_number(low)}:{_number(high)}"]
         words += [f"--humidity-zero={_number(zero)}"] if zero else []
-    tick, shortest, longest = wish["echo"]
+    tick, shortest, longest = request["echo"]
     words += ["--echo-lsb-us", _number(tick)] if tick != 1.0 else []
     words += ["--echo-min-us", _number(shortest), "--echo-max-us", _number(longest)]
-    words += ["--max-error-mm", _number(wish["maximum_error"] * 1e3)]
-    words += ["--output-unit", wish["output_unit"]] if wish["output_unit"] != "um" else []
-    words += ["--max-distance-m", _number(wish["maximum_distance"]), "--prefer", wish["prefer"]]
-    words += ["--form", wish["form"]] if wish["form"] else []
-    words += ["--max-table-bytes", str(wish["maximum_table"])]
-    words += ["--package", wish["package"]] if wish["package"] != "c" else []
-    for effect in wish["accept"]:
+    words += ["--max-error-mm", _number(request["maximum_error"] * 1e3)]
+    words += ["--output-unit", request["output_unit"]] if request["output_unit"] != "um" else []
+    words += ["--max-distance-m", _number(request["maximum_distance"]), "--prefer", request["prefer"]]
+    words += ["--form", request["form"]] if request["form"] else []
+    words += ["--max-table-bytes", str(request["maximum_table"])]
+    words += ["--package", request["package"]] if request["package"] != "c" else []
+    for effect in request["accept"]:
         words += ["--accept", effect]
     for name, value in sorted(assume.items()):
         words += ["--assume", f"{name}={_number(value)}"]

@@ -42,7 +42,7 @@ def test_files_report_and_summary(
     assert report["schema"] == "echocal.firmware/1"
     assert report["model_hash"] == Model.load(model).hash
     assert report["flash_bytes"] is None, "not measured, so not stated"
-    assert "mm at most, up to 4 m (asked for 0.5 mm)" in summary
+    assert "mm at most, up to 4 m (requested 0.5 mm)" in summary
     assert "relative_humidity 0.3" in summary
     names = [
         "SHA256SUMS",
@@ -116,7 +116,7 @@ def test_the_best_reachable_is_measured_where_that_is_wanted(
     ("words", "message"),
     [
         (("--temperature-range=-20",), "give LOW:HIGH"),
-        (("--humidity-range=0:1",), "give their step with --humidity-lsb too"),
+        (("--humidity-range=0:1",), "--humidity-range needs --humidity-lsb"),
         (("--temperature-range=60:-20",), "low <= high"),
         (("--assume", "relative_humidity"), "give NAME=VALUE"),
         (("--target", "pdp11"), "unknown target 'pdp11'"),

@@ -76,7 +76,7 @@ def test_an_echo_max_at_the_time_out_is_kept_and_told_of() -> None:
 
 def test_a_distance_beyond_the_time_out_is_left_out_and_told_of() -> None:
     with pytest.warns(
-        DomainWarning, match="echo times end at 35000 us, before the largest distance asked for"
+        DomainWarning, match="echo times end at 35000 us, before the requested largest distance"
     ):
         made = firmware.generate(MODELS["dry"], temperature=HALF_DEGREES, max_distance=8.0)
     assert codes(made)[1] == 35_000
@@ -91,7 +91,7 @@ def test_a_default_ends_where_a_16_bit_timer_does() -> None:
     assert codes(made)[1] == 65_535
     message = str(told[0].message)
     assert message.startswith(
-        "echo times end at 32767.5 us, before the largest distance asked for: the echo from 8 m"
+        "echo times end at 32767.5 us, before the requested largest distance: the echo from 8 m"
     )
     farthest = float(MODELS["dry"].distance(32_767.5e-6, temperature=-20.0))
     assert f"all are accepted up to {np.floor(farthest * 100) / 100:g} m; " in message
@@ -106,7 +106,9 @@ def test_a_coarse_tick_rounds_no_default_up_to_a_time_out() -> None:
     )
     assert codes(made)[1] * 58 == 34_974
     farther = float(MODELS["dry"].distance(34_990e-6, temperature=-20.0))
-    with pytest.raises(DomainWarning, match="echo times end at 34974 us, before the largest distance"):
+    with pytest.raises(
+        DomainWarning, match="echo times end at 34974 us, before the requested largest distance"
+    ):
         firmware.generate(
             MODELS["dry"],
             temperature=HALF_DEGREES,

@@ -1,4 +1,4 @@
-"""``--explore``: functions that nothing beats, measured where tools are, else by the cost model."""
+"""``--explore``: the Pareto front, measured if the tools are installed, else by the cost model."""
 
 import json
 import shlex
@@ -28,11 +28,11 @@ def choices() -> list[Choice]:
 
 
 @pytest.mark.slow
-def test_nothing_beats_what_is_kept(choices: list[Choice]) -> None:
+def test_the_front_has_no_dominated_choice(choices: list[Choice]) -> None:
     assert len(choices) > 3
     for axis in ("flash", "steps", "error"):
         assert len({getattr(one, axis) for one in choices}) > 2, "there is something to choose"
-    assert not any(one.beats(other) for one in choices for other in choices)
+    assert not any(one.dominates(other) for one in choices for other in choices)
 
 
 def test_figures_are_measured(choices: list[Choice]) -> None:

@@ -1,14 +1,13 @@
 //! Candidates: every form in every format, refined, screened and proven.
 
-use super::{Design, Listen, Progress, Reachable, Request};
+use super::request::{Design, Failure, Listen, Progress, Reachable, Request};
 use crate::error::Error;
-use crate::form::{FORMS, Fit, Form, OF_TWO, Tail};
+use crate::form::{Fit, Form, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, prove};
 use crate::reference::{Line, check_bounded, sample};
 use crate::target::Cost;
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// One form in one format.
 pub(super) struct Candidate<'a> {
@@ -60,21 +59,21 @@ pub(super) struct Search<'a> {
     farthest: f64,
 }
 
-/// Columns of the second condition that the search looks at.
+/// Columns of the second condition that the search samples. Set by hand; the proof checks all.
 const COLUMNS: usize = 17;
-/// Rows that are enough to rank candidates by cost.
+/// Rows from which the cost of a candidate is estimated. Set by hand; the types follow from all rows before the proof.
 const ENOUGH: usize = 400;
-/// Every so many rows are screened where there are many; no divisor of [`COLUMNS`].
+/// If there are many rows, every fifth is screened. No divisor of [`COLUMNS`], so that all columns are seen.
 const STRIDE: usize = 5;
-/// Error that rounding down is sure to add where that matters: nearly a whole unit \[unit\].
+/// Error that rounding down adds \[unit\]. It approaches 1; some margin is left, so that no candidate is dropped too early.
 const CUT_OFF: f64 = 0.9;
-/// Share of the worst rounding that falls together with the worst error of a form.
+/// Share of the largest rounding error that coincides with the largest error of a form. Below 1 for a margin. Set by hand.
 const TOGETHER: f64 = 0.98;
-/// Most candidates that are looked at closely where none meets the bound.
+/// Most candidates that are screened again if none meets the bound. Set by hand.
 const LIKELIEST: usize = 12;
-/// Share of the bound up to which what refining left is looked at more closely.
+/// A refined candidate is screened if its error is at most this share of the bound. Set by hand.
 const SLACK: f64 = 1.02;
-/// Share of what a part reaches alone that it needs among others, too; rounding several jointly may save the rest.
+/// Share of a part's own error that remains in the whole form; joint rounding may save the rest. Set by hand.
 const SURE: f64 = 0.9;
 
 impl<'a> Search<'a> {
@@ -106,14 +105,15 @@ impl<'a> Search<'a> {
             let fit = Rc::new(self.fit(tail));
             let cost = self.cost_of(tail);
             let rest = tail.rest(&self.lines);
-            let named =
-                |names: &[&str]| self.request.form.is_some_and(|form| names.contains(&form));
             // A second condition of one code is checked, and adds nothing.
-            let two = self.request.device.varied() == 2 || named(&OF_TWO);
-            let wanted = |name: &str| {
-                OF_TWO.contains(&name) == two && self.request.form.is_none_or(|form| form == name)
+            let two = self.request.device.varied() == 2 || self.request.form.is_some_and(reads_two);
+            let forms = if two {
+                TWO_CONDITION_FORMS
+            } else {
+                TEMPERATURE_FORMS
             };
-            let proposals = FORMS.iter().filter(|(name, _)| wanted(name));
+            let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
+            let proposals = forms.iter().filter(|(name, _)| wanted(name));
             let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
             forms
                 .into_iter()
@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
         self.request.maximum_error * self.request.device.output.per_meter
     }
 
-    /// The formats that could meet the bound; where none can, all, for the best of them to be told.
+    /// The formats that could meet the bound; if none can, all of them, so that the best can be reported.
     fn tails(&self) -> Vec<Tail> {
         let all = Tail::propose(&self.lines, self.request.device, self.request.target);
         let able = |tail: &&Tail| self.rounding(tail) < self.bound();
@@ -317,32 +317,36 @@ impl<'a> Search<'a> {
         Ok((program, proof))
     }
 
-    /// Prove the best of what failed, and say what it reaches.
+    /// Prove the best of the failed candidates, and state its error.
     pub(super) fn unreachable(
         &self,
         failed: Vec<Candidate<'_>>,
         listen: Listen<'_>,
-    ) -> Result<Design, Error> {
+    ) -> Result<Design, Failure> {
         for candidate in self.likeliest(failed) {
             let (program, proof) = match self.prove(&candidate, f64::INFINITY, listen) {
                 Ok(found) => found,
                 Err(Error::Proof(_)) => continue,
-                Err(error) => return Err(error),
+                Err(error) => return Err(error.into()),
             };
             if proof.bounded.error <= self.bound() {
-                return Ok(candidate.proven(program, proof)); // one that seemed unlikely
+                return Ok(candidate.proven(program, proof)); // its estimated error was too large
             }
-            return Err(Error::Bound(Box::new(Reachable {
+            let reachable = Reachable {
                 asked: self.request.maximum_error,
                 best: proof.bounded.error * self.request.device.output.lsb,
                 maximum_distance: self.request.maximum_distance,
-                design: Arc::new(candidate.proven(program, proof)),
-            })));
+                form: candidate.form.describe(),
+            };
+            return Err(Failure {
+                error: Error::Bound(reachable.to_string()),
+                best: Some(Box::new(candidate.proven(program, proof))),
+            });
         }
-        Err(self.nothing())
+        Err(self.no_candidate().into())
     }
 
-    /// What failed and has a program, the most exact first.
+    /// The failed candidates that have a program, the most exact first.
     fn likeliest<'b>(&self, mut failed: Vec<Candidate<'b>>) -> Vec<Candidate<'b>> {
         let screened = failed.iter().map(|candidate| candidate.screened);
         let mut best = screened.fold(f64::INFINITY, f64::min);
@@ -374,8 +378,8 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// Why there is not even a candidate.
-    fn nothing(&self) -> Error {
+    /// The error if there is no candidate at all.
+    fn no_candidate(&self) -> Error {
         let Request {
             form,
             target,

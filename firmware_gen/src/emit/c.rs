@@ -1,6 +1,6 @@
 //! A program as C text. Every conversion is written out, so that the text means the same on any width of `int`.
 
-use super::Local;
+use super::text::Local;
 use crate::ir::{IntegerType, Node, Operation, Program, Value};
 
 /// The function in C that names the two middle bytes of a product.
@@ -20,7 +20,7 @@ pub fn statements(program: &Program) -> (Vec<Local>, String) {
                 ty: node.computed.c_name(),
                 name: name.clone(),
                 expression: text.expression(Value(index)),
-                note: "exact, before its conversion".into(),
+                note: "intermediate value, before a type conversion".into(),
             });
         }
         if let Some((name, note)) = &node.name {

@@ -6,11 +6,11 @@ use crate::ir::Range;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Codes of each axis that are spread evenly over its range.
+/// Steps of an even grid over each axis. Set by hand: 16^3 vectors at most, a file of some 100 kB.
 const SPREAD: i64 = 15;
 
-/// `echo_us,temperature_code,distance_um`, the last in the unit of the output: a grid over the accepted codes, its edges and the codes next to them
-/// outside, and the two inputs with the largest errors.
+/// Golden vectors as CSV: a column for each input, then the distance in the unit of the output. The vectors are a grid
+/// over the accepted codes, the codes next to the range outside, and the two inputs with the largest errors.
 pub fn golden(design: &Design, device: &Device) -> String {
     let axes: Vec<_> = device.axes().collect();
     let mut inputs: BTreeSet<Vec<i64>> = BTreeSet::from([Vec::new()]);

@@ -1,4 +1,4 @@
-//! Texts: the header, the source, the golden vectors, the report. Identical input gives identical bytes.
+//! Texts: the header, the source, the golden vectors, the report. Equal input gives equal bytes.
 
 mod c;
 mod golden;
@@ -6,6 +6,7 @@ mod package;
 mod python;
 mod report;
 mod selftest;
+mod text;
 
 pub use package::{PACKAGES, Package};
 pub use report::{Measurement, Provenance};
@@ -13,66 +14,14 @@ pub use report::{Measurement, Provenance};
 use crate::design::Design;
 use crate::device::{Axis, Device};
 use crate::error::Error;
-use crate::ir::{IntegerType, Range, Table};
+use crate::ir::Range;
 use crate::prove::Worst;
 use crate::reference::place;
 use minijinja::context;
 use serde::Serialize;
+use text::table_text;
 
-/// A local variable of the generated function.
-#[derive(Debug, Serialize)]
-pub struct Local {
-    /// Its type in C.
-    #[serde(rename = "type")]
-    pub ty: &'static str,
-    /// Its name.
-    pub name: String,
-    /// Its value.
-    pub expression: String,
-    /// What it is, with its unit.
-    pub note: String,
-}
-
-/// A table as the templates see it.
-#[derive(Serialize)]
-struct TableText<'a> {
-    ty: &'static str,
-    name: &'a str,
-    note: &'a str,
-    rows: Vec<String>,
-    entries: &'a [i64],
-    place: &'static str,
-}
-
-/// Entries in one line of a table.
-const PER_LINE: usize = 12;
-
-fn table_text(table: &Table) -> TableText<'_> {
-    TableText {
-        ty: table.ty.c_name(),
-        name: &table.name,
-        note: &table.note,
-        rows: literal_list(&table.entries, table.ty),
-        entries: &table.entries,
-        place: if table.program_memory { " PROGMEM" } else { "" },
-    }
-}
-
-/// Constants of one type, in lines.
-fn literal_list(entries: &[i64], ty: IntegerType) -> Vec<String> {
-    let suffix = match (ty.is_signed(), ty.bits()) {
-        (true, _) => "",
-        (false, 32) => "UL",
-        (false, _) => "U",
-    };
-    let literal = |entry: &i64| match (*entry, ty) {
-        // Written out, this constant would have no type that holds it.
-        (-2_147_483_648, IntegerType::I32) => "INT32_MIN".to_owned(),
-        (entry, _) => format!("{entry}{suffix}"),
-    };
-    let line = |entries: &[i64]| entries.iter().map(literal).collect::<Vec<_>>().join(", ");
-    entries.chunks(PER_LINE).map(line).collect()
-}
+pub use text::Local;
 
 /// The condition under which a code is out of range, leaving out what its type excludes anyway.
 fn outside(axis: &Axis) -> Vec<String> {

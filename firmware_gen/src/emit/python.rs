@@ -1,6 +1,6 @@
 //! A program as Python text, for MicroPython and CircuitPython: integers are exact there, so no type is named.
 
-use super::Local;
+use super::text::Local;
 use crate::ir::{Operation, Program, Value};
 
 /// The statements of a program: its locals, and what it returns.

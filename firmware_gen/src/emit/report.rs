@@ -1,4 +1,4 @@
-//! The machine-readable report: everything in it was proven or counted; what was not measured is null.
+//! The machine-readable report. Every figure in it was proven or measured; figures that were not measured are null.
 
 use crate::design::Design;
 use crate::device::Device;
@@ -6,7 +6,7 @@ use crate::prove::Worst;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// Where the firmware comes from, and what was asked for.
+/// The origin of the firmware, and the request.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provenance {
     /// Version of echocal.
@@ -17,21 +17,21 @@ pub struct Provenance {
     pub target: String,
     /// How it is packed.
     pub package: String,
-    /// What was saved, `size` or `speed`.
+    /// What the search saved, `size` or `speed`.
     pub prefer: String,
     /// Hash of the model.
     pub model_hash: String,
     /// The model, a line each: law, effects, air.
     pub model: Vec<String>,
-    /// What the device does not measure and the firmware therefore assumes, a line each.
+    /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
-    /// Bound that was asked for \[m\].
+    /// Requested error bound \[m\].
     pub maximum_error: f64,
     /// Distances up to this are bounded \[m\].
     pub maximum_distance: f64,
 }
 
-/// What the function was measured to take on one core.
+/// The measured cost of the function on one core.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Measurement {
     /// The core that ran it.

@@ -1,13 +1,14 @@
 //! Vectors of the self-test: few enough for the smallest memory, at every edge of the accepted codes.
 
-use super::literal_list;
+use super::text::literal_list;
 use crate::design::Design;
 use crate::device::{Axis, Device};
 use crate::ir::{IntegerType, Range};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Codes of each axis inside its range, its ends among them.
+/// Codes of each axis inside its range, its ends among them. Set by hand: 4^3 vectors at most, so
+/// that they fit a small flash.
 const INSIDE: i64 = 4;
 
 /// One column of the vectors.

@@ -6,27 +6,28 @@
 //! high byte of `x`, which costs nothing to get, makes it finer, `y = far - flat * u + lean * (x >> 8)`, or `steep` has
 //! eight binary places, and `x` is the middle of its product with `u`.
 
-use super::tail::plus;
-use super::{Fit, Form, center, warmth};
+use super::contract::{Fit, Form, center};
+use super::steps::{plus, temperature_index};
 use crate::ir::{Builder, Value};
 use crate::minimax::{Points, minimax};
 
 /// Name of the form.
 pub(super) const NAME: &str = "factored";
 
-/// Points of a minimax fit.
+/// Points of a minimax fit. Set by hand: a parabola needs four; the integers are chosen on all codes afterwards.
 const POINTS: usize = 128;
-/// How far from the ideal the last constant is looked for.
+/// The search for `far` covers this many integers on either side of its ideal value. Set by hand: the search time grows
+/// with it.
 const REACH: i64 = 4;
-/// Binary places of the first line's factor where it has any.
+/// Binary places of the first line's factor, if it has any: one byte, so that the shift moves whole bytes.
 const PLACES: u32 = 8;
-/// How far from the ideal that factor is looked for where it has places.
+/// The search for that factor covers this many integers on either side. Set by hand.
 const FINE_REACH: i64 = 24;
-/// Largest factor of the second line where the first is to fit 16 bits.
+/// Largest factor of the second line that is tried if the first line must fit 16 bits. Set by hand.
 const FLATTEST: i64 = 4;
-/// Bits of the wider products.
+/// Bits of a 32-bit product that may be used: a tenth of a bit is left for the rounding of the constants.
 const PRODUCT_BITS: f64 = 31.9;
-/// Binary places of `flat * u` at most, where no byte is to be met.
+/// Most binary places of `flat * u` on cores that shift by any number of places. Set by hand.
 const MOST_PLACES: i32 = 24;
 
 /// `base + sign * ((steep * u * (far - bent * (flat * u - lean * (steep * u >> 8)))) >> shift)`.
@@ -47,7 +48,7 @@ struct Factored {
     floor: f64,
 }
 
-/// What is left of a fit on few points: codes, targets and weights.
+/// Some of the codes of a fit, with their targets and weights.
 struct Sample {
     codes: Vec<f64>,
     target: Vec<f64>,
@@ -181,12 +182,16 @@ impl Factored {
     /// The high byte of the first line, once or twice.
     fn leaning(&self, builder: &mut Builder<'_>, steep: Value) -> Value {
         let high = builder.shift_right(steep, 8);
-        let high = builder.name(high, "lean", "bends the other line more finely");
+        let high = builder.name(
+            high,
+            "correction",
+            "high byte of first_line; it refines the curvature",
+        );
         if self.lean.abs() < 2 {
             return high;
         }
         let twice = builder.add(high, high);
-        builder.name(twice, "lean_twice", "twice that")
+        builder.name(twice, "correction_twice", "2 * correction")
     }
 
     /// The largest error \[unit\], the base set to what suits the lines best.
@@ -237,12 +242,12 @@ impl Form for Factored {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let u = warmth(builder);
+        let u = temperature_index(builder);
         let mut steep = times(builder, u, self.steep);
         if self.places > 0 {
             steep = builder.shift_right(steep, self.places);
         }
-        let steep = builder.name(steep, "steep", "one straight line");
+        let steep = builder.name(steep, "first_line", "linear in the temperature index");
         let flat = times(builder, u, self.flat);
         let far = builder.constant(self.far);
         let mut line = if self.falls {
@@ -258,7 +263,7 @@ impl Form for Factored {
                 builder.subtract(line, lean)
             };
         }
-        let line = builder.name(line, "line", "the other straight line");
+        let line = builder.name(line, "second_line", "linear in the temperature index");
         let product = builder.multiply(steep, line);
         let part = builder.shift_right(product, self.shift);
         if self.grows {

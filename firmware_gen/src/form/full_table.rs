@@ -1,6 +1,7 @@
 //! One table entry for each temperature code: the largest, and the fastest.
 
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::temperature_index;
 use crate::ir::{Builder, Value};
 
 /// A full table of speed factors.
@@ -9,7 +10,7 @@ struct FullTable {
     entries: Vec<i64>,
 }
 
-/// Entries beyond which a table is no answer for a microcontroller.
+/// Most entries that are proposed: 16 KiB of 16-bit entries, half the flash of an ATmega328P.
 const MOST: usize = 8192;
 
 /// Name of the form.
@@ -48,7 +49,7 @@ impl Form for FullTable {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let index = warmth(builder);
+        let index = temperature_index(builder);
         let table = builder.table(
             "speed",
             "speed factor at each temperature code".into(),

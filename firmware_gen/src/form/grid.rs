@@ -1,20 +1,22 @@
 //! A uniform table in two conditions, a power of two of codes between entries, linear between them both ways.
 
-use super::additive::Plane;
-use super::tail::{floor_shift, plus};
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::plane::Plane;
+use super::steps::{floor_shift, humidity_index, plus, temperature_index};
 use crate::ir::{Builder, TableId, Value};
 use crate::minimax::horner;
 
 /// Name of the form.
 pub const NAME: &str = "grid";
-/// Most entries that are proposed.
+/// Most entries that are proposed: 8 KiB of 16-bit entries, a quarter of the flash of an ATmega328P.
 const MOST: usize = 4096;
-/// Passes in which entries move to the middle of the errors around them.
+/// Passes in which entries move to the middle of the errors around them. Set by hand.
 const PASSES: usize = 8;
-/// Degree of the polynomial that stands for a row of the second condition between the codes looked at.
+/// Degree of the polynomial that interpolates a row of the second condition between the codes that are sampled. Set by
+/// hand: moist air is nearly linear in the humidity.
 const DEGREE: usize = 3;
-/// Share of the first table's error that no moving of entries undercuts.
+/// The error of the best table is taken to be at least this share of the first table's. In one dimension,
+/// moving the entries of a parabola halves the error; 0.4 leaves a margin. Set by hand.
 const SPARE: f64 = 0.4;
 
 /// Entries row by row, a row for each temperature.
@@ -40,10 +42,13 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let wide = fit.device.conditions[1].codes;
     let wide = (wide.maximum - wide.minimum) as usize;
     let steps = |codes: usize| 1..usize::BITS - codes.leading_zeros() + 1;
-    let shapes = steps(lines.len()).flat_map(|warm| steps(wide).map(move |damp| (warm, damp)));
+    let shapes = steps(lines.len())
+        .flat_map(|temperature| steps(wide).map(move |humidity| (temperature, humidity)));
     let nodes = |codes: usize, bits: u32| (codes >> bits) + 2;
     shapes
-        .filter(|(warm, damp)| nodes(lines.len() - 1, *warm) * nodes(wide, *damp) <= MOST)
+        .filter(|(temperature, humidity)| {
+            nodes(lines.len() - 1, *temperature) * nodes(wide, *humidity) <= MOST
+        })
         .map(|bits| {
             let rows = nodes(lines.len() - 1, bits.0);
             let grid = Grid::new(fit, &plane, &lines, bits, (rows, nodes(wide, bits.1)));
@@ -63,12 +68,12 @@ impl Grid {
         let last = lines.len() - 1;
         let entry = |index: usize| {
             let (row, column) = (index / columns, index % columns);
-            let damp = (column << bits.1) as f64;
-            let warm = row << bits.0;
-            let at = |code: usize| horner(&lines[code], damp);
+            let humidity = (column << bits.1) as f64;
+            let temperature = row << bits.0;
+            let at = |code: usize| horner(&lines[code], humidity);
             // Past the end on in a straight line.
-            let beyond = warm.saturating_sub(last) as f64;
-            (at(last) - at(last.saturating_sub(1))).mul_add(beyond, at(warm.min(last)))
+            let beyond = temperature.saturating_sub(last) as f64;
+            (at(last) - at(last.saturating_sub(1))).mul_add(beyond, at(temperature.min(last)))
         };
         let mut values: Vec<f64> = (0..rows * columns).map(entry).collect();
         let mut grid = Self {
@@ -84,11 +89,15 @@ impl Grid {
     }
 
     /// The cell of a combination of codes: index of its first entry, and the place in it.
-    fn cell(&self, warm: usize, damp: usize) -> (usize, f64, f64) {
+    fn cell(&self, temperature: usize, humidity: usize) -> (usize, f64, f64) {
         let share =
             |code: usize, bits: u32| (code & ((1 << bits) - 1)) as f64 / f64::from(bits).exp2();
-        let index = (warm >> self.bits.0) * self.columns + (damp >> self.bits.1);
-        (index, share(warm, self.bits.0), share(damp, self.bits.1))
+        let index = (temperature >> self.bits.0) * self.columns + (humidity >> self.bits.1);
+        (
+            index,
+            share(temperature, self.bits.0),
+            share(humidity, self.bits.1),
+        )
     }
 
     /// Move each entry by the middle of the errors in the cells around it; the first error \[unit\].
@@ -97,8 +106,8 @@ impl Grid {
         for pass in 0..PASSES {
             let mut ends = vec![(0.0_f64, 0.0_f64); values.len()];
             for (index, target) in fit.target.iter().enumerate() {
-                let (warm, damp) = plane.place(index);
-                let (cell, down, along) = self.cell(warm, damp);
+                let (temperature, humidity) = plane.place(index);
+                let (cell, down, along) = self.cell(temperature, humidity);
                 let corners = [cell, cell + 1, cell + self.columns, cell + self.columns + 1];
                 let [a, b, c, d] = corners.map(|corner| values[corner]);
                 let (upper, lower) = ((b - a).mul_add(along, a), (d - c).mul_add(along, c));
@@ -165,32 +174,43 @@ impl Form for Grid {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let warm = warmth(builder);
-        let lowest = builder.device().conditions[1].codes.minimum;
-        let code = builder.condition(1);
-        let damp = plus(builder, code, -lowest);
-        let note = "speed factors, a row of the second code for each temperature".into();
+        let temperature = temperature_index(builder);
+        let humidity = humidity_index(builder);
+        let note =
+            "speed factors: one row for each temperature, one column for each humidity".into();
         let table = builder.table("speed", note, self.entries.clone());
-        let row = builder.shift_right(warm, self.bits.0);
+        let row = builder.shift_right(temperature, self.bits.0);
         let columns = builder.constant(self.columns as i64);
         let row = builder.multiply(row, columns);
-        let column = builder.shift_right(damp, self.bits.1);
+        let column = builder.shift_right(humidity, self.bits.1);
         let cell = builder.add(row, column);
-        let cell = builder.name(cell, "cell", "first entry of the cell");
-        let down = builder.low_bits(warm, self.bits.0);
-        let down = builder.name(down, "down", "temperature codes into the cell");
-        let along = builder.low_bits(damp, self.bits.1);
-        let along = builder.name(along, "along", "humidity codes into the cell");
+        let cell = builder.name(cell, "cell", "index of the first entry of the cell");
+        let down = builder.low_bits(temperature, self.bits.0);
+        let down = builder.name(
+            down,
+            "down",
+            "position in the cell along temperature [codes]",
+        );
+        let along = builder.low_bits(humidity, self.bits.1);
+        let along = builder.name(
+            along,
+            "along",
+            "position in the cell along humidity [codes]",
+        );
         let [a, b, c, d] =
             [0, 1, self.columns, self.columns + 1].map(|more| entry(builder, table, cell, more));
         let upper = self.between(builder, a, b, along, self.bits.1);
         let upper = builder.name(
             upper,
-            "upper",
-            "speed factor at the cell's lower temperature",
+            "first_row",
+            "speed factor at the cell's first temperature code",
         );
         let lower = self.between(builder, c, d, along, self.bits.1);
-        let lower = builder.name(lower, "lower", "and at its higher one");
+        let lower = builder.name(
+            lower,
+            "next_row",
+            "speed factor at the next cell's first temperature code",
+        );
         self.between(builder, upper, lower, down, self.bits.0)
     }
 

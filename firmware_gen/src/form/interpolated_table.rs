@@ -1,6 +1,7 @@
 //! A uniform table with a power of two of codes between entries, linear between them.
 
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::{floor_shift, temperature_index};
 use crate::ir::{Builder, Value};
 
 /// A uniform table with linear interpolation.
@@ -12,7 +13,7 @@ struct InterpolatedTable {
     floor: f64,
 }
 
-/// Passes over all entries after which joint rounding stops; it stops earlier where nothing improves.
+/// Most passes of the joint rounding over all entries; it stops earlier if nothing improves. Set by hand.
 const PASSES: usize = 12;
 /// Name of the form.
 pub(super) const NAME: &str = "interpolated_table";
@@ -34,7 +35,7 @@ fn extend(target: &[f64], index: usize) -> f64 {
     slope.mul_add((index - last) as f64, target[last])
 }
 
-/// How far the target bulges from the chord of a cell: the middle of the deviations, and half their spread \[unit\].
+/// The deviation of the target from the chord of a cell: the sum of its extremes, and half their difference \[unit\].
 fn sag(fit: &Fit<'_>, entries: &[f64], left: usize, step: usize) -> (f64, f64) {
     let (mut low, mut high, mut weight) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for within in 0..step.min(fit.target.len() - left * step) {
@@ -115,22 +116,22 @@ impl Form for InterpolatedTable {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let code = warmth(builder);
-        let note = format!("speed factor at every {} codes", 1 << self.bits);
+        let code = temperature_index(builder);
+        let note = format!("speed factor, one entry every {} codes", 1 << self.bits);
         let table = builder.table("speed", note, self.entries.clone());
         let cell = builder.shift_right(code, self.bits);
-        let cell = builder.name(cell, "cell", "cell of the table");
+        let cell = builder.name(cell, "cell", "index of the table interval");
         let within = builder.low_bits(code, self.bits);
-        let within = builder.name(within, "within", "position in the cell");
+        let within = builder.name(within, "within", "position in the interval [codes]");
         let low = builder.load(table, cell);
-        let low = builder.name(low, "low", "speed factor at the start of the cell");
+        let low = builder.name(low, "low", "speed factor at the start of the interval");
         let one = builder.constant(1);
         let next = builder.add(cell, one);
         let high = builder.load(table, next);
         let rise = builder.subtract(high, low);
-        let rise = builder.name(rise, "rise", "its growth over the cell");
+        let rise = builder.name(rise, "rise", "change of the speed factor over the interval");
         let product = builder.multiply(within, rise);
-        let lift = super::tail::floor_shift(builder, product, self.bits);
+        let lift = floor_shift(builder, product, self.bits);
         builder.add(low, lift)
     }
 

@@ -1,183 +1,40 @@
 //! Forms: how the speed factor of each combination of conditions is stored or computed. One form, one file.
 //!
-//! A form proposes candidates for a [`Fit`], each of which builds the same steps into any [`Builder`]. A new form is a
-//! new file and one line in [`FORMS`].
+//! A form proposes candidates for a [`Fit`], each of which builds the same steps into any
+//! [`Builder`](crate::ir::Builder). A new form is a new file and one line: in [`TEMPERATURE_FORMS`], or in
+//! [`TWO_CONDITION_FORMS`].
 
 mod additive;
+mod contract;
 mod factored;
 mod full_table;
 mod grid;
 mod interpolated_table;
+mod plane;
 mod polynomial;
 mod segments;
 mod square;
+mod steps;
 mod tail;
+mod temperature;
 
-/// Forms of two conditions; all others are of the temperature alone.
-pub const OF_TWO: [&str; 2] = [additive::NAME, grid::NAME];
-
-use additive::Lines;
+pub use contract::{Fit, Form, Propose, factors};
 pub use tail::Tail;
+pub use temperature::FORMS as TEMPERATURE_FORMS;
 
-use crate::device::Device;
-use crate::ir::{Builder, Value};
-use crate::target::{Cost, Target};
-use std::fmt::Debug;
-use std::sync::OnceLock;
-
-/// What a form must follow: the speed factor at every combination of conditions.
-#[derive(Debug)]
-pub struct Fit<'a> {
-    /// The device.
-    pub device: &'a Device,
-    /// The combinations of conditions that the targets belong to.
-    pub picked: Vec<usize>,
-    /// Ideal speed factors, in units of the last binary place of the format.
-    pub target: Vec<f64>,
-    /// Error of the distance at the far end of the bounded domain \[unit\], per unit of `target`.
-    pub weight: Vec<f64>,
-    /// The error to stay below \[unit\].
-    pub bound: f64,
-    /// Largest tables allowed, together [byte].
-    pub maximum_table: usize,
-    /// Where it is to run.
-    pub core: Target,
-    /// Polynomials in the second condition, by degree, once somebody asked for them.
-    pub lines: [OnceLock<Lines>; DEGREES],
-}
-
-/// Degrees of [`Fit::lines`], from 0 on.
-const DEGREES: usize = 4;
-
-impl Fit<'_> {
-    /// The largest error that factors `given` would cause \[unit\].
-    #[must_use]
-    pub fn error(&self, given: &[i64]) -> f64 {
-        let errors = given.iter().zip(&self.target).zip(&self.weight);
-        errors.fold(0.0, |worst, ((given, target), weight)| {
-            ((*given as f64 - target) * weight).abs().max(worst)
-        })
-    }
-}
-
-/// A way to get the speed factor from the condition codes.
-pub trait Form: Debug + Send + Sync {
-    /// Its name in reports.
-    fn name(&self) -> &'static str;
-
-    /// What it is, in words.
-    fn describe(&self) -> String;
-
-    /// The integers that define it, for the report.
-    fn parameters(&self) -> serde_json::Value;
-
-    /// The error \[unit\] that no rounding of this form can undercut.
-    fn floor(&self) -> f64;
-
-    /// The error \[unit\] that its parts reach where the others are ideal, as they are rounded: it can hardly undercut
-    /// that. What parts are tried for one candidate is known for the next that has them.
-    fn least(&self, _fit: &Fit<'_>) -> f64 {
-        self.floor()
-    }
-
-    /// The error \[unit\] that it has where those of its parts meet.
-    fn likely(&self, fit: &Fit<'_>) -> f64 {
-        self.least(fit)
-    }
-
-    /// The error \[unit\] that refining left, before the distance is rounded, where that is known.
-    fn reached(&self) -> Option<f64> {
-        None
-    }
-
-    /// What it costs, where that is known without building a program.
-    fn estimate(&self) -> Option<Cost> {
-        None
-    }
-
-    /// Add its steps to a program; the value is the speed factor, never negative.
-    fn build(&self, builder: &mut Builder<'_>) -> Value;
-
-    /// Round its constants jointly, so that the largest error is as small as the form allows.
-    fn refine(&mut self, fit: &Fit<'_>);
-
-    /// The same once more.
-    fn duplicate(&self) -> Box<dyn Form>;
-}
-
-type Propose = fn(&Fit<'_>) -> Vec<Box<dyn Form>>;
-
-/// Every form with its name. To add one, write its file and add its line.
-pub const FORMS: &[(&str, Propose)] = &[
-    (polynomial::NAME, polynomial::propose),
-    (interpolated_table::NAME, interpolated_table::propose),
-    (segments::NAME, segments::propose),
-    (square::NAME, square::propose),
-    (factored::NAME, factored::propose),
+/// Every form of temperature and humidity, with its name. To add one, write its file and add its line.
+pub const TWO_CONDITION_FORMS: &[(&str, Propose)] = &[
     (additive::NAME, additive::propose),
     (grid::NAME, grid::propose),
-    (full_table::NAME, full_table::propose),
 ];
 
-/// The speed factors that `form` gives at every combination of conditions.
+/// Every form with its name.
+pub fn all() -> impl Iterator<Item = &'static (&'static str, Propose)> {
+    TEMPERATURE_FORMS.iter().chain(TWO_CONDITION_FORMS)
+}
+
+/// Whether the form of this name reads two conditions.
 #[must_use]
-pub fn factors(form: &dyn Form, fit: &Fit<'_>) -> Vec<i64> {
-    let mut builder = Builder::over(fit.device, fit.core.least_bits, fit.picked.clone());
-    let value = form.build(&mut builder);
-    builder.per_row(value).to_vec()
-}
-
-/// The temperature code counted from the coldest code that the function accepts.
-fn warmth(builder: &mut Builder<'_>) -> Value {
-    let axis = &builder.device().conditions[0];
-    let (lowest, note) = (
-        axis.codes.minimum,
-        format!(
-            "codes above {} {}",
-            axis.value(axis.codes.minimum),
-            axis.unit
-        ),
-    );
-    let code = builder.condition(0);
-    if lowest == 0 {
-        return code;
-    }
-    let offset = builder.constant(lowest.abs());
-    let value = if lowest < 0 {
-        builder.add(code, offset)
-    } else {
-        builder.subtract(code, offset)
-    };
-    let prefix = builder.set_prefix(""); // shared by all that reads the temperature
-    let value = builder.name(value, "warmth", note);
-    builder.set_prefix(prefix);
-    value
-}
-
-/// Exchanges after which [`center`] has settled, or never will.
-const EXCHANGES: usize = 12;
-
-/// The constant that leaves the least error beside `settled`: where the two worst errors, weighted, are opposite.
-pub(crate) fn center(fit: &Fit<'_>, settled: &[f64]) -> i64 {
-    let mut constant = fit.target[0] - settled[0];
-    for _ in 0..EXCHANGES {
-        let (mut low, mut high) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
-        for (index, settled) in settled.iter().enumerate() {
-            let error = (fit.target[index] - settled - constant) * fit.weight[index];
-            if error < low.0 {
-                low = (error, index);
-            }
-            if error > high.0 {
-                high = (error, index);
-            }
-        }
-        let rest = |index: usize| fit.target[index] - settled[index];
-        let (a, b) = (fit.weight[low.1], fit.weight[high.1]);
-        let next = a.mul_add(rest(low.1), b * rest(high.1)) / (a + b);
-        if !next.is_finite() || next == constant {
-            break;
-        }
-        constant = next;
-    }
-    constant.round() as i64
+pub fn reads_two(name: &str) -> bool {
+    TWO_CONDITION_FORMS.iter().any(|(form, _)| *form == name)
 }

@@ -1,7 +1,8 @@
 //! Straight segments of 256 codes: the cell is the upper byte of the code, the place in it the lower one, and slopes are
 //! bytes above a slope that all share. For cores that move bytes and cannot shift.
 
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::temperature_index;
 use crate::ir::{Builder, Value};
 
 /// Segments of 256 codes, each with a start of 16 bits and a slope of 8 bits above a slope that all share.
@@ -14,10 +15,11 @@ struct Segments {
     floor: f64,
 }
 
-/// Codes in a segment, binary logarithm.
+/// Binary logarithm of the codes in a segment: the low byte of the code is the position in it.
 const BITS: u32 = 8;
+/// Codes in a segment.
 const CODES: usize = 1 << BITS;
-/// Slopes that are tried around the chord's.
+/// Slopes that are tried on either side of the chord's. Set by hand.
 const REACH: i64 = 3;
 /// Name of the form.
 pub(super) const NAME: &str = "segments";
@@ -100,25 +102,25 @@ impl Form for Segments {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let code = warmth(builder);
+        let code = temperature_index(builder);
         let cell = builder.shift_right(code, BITS);
-        let cell = builder.name(cell, "cell", "segment");
+        let cell = builder.name(cell, "cell", "index of the segment");
         let within = builder.low_bits(code, BITS);
-        let within = builder.name(within, "within", "position in the segment");
-        let note = "start of each segment, continued back to code 0 by the slope that all share";
+        let within = builder.name(within, "within", "position in the segment [codes]");
+        let note = "speed factor of each segment, extrapolated to temperature index 0 with the common slope";
         // A start that would be negative there makes the candidate impossible, not wrong.
         let back =
             |(cell, (start, _)): (usize, &(i64, i64))| start - self.steady * (cell * CODES) as i64;
         let starts = self.entries.iter().enumerate().map(back).collect();
         let starts = builder.table("start", note.into(), starts);
-        let note = "slope of each segment above that, 1/256 speed factor per code";
+        let note = "slope of each segment above the common slope [1/256 speed factor per code]";
         let slopes = self.entries.iter().map(|(_, slope)| *slope).collect();
         let slopes = builder.table("slope", note.into(), slopes);
         let start = builder.load(starts, cell);
         let slope = builder.load(slopes, cell);
         let product = builder.multiply(within, slope);
         let rise = builder.shift_right(product, BITS);
-        let rise = builder.name(rise, "rise", "what the segment adds");
+        let rise = builder.name(rise, "rise", "contribution of the segment's own slope");
         let base = builder.add(start, rise);
         let steady = builder.constant(self.steady);
         let steady = builder.multiply(code, steady);

@@ -1,13 +1,14 @@
 //! The twin for many echo times at once: the same steps over lanes, every claim still checked on every lane.
 
-use super::{Operation, Overflow, Program, Value};
+use super::program::{Operation, Program, Value};
+use super::twin::Overflow;
 
-/// Echo times evaluated together.
+/// Echo times evaluated together. Set by hand: the lanes of a typical program fit the second-level cache.
 pub const LANES: usize = 512;
 
 type Lanes = [i64; LANES];
 
-/// Beyond this, the lane arithmetic could itself wrap.
+/// Largest magnitude in a lane: sums and differences of two such values fit `i64`.
 const REACH: i64 = 1 << 61;
 
 /// Working memory for one thread.

@@ -1,8 +1,9 @@
 //! Building a program while every node's values are known: exactly for each combination of conditions, as an interval
 //! over the echo time. The types of a program follow from these rows.
 
-use super::{IntegerType, Node, Operation, Program, Range, Table, TableId, Value};
+use super::program::{Node, Operation, Program, Table, TableId, Value};
 use crate::device::Device;
+use crate::types::{IntegerType, Range};
 
 /// Values of one node: an interval for each combination of conditions.
 #[derive(Clone, Debug)]

@@ -1,8 +1,9 @@
 //! The bit-exact twin: a program evaluated on one input, every claim checked on the way.
 
-use super::{IntegerType, Node, Operation, Program, Range, Value};
+use super::program::{Node, Operation, Program, Value};
+use crate::types::{IntegerType, Range};
 
-/// A claim that does not hold: some value does not fit where the program says it fits.
+/// A violated claim: a value does not fit the type that the program claims for it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("step {node} does not fit {ty}: {what}", ty = .ty.c_name())]
 pub struct Overflow {

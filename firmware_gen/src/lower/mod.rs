@@ -1,5 +1,5 @@
-//! A model as the reference of a firmware: what the device does not measure is frozen, and what cannot do without is
-//! refused by name, with the error that leaving it out would cost.
+//! A model as the reference of a firmware. Conditions that the device does not measure are fixed at assumed values. An
+//! effect that needs such a condition is refused by name, with the error that results from leaving it out.
 
 mod omission;
 mod reference;
@@ -11,12 +11,11 @@ use crate::error::Error;
 use echocal_core::effects::{self, Firmware};
 use echocal_core::model::Term;
 use echocal_core::{Conditions, Model, Quantity};
-use omission::FIELD;
 
-/// Points at which a quantity, and the temperature, are tried.
+/// Steps over the range of a quantity, and over that of the temperature. Set by hand: the effects are smooth.
 const STEPS: usize = 16;
 
-/// Distances at which an error is looked for, as shares of the largest.
+/// Distances at which an error is computed, as shares of the largest. Set by hand: most errors are largest at one end.
 const NEARER: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
 
 /// A model at the conditions that the device measures, the others frozen.
@@ -58,7 +57,8 @@ pub fn lower(
             continue; // at neutral parameters nothing is lost
         }
         if !accepted.iter().any(|id| id == term.facts().id) {
-            return Err(Error::Refused(Box::new(omission)));
+            let remedy = omission.remedy();
+            return Err(Error::Refused(format!("{omission}; {remedy}")));
         }
         kept.omissions.push(omission);
     }
@@ -196,15 +196,15 @@ impl Lowered {
                 let known = self.at(&device.values(row));
                 let at = unknown
                     .iter()
-                    .fold(known, |at, quantity| afield(at, *quantity, step));
+                    .fold(known, |at, quantity| in_field(at, *quantity, step));
                 let longest = settled.distance(device.echo.value(device.echo.codes.maximum), &at);
-                // No farther than the device hears; a distance that nobody knows is no limit.
+                // At most the distance of the longest accepted echo; `min` ignores one that is not a number.
                 for far in NEARER.map(|share| share * distance.min(longest)) {
                     let time = settled.time_of_flight(far, &at);
                     for step in steps(quantity.is_some()) {
-                        let there = quantity.map_or(at, |quantity| afield(at, quantity, step));
+                        let there = quantity.map_or(at, |quantity| in_field(at, quantity, step));
                         let error = (self.model.distance(time, &there) - far).abs();
-                        // What cannot be told is not nothing.
+                        // An error that cannot be computed counts as infinite.
                         largest = largest.max(if error.is_nan() { f64::INFINITY } else { error });
                     }
                 }
@@ -215,15 +215,10 @@ impl Lowered {
 }
 
 /// Conditions with one quantity at a step of its range in the field.
-fn afield(at: Conditions<f64>, quantity: Quantity, step: usize) -> Conditions<f64> {
-    let (_, low, high) = FIELD[quantity as usize];
-    let later = (Quantity::TemperatureLater1 as usize..=Quantity::TemperatureLater5 as usize)
-        .contains(&(quantity as usize));
-    let from = if later {
-        at.get(Quantity::Temperature)
-    } else {
-        0.0
-    };
+fn in_field(at: Conditions<f64>, quantity: Quantity, step: usize) -> Conditions<f64> {
+    let facts = quantity.facts();
+    let (low, high) = facts.field;
+    let from = facts.field_from.map_or(0.0, |origin| at.get(origin));
     let value = (high - low).mul_add(step as f64 / STEPS as f64, low);
     at.with(quantity, from + value)
 }

@@ -1,37 +1,9 @@
-//! What a firmware leaves out, and what that costs.
+//! Effects and conditions that a firmware leaves out, and the error that results.
 
 use echocal_core::Quantity;
 use std::fmt;
 
-/// Where an influence quantity can lie in the field; the cost of not measuring it is stated over this range. Later
-/// temperatures are counted from the temperature.
-pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
-    (Quantity::Temperature, -20.0, 60.0),
-    (Quantity::RelativeHumidity, 0.0, 1.0),
-    (Quantity::Pressure, 80e3, 106e3),
-    (Quantity::Co2MoleFraction, 3e-4, 2e-3),
-    (Quantity::ElapsedTime, 0.0, 86_400.0),
-    (Quantity::SupplyVoltage, 4.5, 5.5),
-    (Quantity::Angle, 0.0, 0.26),
-    (Quantity::WindSpeed, 0.0, 10.0),
-    (Quantity::Radiation, 0.0, 1000.0),
-    (Quantity::Amplitude, 0.05, 1.0),
-    (Quantity::TemperatureRate, -0.01, 0.01),
-    (Quantity::TemperatureLater1, -1.0, 1.0),
-    (Quantity::TemperatureLater2, -1.0, 1.0),
-    (Quantity::TemperatureLater3, -1.0, 1.0),
-    (Quantity::TemperatureLater4, -1.0, 1.0),
-    (Quantity::TemperatureLater5, -1.0, 1.0),
-    (Quantity::RadiationRate, -0.5, 0.5),
-    (Quantity::PositionInGroup, 0.0, 10.0),
-    (
-        Quantity::HourAngle,
-        -core::f64::consts::PI,
-        core::f64::consts::PI,
-    ),
-];
-
-/// What a firmware leaves out, and what that costs.
+/// An effect or a condition that a firmware leaves out, and the error that results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Omission {
     /// The effect; `None` for the law itself.
@@ -40,16 +12,16 @@ pub struct Omission {
     pub quantity: Option<Quantity>,
     /// The value assumed instead; `None`: the effect is left out.
     pub assumed: Option<f64>,
-    /// Why, where the effect cannot be lowered on any device.
+    /// The reason, if no device can compute the effect.
     pub reason: Option<&'static str>,
     /// Error that this leaves at the largest bounded distance, over the field range of the quantity \[m\].
     pub left: f64,
 }
 
 impl Omission {
-    /// What the user can do about a refusal; where no input would help, none is asked for.
+    /// What the user can do about a refusal.
     #[must_use]
-    pub fn way_out(&self) -> String {
+    pub fn remedy(&self) -> String {
         let accept = format!("accept it with --accept {}", self.effect.unwrap_or("law"));
         if self.quantity.is_some() {
             format!("give the device that input, or {accept}")
@@ -64,8 +36,8 @@ impl fmt::Display for Omission {
         let left = self.left * 1e3;
         match (self.effect, self.quantity, self.reason) {
             (Some(effect), Some(quantity), _) => {
-                let name = quantity.facts().name;
-                let (_, low, high) = FIELD[quantity as usize];
+                let facts = quantity.facts();
+                let (name, (low, high)) = (facts.name, facts.field);
                 write!(
                     f,
                     "effect {effect} needs {name}, which the device does not measure: \
@@ -81,7 +53,7 @@ impl fmt::Display for Omission {
             }
             (None, Some(quantity), _) => {
                 let facts = quantity.facts();
-                let (_, low, high) = FIELD[quantity as usize];
+                let (low, high) = facts.field;
                 let assumed = self.assumed.unwrap_or(f64::NAN);
                 let unit = if facts.unit == "1" {
                     String::new()

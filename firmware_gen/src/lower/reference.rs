@@ -1,4 +1,4 @@
-//! A lowered model as the truth: straight lines where the formulas prove them straight, Newton's method elsewhere.
+//! A lowered model as the reference: a straight line if the formulas prove that it is one, otherwise Newton's method.
 
 use super::Lowered;
 use crate::affine::Affine;
@@ -9,18 +9,18 @@ use echocal_core::dual::Dual;
 use echocal_core::scalar::Scalar;
 use echocal_core::{Conditions, Quantity};
 
-/// A Newton step below this is less than the twin's own unit by a factor of a million \[m\].
+/// Newton's method stops at a step of this \[m\]: a millionth of the finest output unit, 1 um.
 const SETTLED: f64 = 1e-12;
-/// Combinations of conditions after which the caller may stop: some milliseconds.
+/// Combinations of conditions between two questions whether to go on: some milliseconds.
 const BETWEEN: usize = 16_384;
-/// Steps allowed; a chain that is affine in the distance settles in one.
+/// Most Newton steps. Set by hand: a chain that is affine in the distance needs one, and convergence is quadratic.
 const STEPS_ALLOWED: usize = 20;
 
 impl Reference for Lowered {
     fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]) {
         let at = self.at(conditions);
         let line = self.time(Affine::DISTANCE, &at);
-        // Straight for every distance, as the formulas themselves prove: invert it once for the whole row.
+        // A straight line for every distance, as the formulas prove: it is inverted once for the whole row.
         if line.slope.is_finite() && line.slope != 0.0 {
             let (slope, start) = (line.slope.recip(), -line.constant / line.slope);
             let pairs = distance.iter_mut().zip(time_of_flight);

@@ -1,7 +1,7 @@
 //! One thread of the proof: row after row, block after block.
 
+use super::claim::{Claim, SEED, Worst, fold};
 use super::straight::Straight;
-use super::{Claim, SEED, Worst, fold};
 use crate::error::Error;
 use crate::ir::{Block, LANES, Overflow, Program};
 use crate::reference::place;

@@ -1,88 +1,22 @@
 //! The proof: the twin against the model on every input that the function accepts.
 
 mod checker;
+mod claim;
 mod straight;
 
 use crate::device::Device;
 use crate::error::Error;
 use crate::ir::Program;
-use crate::reference::Reference;
 use checker::{Checker, Row};
+
+pub use claim::{Claim, Proof, SEED, Worst, fold};
+
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// How often the caller hears about the progress.
+/// Interval between two reports of the progress. Set by hand.
 const TICK: Duration = Duration::from_millis(50);
-
-/// The input at which the error is largest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Worst {
-    /// |output - model| \[unit\].
-    pub error: f64,
-    /// Combination of conditions, as [`Device::codes`] counts them.
-    pub row: usize,
-    /// Echo code.
-    pub echo: i64,
-}
-
-impl Worst {
-    /// Before the first input; no proof has it, as none is of no inputs.
-    const NONE: Self = Self {
-        error: -1.0,
-        row: 0,
-        echo: 0,
-    };
-
-    fn or(self, other: Self) -> Self {
-        if other.error > self.error {
-            other
-        } else {
-            self
-        }
-    }
-}
-
-/// What holds for every input.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Proof {
-    /// Largest error where the model's distance is within the bounded domain.
-    pub bounded: Worst,
-    /// Largest error over all inputs.
-    pub overall: Worst,
-    /// Inputs that were checked.
-    pub inputs: u64,
-    /// Inputs within the bounded domain.
-    pub bounded_inputs: u64,
-    /// Hash of all outputs in order, see [`fold`].
-    pub hash: u32,
-}
-
-/// One step of the hash over outputs (FNV-1a with words for bytes): short enough to be repeated on any target.
-///
-/// Each row of echo times is folded from [`SEED`]; the rows' hashes are folded from [`SEED`] again.
-#[must_use]
-pub const fn fold(hash: u32, word: u32) -> u32 {
-    (hash ^ word).wrapping_mul(16_777_619)
-}
-
-/// Where the hash begins.
-pub const SEED: u32 = 2_166_136_261;
-
-/// What to prove a program against.
-#[derive(Clone, Copy)]
-pub struct Claim<'a> {
-    /// The inputs.
-    pub device: &'a Device,
-    /// The truth.
-    pub reference: &'a dyn Reference,
-    /// The bounded domain: distances up to this \[m\].
-    pub maximum_distance: f64,
-    /// The error in the bounded domain from which on the rest of the proof is of no use \[unit\].
-    pub most: f64,
-    /// Threads to use.
-    pub threads: usize,
-}
 
 type Message = Result<(usize, Row), Error>;
 
@@ -121,7 +55,7 @@ impl Work {
         }
     }
 
-    /// Take the rows as they come, and tell the caller now and then.
+    /// Collect the rows as they arrive, and report the progress.
     fn listen(
         &self,
         receive: &mpsc::Receiver<Message>,
@@ -152,8 +86,8 @@ impl Work {
     }
 }
 
-/// How far the next row to be checked lies from the last: each comes once, and soon some from everywhere, so that a
-/// program that goes too far somewhere does so early.
+/// The distance between consecutively checked rows. Every row is checked once. The first rows are spread over all
+/// conditions, so that a program with too large an error is dropped early.
 fn stride(rows: usize) -> usize {
     let divisor = |a: usize, b: usize| {
         let (mut a, mut b) = (a, b);
@@ -168,11 +102,11 @@ fn stride(rows: usize) -> usize {
         .unwrap_or(1)
 }
 
-/// Check `program` on every input. `progress` hears how many inputs are done and says whether to go on.
+/// Check `program` on every input. `progress` receives the number of checked inputs; it returns `false` to stop.
 ///
 /// # Errors
 /// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, the
-/// error goes beyond the claim, no input is within the bounded domain, or `progress` said stop.
+/// error exceeds the claim, no input is within the bounded domain, or `progress` returned `false`.
 pub fn prove(
     program: &Program,
     claim: Claim<'_>,
@@ -218,7 +152,6 @@ fn gather(found: &[Option<Row>], device: &Device) -> Result<Proof, Error> {
         proof.hash = fold(proof.hash, row.hash);
     }
     if proof.bounded_inputs == 0 {
-        // Its worst input would be none that the function accepts.
         return Err(Error::Request(
             "no input is within the largest bounded distance: nothing would be proven".into(),
         ));

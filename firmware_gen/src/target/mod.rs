@@ -1,4 +1,4 @@
-//! Targets: what an operation costs there, and what the text must respect.
+//! Targets: the cost of each operation, and the types and tables that the C text uses.
 
 mod features;
 mod weights;
@@ -7,6 +7,7 @@ pub use features::{FEATURES, Features, features};
 
 use crate::error::Error;
 use crate::ir::Program;
+use weights::Weights;
 
 /// What a program costs, for ranking candidates only: no report shows it as if it had been measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,9 +28,6 @@ impl std::ops::Add for Cost {
         }
     }
 }
-
-/// Tenths of a byte, and of a cycle or an instruction, for each of [`FEATURES`].
-pub(crate) type Weights = [(u64, u64); FEATURES.len()];
 
 /// What the candidates are ranked by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,16 +129,16 @@ impl Target {
     pub fn cost(&self, program: &Program) -> Cost {
         let mut counts = features(program);
         counts[0] = 0;
-        self.weigh(program, &counts)
+        self.weighted(program, &counts)
     }
 
     /// The cost of a whole function, as measured ones suggest it.
     #[must_use]
     pub fn expected(&self, program: &Program) -> Cost {
-        self.weigh(program, &features(program))
+        self.weighted(program, &features(program))
     }
 
-    fn weigh(&self, program: &Program, counts: &Features) -> Cost {
+    fn weighted(&self, program: &Program, counts: &Features) -> Cost {
         let tables = Cost {
             size: 10 * program.table_bytes() as u64,
             time: 0,

@@ -2,7 +2,10 @@
 //!
 //! Each line is one of `FEATURES`: tenths of a byte, and of a cycle (AVR) or an instruction.
 
-use super::Weights;
+use super::features::FEATURES;
+
+/// Size in tenths of a byte, and time in tenths of a cycle or an instruction, for each of [`FEATURES`].
+pub(super) type Weights = [(u64, u64); FEATURES.len()];
 
 pub(super) const C99: Weights = [
     (180, 29),  // inputs

@@ -43,8 +43,8 @@ def _draw(rows: list[dict[str, Any]], path: Path) -> None:
 
 def _table(choices: list[Choice]) -> Table:
     cores = sorted({choice.core for choice in choices if choice.core})
-    source = f"measured on {', '.join(cores)}" if cores else "by the cost model: not measured"
-    table = Table(title=f"nothing else is better in all of flash, time and error ({source})")
+    source = f"measured on {', '.join(cores)}" if cores else "by the cost model, not measured"
+    table = Table(title=f"Pareto front of flash, time and error ({source})")
     for name in ("flash [B]", choices[0].unit, "error [mm]"):
         table.add_column(escape(name), justify="right")
     table.add_column("form")
@@ -56,7 +56,7 @@ def _table(choices: list[Choice]) -> Table:
 
 
 def show(console: Console, table: Table, notes: list[str], out: Path) -> None:
-    """Print the table, what is to be known of it, and where the files are."""
+    """Print the table, its notes, and the paths of the files."""
     console.print(table)
     for note in notes:
         console.print(f"[yellow]note[/] {escape(note)}")

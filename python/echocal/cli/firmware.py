@@ -37,38 +37,55 @@ def option(description: str, *names: str, metavar: str | None = None) -> Any:
 
 
 def command(
-    model: Annotated[Path, typer.Argument(help="Model file, as from diagnose.", metavar="MODEL.json")],
+    model: Annotated[Path, typer.Argument(help="Model file, such as diagnose writes.", metavar="MODEL.json")],
     out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
-    target: Annotated[str, option("avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.")] = "c99",
+    target: Annotated[
+        str, option("Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.")
+    ] = "c99",
     temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
-    temperature_range: Annotated[str, option("LOW:HIGH accepted [degC].")] = "-20:60",
+    temperature_range: Annotated[str, option("Accepted temperatures, LOW:HIGH [degC].")] = "-20:60",
     temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,
     humidity_lsb: Annotated[
-        float | None, option("Step of one humidity code [1], if humidity is measured.")
+        float | None, option("Step of one humidity code [1], if the device measures humidity.")
     ] = None,
-    humidity_range: Annotated[str | None, option("LOW:HIGH accepted [1]; default 0:1.")] = None,
+    humidity_range: Annotated[
+        str | None, option("Accepted relative humidities, LOW:HIGH [1]; default: 0:1.")
+    ] = None,
     humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
     echo_lsb_us: Annotated[float, option("Tick of the timer [us].")] = 1.0,
     echo_min_us: Annotated[
-        float | None, option(f"Shortest echo accepted [us]; default: from {BLANKING_M * 1e3:g} mm.")
+        float | None,
+        option(f"Shortest accepted echo time [us]; default: the echo from {BLANKING_M * 1e3:g} mm."),
     ] = None,
     echo_max_us: Annotated[
-        float | None, option("Longest echo accepted [us]; default: from --max-distance-m.")
+        float | None, option("Longest accepted echo time [us]; default: the echo from --max-distance-m.")
     ] = None,
-    output_unit: Annotated[str, option("What the function counts: um, mm or cm.")] = "um",
+    output_unit: Annotated[str, option("Unit of the output: um, mm or cm.")] = "um",
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
-    max_distance_m: Annotated[float, option("Distances up to this meet it [m].")] = 4.0,
+    max_distance_m: Annotated[float, option("Largest distance to which --max-error-mm applies [m].")] = 4.0,
     prefer: Annotated[str | None, option("What to save: size (default) or speed.")] = None,
     form: Annotated[str | None, option("The only form to try.")] = None,
-    accept: Annotated[list[str] | None, option("Effect that may be left out.", metavar="EFFECT")] = None,
-    assume: Annotated[list[str] | None, option("What is not measured.", metavar="NAME=VALUE")] = None,
-    max_table_bytes: Annotated[int, option("Largest tables allowed, together.")] = 1024,
-    package: Annotated[str, option("c, arduino, platformio, esphome or micropython.")] = "c",
-    measure: Annotated[bool, option("Compile, run in a simulator, state the costs.", "--measure")] = False,
-    explore: Annotated[bool, option("List what nothing beats, instead of one.", "--explore")] = False,
-    threads: Annotated[int | None, option("Threads of the proof; default all.")] = None,
+    accept: Annotated[
+        list[str] | None,
+        option("Effect that may be left out, although it changes the distance.", metavar="EFFECT"),
+    ] = None,
+    assume: Annotated[
+        list[str] | None,
+        option("Value of a condition that the device does not measure.", metavar="NAME=VALUE"),
+    ] = None,
+    max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
+    package: Annotated[str, option("Kind of files: c, arduino, platformio, esphome or micropython.")] = "c",
+    measure: Annotated[
+        bool, option("Compile, run in a simulator, state flash and time.", "--measure")
+    ] = False,
+    explore: Annotated[
+        bool, option("Write the Pareto front of flash, time and error instead.", "--explore")
+    ] = False,
+    threads: Annotated[int | None, option("Threads of the proof; default: one per processor.")] = None,
     force: Force = False,
-    json: Annotated[str | None, option("Report to FILE, or - for stdout.", metavar="FILE")] = None,
+    json: Annotated[
+        str | None, option("Write the report to FILE, or to stdout with -.", metavar="FILE")
+    ] = None,
     quiet: Annotated[bool, option("Print nothing but errors.", "--quiet", "-q")] = False,
 ) -> None:
     """Turn a model into C that is proven over every input."""
@@ -80,7 +97,7 @@ def command(
         "temperature": TemperatureCodes(
             temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
         ),
-        "humidity": _damp(humidity_lsb, humidity_range, humidity_zero),
+        "humidity": _humidity_codes(humidity_lsb, humidity_range, humidity_zero),
         "echo": EchoCodes(echo_lsb_us, echo_max_us, echo_min_us),
         "output_unit": output_unit,
         "max_error": max_error_mm * 1e-3,
@@ -111,18 +128,18 @@ def command(
 
 
 def _refuse_one(prefer: str | None, form: str | None, measure: bool, package: str) -> None:
-    """Refuse what concerns one function where all that are worth having are asked for."""
+    """Refuse options of a single function together with --explore."""
     if prefer or form or measure or package != "c":
         message = (
-            "--explore tries every form, for size and for speed, and packs none: leave out --prefer, --form, "
-            "--measure and --package"
+            "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
+            "--form, --measure and --package"
         )
         raise UsageError(message)
 
 
 @contextmanager
 def _watched(console: Console) -> Iterator[tuple[Tell, list[str]]]:
-    """Show a bar, and collect what is warned of, each once, in the list."""
+    """Show a progress bar, and collect each warning once in the list."""
     notes: list[str] = []
     with warnings.catch_warnings(record=True) as warned, _bar(console) as progress:
         warnings.simplefilter("always", DomainWarning)
@@ -179,12 +196,12 @@ def _range(name: str, text: str, example: str) -> tuple[float, float]:
         raise UsageError(message) from None
 
 
-def _damp(lsb: float | None, codes: str | None, zero: float) -> HumidityCodes | None:
+def _humidity_codes(lsb: float | None, codes: str | None, zero: float) -> HumidityCodes | None:
     if lsb is not None:
         return HumidityCodes(lsb, *_range("--humidity-range", codes or "0:1", "0:1"), zero)
     if codes is not None or zero:
         option = "--humidity-zero" if codes is None else "--humidity-range"
-        message = f"{option} is of a hygrometer's codes: give their step with --humidity-lsb too"
+        message = f"{option} needs --humidity-lsb, the step of one humidity code"
         raise UsageError(message)
     return None
 
@@ -216,14 +233,14 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     reach, worst = report["maximum_distance_m"], report["worst_input"]
     table.add_row("form", f"{report['form']['description']}; {report['table_bytes']} bytes of tables")
     table.add_row(
-        "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (asked for {asked:g} mm)"
+        "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (requested {asked:g} mm)"
     )
-    damp = f", relative humidity {worst['relative_humidity']:g}" if "relative_humidity" in worst else ""
+    humidity = f", relative humidity {worst['relative_humidity']:g}" if "relative_humidity" in worst else ""
     axis = report["device"]["echo"]
     echo = worst[axis["name"]] * axis["lsb"] * 1e6
-    table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{damp}")
+    table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{humidity}")
     table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
-    table.add_row("", "no overflow; never falls as the echo time grows")
+    table.add_row("", "no overflow; the distance never decreases when the echo time increases")
     for found in report["measured"]:
         table.add_row("measured", _cost(found))
     for line in report["assumptions"]:

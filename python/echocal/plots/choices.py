@@ -22,7 +22,7 @@ _NAMES = {
 
 
 def plot_choices(choices: Sequence[Mapping[str, Any]], ax: Axes | None = None) -> Axes:
-    """Draw flash against time of the functions that nothing beats, their proven error as color and label.
+    """Draw flash against time of the Pareto front. Color and label show the proven error.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def plot_choices(choices: Sequence[Mapping[str, Any]], ax: Axes | None = None) -
     whole = all(choice["core"] for choice in choices)
     source = f"measured on {', '.join(sorted(measured))}" if whole else "by the cost model, not measured"
     ax.set(xscale="log", yscale="log", xlabel="flash [byte]", ylabel=f"{unit} per call")
-    ax.set_title(f"what nothing else beats in flash, time and error: costs {source}", fontsize="medium")
+    ax.set_title(f"Pareto front of flash, time and error: costs {source}", fontsize="medium")
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
         axis.set_major_formatter(ScalarFormatter())

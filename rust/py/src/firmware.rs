@@ -36,14 +36,14 @@ impl CoreFirmware {
             .map_err(|error| to_python(&error))
     }
 
-    /// What the search ranked this design by: bytes and cycles of a cost model, never of a measurement.
+    /// Bytes and cycles (or instructions) by the cost model that ranked this design. Not measured.
     fn ranked_by(&self) -> PyResult<(u64, u64)> {
         let target = Target::parse(&self.provenance.target).map_err(|error| to_python(&error))?;
         let cost = target.expected(&self.design.program);
         Ok((cost.size.div_ceil(10), cost.time.div_ceil(10)))
     }
 
-    /// The kinds of step in the function and how many there are of each: what a cost model weighs.
+    /// The kinds of step in the function and how many there are of each: the input of the cost model.
     fn steps(&self) -> Vec<(&'static str, u32)> {
         let counts = target::features(&self.design.program);
         target::FEATURES.into_iter().zip(counts).collect()
@@ -109,10 +109,10 @@ impl From<Measured> for Measurement {
     }
 }
 
-/// What Python asks for.
+/// The request from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Wish {
+pub struct FirmwareRequest {
     target: String,
     package: String,
     prefer: String,
@@ -137,14 +137,14 @@ pub struct Wish {
 pub fn echo_times(
     py: Python<'_>,
     model: &CoreModel,
-    wish: Wish,
+    request: FirmwareRequest,
     distances: Vec<f64>,
 ) -> PyResult<Vec<(f64, f64)>> {
     let model = &model.model;
     let mut interrupted = None;
     let found = py.detach(|| {
-        let device = device(&wish)?;
-        let lowered = lowered(model, &device, &wish)?;
+        let device = device(&request)?;
+        let lowered = lowered(model, &device, &request)?;
         let times = lowered.echo_times(&device, &distances, &mut || {
             interrupted = Python::attach(|py| py.check_signals()).err();
             interrupted.is_none()
@@ -154,18 +154,18 @@ pub fn echo_times(
     interrupted.map_or_else(|| found.map_err(|error| to_python(&error)), Err)
 }
 
-/// Design, prove and write a firmware; `progress(form, checked, total)` is told of each candidate and its proof.
+/// Design, prove and write a firmware. `progress(form, checked, total)` is called for each candidate and during its proof.
 #[pyfunction]
 pub fn design_firmware(
     py: Python<'_>,
     model: &CoreModel,
-    wish: Wish,
+    request: FirmwareRequest,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<CoreFirmware> {
     let model = &model.model;
     let mut interrupted = None;
     let result = py.detach(|| {
-        fulfil(model, &wish, &mut |form, checked, total| {
+        meet(model, &request, &mut |form, checked, total| {
             let told = Python::attach(|py| {
                 py.check_signals()?;
                 let call = |told: &Py<PyAny>| told.call1(py, (form, checked, total)).map(drop);
@@ -178,7 +178,7 @@ pub fn design_firmware(
     interrupted.map_or_else(|| result.map_err(|failure| failure.raise(py)), Err)
 }
 
-/// Why no firmware came out, and the best that could be had where it was the bound.
+/// The reason why no firmware was generated; if it is the error bound, the firmware with the smallest error.
 struct Failure {
     error: Error,
     best: Option<Box<CoreFirmware>>,
@@ -201,47 +201,57 @@ impl Failure {
 }
 
 /// What the device measures.
-fn device(wish: &Wish) -> Result<Device, Error> {
-    let (lsb, low, high, zero) = wish.temperature;
-    let (tick, shortest, longest) = wish.echo;
+fn device(request: &FirmwareRequest) -> Result<Device, Error> {
+    let (lsb, low, high, zero) = request.temperature;
+    let (tick, shortest, longest) = request.echo;
     let mut device = Device {
         echo: Axis::echo(tick, shortest, longest)?,
         conditions: vec![Axis::temperature(lsb, low, high, zero)?],
-        output: Output::parse(&wish.output_unit)?,
+        output: Output::parse(&request.output_unit)?,
     };
-    if let Some((lsb, low, high, zero)) = wish.humidity {
+    if let Some((lsb, low, high, zero)) = request.humidity {
         let humidity = Axis::humidity(lsb, low, high, zero)?;
         device.conditions.push(humidity);
     }
     Ok(device)
 }
 
-fn lowered(model: &echocal_core::Model, device: &Device, wish: &Wish) -> Result<Lowered, Error> {
-    let assumed = Conditions::new(wish.assumed);
-    lower(model, device, &assumed, &wish.accept, wish.maximum_distance)
+fn lowered(
+    model: &echocal_core::Model,
+    device: &Device,
+    request: &FirmwareRequest,
+) -> Result<Lowered, Error> {
+    let assumed = Conditions::new(request.assumed);
+    lower(
+        model,
+        device,
+        &assumed,
+        &request.accept,
+        request.maximum_distance,
+    )
 }
 
-fn fulfil(
+fn meet(
     model: &echocal_core::Model,
-    wish: &Wish,
+    request: &FirmwareRequest,
     progress: &mut dyn FnMut(&str, u64, u64) -> bool,
 ) -> Result<CoreFirmware, Failure> {
-    Package::parse(&wish.package)?; // before the proof, which may take a minute
-    let device = device(wish)?;
-    let lowered = lowered(model, &device, wish)?;
-    let request = Request {
+    Package::parse(&request.package)?; // before the proof, which may take a minute
+    let device = device(request)?;
+    let lowered = lowered(model, &device, request)?;
+    let search = Request {
         reference: &lowered,
         device: &device,
-        maximum_error: wish.maximum_error,
-        maximum_distance: wish.maximum_distance,
-        maximum_table: wish.maximum_table,
-        form: wish.form.as_deref(),
-        target: Target::parse(&wish.target)?,
-        prefer: Prefer::parse(&wish.prefer)?,
-        threads: wish.threads,
+        maximum_error: request.maximum_error,
+        maximum_distance: request.maximum_distance,
+        maximum_table: request.maximum_table,
+        form: request.form.as_deref(),
+        target: Target::parse(&request.target)?,
+        prefer: Prefer::parse(&request.prefer)?,
+        threads: request.threads,
     };
     let mut form = String::new();
-    let found = design(request, &mut |event| match event {
+    let found = design(search, &mut |event| match event {
         Progress::Candidate(candidate) => {
             candidate.clone_into(&mut form);
             progress(&form, 0, device.inputs())
@@ -250,15 +260,15 @@ fn fulfil(
     });
     let provenance = Provenance {
         version: env!("CARGO_PKG_VERSION").into(),
-        command: wish.command.clone(),
-        target: wish.target.clone(),
-        package: wish.package.clone(),
-        prefer: wish.prefer.clone(),
-        model_hash: wish.model_hash.clone(),
+        command: request.command.clone(),
+        target: request.target.clone(),
+        package: request.package.clone(),
+        prefer: request.prefer.clone(),
+        model_hash: request.model_hash.clone(),
         model: describe(model),
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
-        maximum_error: wish.maximum_error,
-        maximum_distance: wish.maximum_distance,
+        maximum_error: request.maximum_error,
+        maximum_distance: request.maximum_distance,
     };
     let firmware = |design| CoreFirmware {
         design,
@@ -267,12 +277,13 @@ fn fulfil(
     };
     match found {
         Ok(design) => Ok(firmware(Arc::new(design))),
-        Err(Error::Bound(reachable)) => {
-            let best = Some(Box::new(firmware(Arc::clone(&reachable.design))));
-            let error = Error::Bound(reachable);
+        Err(failure) => {
+            let best = failure
+                .best
+                .map(|design| Box::new(firmware(Arc::from(design))));
+            let error = failure.error;
             Err(Failure { error, best })
         }
-        Err(error) => Err(error.into()),
     }
 }
 

@@ -2,22 +2,22 @@
 
 mod fitting;
 
-use super::tail::floor_shift;
-use super::{FORMS, Fit, Form, OF_TWO};
+use super::contract::{Fit, Form};
+use super::plane::Plane;
+use super::steps::{floor_shift, humidity_index};
+use super::temperature::FORMS;
 use crate::ir::{Builder, Value};
 use crate::target::Cost;
-pub use fitting::Lines;
-pub(super) use fitting::Plane;
 use std::sync::{Arc, OnceLock};
 
 /// Name of the form.
 pub const NAME: &str = "additive";
 
-/// Binary places that the product with the second condition loses.
+/// Binary places that the product with the second condition loses: whole bytes first. Set by hand.
 const SHIFTS: [u32; 2] = [8, 11];
-/// Share of the bound by which a form may be less exact than a cheaper one and still beat it.
+/// A form dominates another although its error is larger, if the difference is at most this share of the bound. Set by hand.
 const NEAR: f64 = 0.05;
-/// Binary places that the second condition's square loses first.
+/// Binary places that the square of the second condition loses first: one byte, so that the shift moves whole bytes.
 const SQUARE_SHIFTS: [u32; 1] = [8];
 
 /// Forms of the temperature, and how they are joined by the second condition.
@@ -112,23 +112,22 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
 /// A form and what it costs alone.
 type Priced = (Cost, Box<dyn Form>);
 
-/// The forms of one condition that can follow `fit` within its bound, none of them beaten by another in every respect.
+/// The Pareto front, in size, time and error, of the forms of the temperature that follow `fit` within its bound.
 fn forms(fit: &Fit<'_>) -> Vec<Priced> {
-    let proposals = FORMS.iter().filter(|(name, _)| !OF_TWO.contains(name));
-    let made = proposals.flat_map(|(_, propose)| propose(fit));
+    let made = FORMS.iter().flat_map(|(_, propose)| propose(fit));
     let costed = made
         .filter(|form| form.floor() <= fit.bound)
         .filter_map(|form| Some((cost(form.as_ref(), fit)?, form)));
     let all: Vec<Priced> = costed.collect();
-    let beaten = |(cost, form): &Priced| {
+    let dominated = |(cost, form): &Priced| {
         all.iter().any(|(other, better)| {
-            // By a margin: rounding the constants can still change what they cost. What costs nothing is its own equal.
+            // With a margin of a fifth: refining changes the constants, and with them the cost. Equal costs do not dominate.
             let no_worse = 5 * other.size <= 4 * cost.size && other.time <= cost.time
                 || 5 * other.time <= 4 * cost.time && other.size <= cost.size;
             other != cost && no_worse && better.floor() <= NEAR.mul_add(fit.bound, form.floor())
         })
     };
-    let kept = all.iter().filter(|candidate| !beaten(candidate));
+    let kept = all.iter().filter(|candidate| !dominated(candidate));
     kept.map(|(cost, form)| (*cost, form.duplicate())).collect()
 }
 
@@ -142,7 +141,7 @@ fn one(form: &dyn Form) -> String {
     }
 }
 
-/// What a form costs alone; `None` where its tables are larger than allowed, lest it beat what is allowed.
+/// The cost of a form alone; `None` if its tables are larger than allowed, so that it cannot dominate one that is.
 fn cost(form: &dyn Form, fit: &Fit<'_>) -> Option<Cost> {
     let mut builder = Builder::over(fit.device, fit.core.least_bits, fit.picked.clone());
     let value = form.build(&mut builder);
@@ -174,8 +173,8 @@ impl Growth {
     }
 }
 
-/// A form and its binary places, once more.
-fn twin(bend: Option<&(Box<dyn Form>, u32)>) -> Option<(Box<dyn Form>, u32)> {
+/// A copy of a form and its binary places.
+fn duplicate_bend(bend: Option<&(Box<dyn Form>, u32)>) -> Option<(Box<dyn Form>, u32)> {
     bend.map(|(form, bits)| (form.duplicate(), *bits))
 }
 
@@ -185,7 +184,7 @@ impl Additive {
             base: base.form.duplicate(),
             slope: growth.slope.duplicate(),
             bits: growth.bits,
-            bend: twin(growth.bend.as_ref()),
+            bend: duplicate_bend(growth.bend.as_ref()),
             floor,
             cost: base.cost + growth.cost,
             reached: None,
@@ -199,20 +198,13 @@ impl Additive {
             base: self.base.duplicate(),
             slope: self.slope.duplicate(),
             bits: self.bits,
-            bend: twin(self.bend.as_ref()),
+            bend: duplicate_bend(self.bend.as_ref()),
             floor: self.floor,
             cost: self.cost,
             reached: self.reached,
             base_part: Arc::clone(&self.base_part),
             growth_part: Arc::clone(&self.growth_part),
         }
-    }
-
-    /// The second condition's code.
-    fn damp(builder: &mut Builder<'_>) -> Value {
-        let lowest = builder.device().conditions[1].codes.minimum;
-        let code = builder.condition(1);
-        super::tail::plus(builder, code, -lowest)
     }
 }
 
@@ -270,31 +262,35 @@ impl Form for Additive {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let damp = Self::damp(builder);
+        let humidity = humidity_index(builder);
         let bend = self.bend.as_ref().map(|(form, more)| {
-            let before = builder.set_prefix("damp_square_");
+            let before = builder.set_prefix("humidity_square_");
             let factor = form.build(builder);
-            let product = builder.multiply(damp, factor);
+            let product = builder.multiply(humidity, factor);
             let value = floor_shift(builder, product, *more);
             let value = builder.name(
                 value,
                 "part",
-                "what the square adds to the growth with humidity",
+                "contribution of the squared humidity index to the change per humidity code",
             );
             builder.set_prefix(before);
             value
         });
-        let before = builder.set_prefix("damp_");
+        let before = builder.set_prefix("humidity_");
         let slope = self.slope.build(builder);
         let slope = bend.map_or(slope, |bend| builder.add(slope, bend));
         let note = format!(
-            "growth with humidity, 2^-{} of the last place of speed per code",
+            "change of speed per humidity code [2^-{} units of speed]",
             self.bits
         );
         let slope = builder.name(slope, "growth", note);
-        let product = builder.multiply(damp, slope);
+        let product = builder.multiply(humidity, slope);
         let part = floor_shift(builder, product, self.bits);
-        let part = builder.name(part, "part", "what humidity adds to the speed");
+        let part = builder.name(
+            part,
+            "part",
+            "contribution of the humidity [units of speed]",
+        );
         builder.set_prefix("dry_");
         let base = self.base.build(builder);
         builder.set_prefix(before);

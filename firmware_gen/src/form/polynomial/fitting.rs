@@ -1,18 +1,29 @@
 //! Choosing the constants: from the top, each by a minimax fit to what those above it leave.
 
-use super::{Inner, Polynomial, exp2};
-use crate::form::{Fit, center};
+use crate::form::contract::Fit;
 use crate::ir::{Builder, Value};
 use crate::minimax::{Points, minimax};
 
-/// Points of a minimax fit: enough to see every bulge of a polynomial of this degree.
+/// The sum so far: a number, or a value that may stand for its opposite so that it is never negative.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Inner {
+    Number(i64),
+    Signed { value: Value, negated: bool },
+}
+
+/// Two to the power of a number of binary places.
+pub(super) fn exp2(places: u32) -> f64 {
+    f64::from(places).exp2()
+}
+
+/// Points of a minimax fit: 256 for at most 7 extrema of the error. Set by hand.
 const POINTS: usize = 256;
 
 /// What is left to fit once the stages above `degree` are settled.
 pub(super) struct Remaining<'a> {
     fit: &'a Fit<'a>,
     /// Settled part of the factor at each code.
-    settled: Vec<f64>,
+    pub(super) settled: Vec<f64>,
     /// The argument of the polynomial is the code times this.
     unit: f64,
 }
@@ -65,40 +76,6 @@ impl<'a> Remaining<'a> {
     }
 }
 
-impl Polynomial {
-    /// Settle `stage` given all above it, then go on below.
-    pub(super) fn descend(
-        &mut self,
-        search: &mut Search<'_, '_>,
-        u: Value,
-        inner: Option<Inner>,
-        stage: usize,
-    ) {
-        let mark = search.builder.mark();
-        let entering = inner.map(|inner| self.cut(&mut search.builder, u, inner, stage));
-        let cut = search.values(entering);
-        let remaining = Remaining::new(search.fit, &cut, stage, self.places[stage], self.spread);
-        if stage == 0 {
-            self.coefficients[0] = center(search.fit, &remaining.settled);
-            search.consider(&cut, &self.coefficients);
-        } else {
-            let ideal = (remaining.solve(stage).0[stage] * exp2(self.places[stage])).round() as i64;
-            let reach = if inner.is_none() { 2 } else { 1 };
-            for coefficient in ideal - reach..=ideal + reach {
-                self.coefficients[stage] = coefficient;
-                let here = search.builder.mark();
-                let next = match entering {
-                    Some(entering) => self.stage(&mut search.builder, entering, stage),
-                    None => Inner::Number(coefficient),
-                };
-                self.descend(search, u, Some(next), stage - 1);
-                search.builder.rewind(here);
-            }
-        }
-        search.builder.rewind(mark);
-    }
-}
-
 /// A search for the constants that together leave the least error.
 pub(super) struct Search<'a, 'b> {
     pub(super) fit: &'a Fit<'a>,
@@ -108,7 +85,7 @@ pub(super) struct Search<'a, 'b> {
 
 impl Search<'_, '_> {
     /// What enters a stage, with its sign, at each code; nothing enters the highest.
-    fn values(&self, entering: Option<(Inner, i64)>) -> Vec<i64> {
+    pub(super) fn values(&self, entering: Option<(Inner, i64)>) -> Vec<i64> {
         let Some((Inner::Signed { value, negated }, lift)) = entering else {
             return vec![0; self.fit.target.len()];
         };
@@ -118,7 +95,7 @@ impl Search<'_, '_> {
     }
 
     /// Keep these coefficients if they leave less than the best so far.
-    fn consider(&mut self, cut: &[i64], coefficients: &[i64]) {
+    pub(super) fn consider(&mut self, cut: &[i64], coefficients: &[i64]) {
         let factors: Vec<i64> = cut.iter().map(|cut| cut + coefficients[0]).collect();
         let error = self.fit.error(&factors);
         if error < self.best.0 {

@@ -6,15 +6,22 @@
 
 mod fitting;
 
-use super::tail::plus;
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form, center};
+use super::steps::{plus, temperature_index};
 use crate::ir::{Builder, Value};
-use fitting::{Remaining, Search};
+use fitting::{Inner, Remaining, Search, exp2};
 
-/// Highest degree that is proposed.
+/// Highest degree that is proposed. Set by hand.
 const DEGREES: usize = 5;
 /// Names of the stages in C.
-const NAMES: [&str; DEGREES + 1] = ["speed", "slope", "bend", "third", "fourth", "fifth"];
+const NAMES: [&str; DEGREES + 1] = [
+    "speed",
+    "slope",
+    "curvature",
+    "third_order",
+    "fourth_order",
+    "fifth_order",
+];
 
 /// An integer polynomial.
 #[derive(Clone, Debug)]
@@ -26,13 +33,6 @@ struct Polynomial {
     /// The code is multiplied by this power of two, so that the products are shifted by whole bytes.
     spread: u32,
     floor: f64,
-}
-
-/// The sum so far: a number, or a value that may stand for its opposite so that it is never negative.
-#[derive(Clone, Copy, Debug)]
-enum Inner {
-    Number(i64),
-    Signed { value: Value, negated: bool },
 }
 
 /// Name of the form.
@@ -76,10 +76,6 @@ fn places(ideal: &[f64], codes: usize, constant_bits: i32, grain: u32) -> Vec<u3
     places
 }
 
-fn exp2(places: u32) -> f64 {
-    f64::from(places).exp2()
-}
-
 impl Polynomial {
     /// The ideal coefficients rounded one by one; `None` where the code is spread in vain.
     fn rounded(
@@ -107,9 +103,40 @@ impl Polynomial {
         })
     }
 
+    /// Settle `stage` given all above it, then go on below.
+    fn descend(
+        &mut self,
+        search: &mut Search<'_, '_>,
+        u: Value,
+        inner: Option<Inner>,
+        stage: usize,
+    ) {
+        let mark = search.builder.mark();
+        let entering = inner.map(|inner| self.cut(&mut search.builder, u, inner, stage));
+        let cut = search.values(entering);
+        let remaining = Remaining::new(search.fit, &cut, stage, self.places[stage], self.spread);
+        if stage == 0 {
+            self.coefficients[0] = center(search.fit, &remaining.settled);
+            search.consider(&cut, &self.coefficients);
+        } else {
+            let ideal = (remaining.solve(stage).0[stage] * exp2(self.places[stage])).round() as i64;
+            let reach = if inner.is_none() { 2 } else { 1 };
+            for coefficient in ideal - reach..=ideal + reach {
+                self.coefficients[stage] = coefficient;
+                let here = search.builder.mark();
+                let next = match entering {
+                    Some(entering) => self.stage(&mut search.builder, entering, stage),
+                    None => Inner::Number(coefficient),
+                };
+                self.descend(search, u, Some(next), stage - 1);
+                search.builder.rewind(here);
+            }
+        }
+        search.builder.rewind(mark);
+    }
     /// The code counted from the coldest, spread.
     fn argument(&self, builder: &mut Builder<'_>) -> Value {
-        let u = warmth(builder);
+        let u = temperature_index(builder);
         if self.spread == 0 {
             return u;
         }
@@ -118,7 +145,7 @@ impl Polynomial {
         builder.name(
             spread,
             "spread",
-            "so that products are shifted by whole bytes",
+            "temperature index, scaled so that products are shifted by whole bytes",
         )
     }
 
@@ -164,8 +191,11 @@ impl Polynomial {
                 }
             }
         };
-        let sign = if flipped { ", its sign left out" } else { "" };
-        let note = format!("2^-{} of the last place of speed{sign}", self.places[stage]);
+        let sign = if flipped { ", sign inverted" } else { "" };
+        let note = format!(
+            "step of Horner's rule [2^-{} units of speed]{sign}",
+            self.places[stage]
+        );
         Inner::Signed {
             value: builder.name(sum, NAMES[stage], note),
             negated: flipped,
@@ -224,7 +254,7 @@ impl Form for Polynomial {
     fn refine(&mut self, fit: &Fit<'_>) {
         let mut builder = Builder::new(fit.device, fit.core.least_bits);
         let u = self.argument(&mut builder);
-        let start = fit.error(&super::factors(self, fit));
+        let start = fit.error(&super::contract::factors(self, fit));
         let mut search = Search {
             fit,
             builder,

@@ -1,20 +1,20 @@
 //! Choosing the constants of a square: minimax in real numbers, then a descent over integers that looks at every code.
 
-use super::{CODE_BITS, Layer, SQUARE_BITS, Square};
-use crate::form::{Fit, center};
+use super::constants::{CODE_BITS, Layer, SQUARE_BITS, Square};
+use crate::form::contract::{Fit, center};
 use crate::minimax::{Points, minimax};
 
-/// Points of a minimax fit.
+/// Points of a minimax fit. Set by hand; the integers are chosen on all codes afterwards.
 const POINTS: usize = 80;
-/// Constants of an outer square that are tried.
+/// Constants of an outer square that are tried first. Set by hand.
 const CONSTANTS: usize = 10;
-/// The lowest of them: root of its way below the least value, as a share of the values' span.
+/// The lowest of them lies below the least value by the square of this, in spans of the values. Set by hand.
 const FARTHEST: f64 = 1.6;
-/// Times that the step between them is halved around the best.
+/// The step between them is halved this often around the best: to 1/32 of it. Set by hand.
 const HALVINGS: usize = 5;
-/// Steps of the descent over integers.
+/// Steps of the descent over integers, the last of them a single unit. Set by hand.
 const STEPS: [i64; 5] = [64, 16, 4, 2, 1];
-/// Rounds with each step after which the descent goes on to the next.
+/// Most rounds with each step. Set by hand; a round without an improvement ends the step.
 const ROUNDS: usize = 40;
 
 /// A square with real constants.

@@ -1,41 +1,21 @@
 //! A completed square, or the square of one, or of that: `c + (w * w >> 16)`, where `w` is straight in the code, or
 //! itself such a square. One constant fewer than Horner's rule of the same degree, and no shift but by whole bytes.
 
+mod constants;
 mod fitting;
 
-use super::tail::plus;
-use super::{Fit, Form, warmth};
+use super::contract::{Fit, Form};
+use super::steps::{plus, temperature_index};
 use crate::ir::{Builder, Value};
+use constants::{CODE_BITS, SQUARE_BITS, Square};
 use fitting::Ideal;
 
-/// Binary places of the multiplier of the code.
-const CODE_BITS: u32 = 8;
-/// Binary places that a square loses.
-const SQUARE_BITS: u32 = 16;
-/// Most squares, one of the other.
+/// Most nested squares: degree 8. Set by hand.
 const LAYERS: usize = 3;
 /// Names of the inner squares in C.
 const NAMES: [&str; LAYERS - 1] = ["square", "fourth_power"];
 /// Name of the form.
 pub(super) const NAME: &str = "square";
-
-/// One squaring: `constant + sign * (w * w >> 16)`.
-#[derive(Clone, Copy, Debug)]
-struct Layer {
-    constant: i64,
-    sign: i64,
-}
-
-/// A square, or a square of a square.
-#[derive(Clone, Debug)]
-struct Square {
-    /// The straight start: `start + sign * (code * multiplier >> 8)`.
-    start: i64,
-    multiplier: i64,
-    sign: i64,
-    layers: Vec<Layer>,
-    floor: f64,
-}
 
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     if fit.target.len() < 4 {
@@ -44,16 +24,6 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let ideals = (1..=LAYERS).filter_map(|layers| Ideal::nested(fit, layers));
     let made = ideals.map(|ideal| ideal.rounded());
     made.map(|form| Box::new(form) as _).collect()
-}
-
-impl Square {
-    /// The factor at a code counted from the coldest.
-    fn at(&self, code: i64) -> i64 {
-        let straight = self.start + self.sign * ((code * self.multiplier) >> CODE_BITS);
-        self.layers.iter().fold(straight, |w, layer| {
-            layer.constant + layer.sign * ((w * w) >> SQUARE_BITS)
-        })
-    }
 }
 
 /// `constant + sign * value`.
@@ -96,18 +66,22 @@ impl Form for Square {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let code = warmth(builder);
+        let code = temperature_index(builder);
         let multiplier = builder.constant(self.multiplier);
         let product = builder.multiply(code, multiplier);
         let way = builder.shift_right(product, CODE_BITS);
         let root = signed(builder, self.start, self.sign, way);
-        let mut value = builder.name(root, "root", "straight in the code");
+        let mut value = builder.name(root, "root", "linear in the temperature index");
         for (index, layer) in self.layers.iter().enumerate() {
             let square = builder.multiply(value, value);
             let high = builder.shift_right(square, SQUARE_BITS);
             value = signed(builder, layer.constant, layer.sign, high);
             if index + 1 < self.layers.len() {
-                value = builder.name(value, NAMES[index], "its square, 2^-16, and a constant");
+                value = builder.name(
+                    value,
+                    NAMES[index],
+                    "square of the value above [2^-16], and a constant",
+                );
             }
         }
         value

@@ -1,6 +1,6 @@
-"""Check on the board that echocal_correction gives the golden outputs: ``import echocal_selftest``.
+"""Check on the board that echocal_correction returns the proven outputs. Run it with ``import echocal_selftest``.
 
-Reads echocal_golden.csv, which must be on the board too, line by line.
+It reads echocal_golden.csv line by line. Copy that file to the board, too.
 
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
@@ -9,7 +9,7 @@ from echocal_correction import distance_um
 
 
 def selftest(path="echocal_golden.csv"):
-    """How many lines are as proven, and those that are not."""
+    """Return the number of correct lines, and a list of the wrong lines."""
     right, wrong = 0, []
     with open(path) as golden:
         golden.readline()

@@ -1,6 +1,7 @@
 """Read an HC-SR04 and print the corrected distance, with MicroPython or CircuitPython.
 
-Pins are examples. Run with stand-ins for the modules of both, not on a board. Put your thermometer where a fixed value stands.
+The pins are examples. The program was tested on a PC with replacements for the modules of both. It was not tested on a
+board. Replace the fixed temperature below by the reading of your sensor.
 
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
@@ -20,18 +21,18 @@ except ImportError:  # CircuitPython
 
     trigger = digitalio.DigitalInOut(board.D7)
     trigger.switch_to_output(False)
-    # The first pulse after resume() is the echo; what follows is the pause after it, which some ports report too.
+    # The first pulse after resume() is the echo. Some ports also report the pause after it.
     pulses = pulseio.PulseIn(board.D8, maxlen=2)
 
     def echo_time():
-        """Length of the echo pulse [us]; less than 0 if there is none."""
+        """Return the length of the echo pulse [us], or a negative number if there is no pulse."""
         pulses.pause()
         pulses.clear()
         pulses.resume()
         trigger.value = True
         time.sleep(0.00001)
         trigger.value = False
-        # An ESP32 reports a pulse 65 ms after its end; without an echo a module may take 200 ms to end it.
+        # An ESP32 reports a pulse 65 ms after its end. Without an echo, some modules end the pulse after 200 ms.
         for _ in range(30):
             time.sleep(0.01)
             if len(pulses):
@@ -41,13 +42,13 @@ else:
     trigger, echo = Pin(4, Pin.OUT), Pin(5, Pin.IN)
 
     def echo_time():
-        """Length of the echo pulse [us]; less than 0 if there is none."""
-        if echo.value():  # a long time-out, whose rest would be taken for an echo
+        """Return the length of the echo pulse [us], or a negative number if there is no pulse."""
+        if echo.value():  # still the time-out pulse of an earlier measurement: not an echo
             return -1
         trigger.value(1)
         time.sleep_us(10)
         trigger.value(0)
-        return time_pulse_us(echo, 1, 60000)  # -1 or -2 where it gives up
+        return time_pulse_us(echo, 1, 60000)  # -1 or -2 after 60 ms without a pulse
 
 
 while True:

@@ -1,9 +1,9 @@
 /**
  * @file echocal_selftest_main.c
- * @brief A program that runs the self-test: exits with 0 if it passed, with 1 if not.
+ * @brief Program that runs the self-test. Exit status: 0 if it passed, 1 if it failed.
  *
- * With a standard library it prints what it found. Compile with -DECHOCAL_EVERY_INPUT to check all 4,019,204 inputs.
- * MISRA C:2012, required rule 21.6: only what has a standard library, a PC, prints.
+ * Compile with -DECHOCAL_EVERY_INPUT to check all 4,019,204 accepted inputs.
+ * Deviation from MISRA C:2012, required rule 21.6 (no stdio.h): a hosted program, on a PC, prints the result.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */

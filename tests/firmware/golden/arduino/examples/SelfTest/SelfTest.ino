@@ -1,5 +1,5 @@
 /*
- * Prints whether the board computes the bits that were proven.
+ * Checks on the board that the function returns the proven outputs, and prints the result.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */

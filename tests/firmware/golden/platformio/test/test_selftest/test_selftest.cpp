@@ -1,6 +1,6 @@
 /**
  * @file test_selftest.cpp
- * @brief The self-test, on the board, through PlatformIO's test runner.
+ * @brief Runs the self-test on the board with PlatformIO's test runner.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -19,7 +19,7 @@ static void test_outputs_are_as_proven()
 
 void setup()
 {
-    delay(2000); /* for the runner to open the port */
+    delay(2000); /* [ms], until the test runner has opened the port */
     UNITY_BEGIN();
     RUN_TEST(test_outputs_are_as_proven);
     UNITY_END();

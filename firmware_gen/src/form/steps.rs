@@ -1,0 +1,61 @@
+//! Steps that several forms share.
+
+use crate::ir::{Builder, Value};
+
+/// The temperature code counted from the coldest code that the function accepts.
+pub(super) fn temperature_index(builder: &mut Builder<'_>) -> Value {
+    let axis = &builder.device().conditions[0];
+    let (lowest, note) = (
+        axis.codes.minimum,
+        format!(
+            "temperature code minus the code of {} {}",
+            axis.value(axis.codes.minimum),
+            axis.unit
+        ),
+    );
+    let code = builder.condition(0);
+    if lowest == 0 {
+        return code;
+    }
+    let offset = builder.constant(lowest.abs());
+    let value = if lowest < 0 {
+        builder.add(code, offset)
+    } else {
+        builder.subtract(code, offset)
+    };
+    let prefix = builder.set_prefix(""); // all forms in one program share this variable
+    let value = builder.name(value, "temperature_index", note);
+    builder.set_prefix(prefix);
+    value
+}
+
+/// The humidity code less the lowest code that the function accepts.
+pub(super) fn humidity_index(builder: &mut Builder<'_>) -> Value {
+    let lowest = builder.device().conditions[1].codes.minimum;
+    let code = builder.condition(1);
+    plus(builder, code, -lowest)
+}
+
+/// `value + constant`, written as a subtraction where the constant is negative and left out where it is zero.
+pub(super) fn plus(builder: &mut Builder<'_>, value: Value, constant: i64) -> Value {
+    match constant {
+        0 => value,
+        1.. => {
+            let constant = builder.constant(constant);
+            builder.add(value, constant)
+        }
+        _ => {
+            let constant = builder.constant(-constant);
+            builder.subtract(value, constant)
+        }
+    }
+}
+
+/// `value >> bits`, rounded down, also where `value` can be negative.
+pub(super) fn floor_shift(builder: &mut Builder<'_>, value: Value, bits: u32) -> Value {
+    let lowest = builder.range(value).minimum;
+    let lift = if lowest < 0 { 1 + (-lowest >> bits) } else { 0 };
+    let lifted = plus(builder, value, lift << bits);
+    let shifted = builder.shift_right(lifted, bits);
+    plus(builder, shifted, -lift)
+}

@@ -1,0 +1,73 @@
+//! The claim to be proven for a program, and the result of the proof.
+
+use crate::device::Device;
+use crate::reference::Reference;
+
+/// The input at which the error is largest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// |output - model| \[unit\].
+    pub error: f64,
+    /// Combination of conditions, as [`Device::codes`] counts them.
+    pub row: usize,
+    /// Echo code.
+    pub echo: i64,
+}
+
+impl Worst {
+    /// Initial value, before the first input.
+    pub(super) const NONE: Self = Self {
+        error: -1.0,
+        row: 0,
+        echo: 0,
+    };
+
+    pub(super) fn or(self, other: Self) -> Self {
+        if other.error > self.error {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// What was proven for every input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proof {
+    /// Largest error where the model's distance is within the bounded domain.
+    pub bounded: Worst,
+    /// Largest error over all inputs.
+    pub overall: Worst,
+    /// Inputs that were checked.
+    pub inputs: u64,
+    /// Inputs within the bounded domain.
+    pub bounded_inputs: u64,
+    /// Hash of all outputs in order, see [`fold`].
+    pub hash: u32,
+}
+
+/// One step of the hash over outputs (FNV-1a with words for bytes): short enough to be repeated on any target.
+///
+/// Each row of echo times is folded from [`SEED`]; the rows' hashes are folded from [`SEED`] again.
+#[must_use]
+pub const fn fold(hash: u32, word: u32) -> u32 {
+    (hash ^ word).wrapping_mul(16_777_619)
+}
+
+/// Initial value of the hash: the offset basis of FNV-1a for 32 bits.
+pub const SEED: u32 = 2_166_136_261;
+
+/// What is to be proven.
+#[derive(Clone, Copy)]
+pub struct Claim<'a> {
+    /// The inputs.
+    pub device: &'a Device,
+    /// The model.
+    pub reference: &'a dyn Reference,
+    /// The bounded domain: distances up to this \[m\].
+    pub maximum_distance: f64,
+    /// The proof stops if the error in the bounded domain exceeds this \[unit\].
+    pub most: f64,
+    /// Threads to use.
+    pub threads: usize,
+}
