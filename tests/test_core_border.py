@@ -81,7 +81,7 @@ def _evaluate(*codes: Any) -> Any:
 
 
 def _designed() -> Any:
-    return _core.design_firmware(calls.model(), {**calls.wish(), "assumed": [20.0]}, None)
+    return _core.design_firmware(calls.model(), {**calls.firmware_request(), "assumed": [20.0]}, None)
 
 
 def _slips(**labels: Any) -> Any:
