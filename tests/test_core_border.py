@@ -1,6 +1,5 @@
 """What Python gives the core: wrong lengths, positions and labels are refused by name, never a panic."""
 
-import os
 import subprocess
 import sys
 import warnings
@@ -14,7 +13,6 @@ import pytest
 
 from echocal import _core
 
-SEED = int(os.environ.get("ECHOCAL_SEED", np.random.SeedSequence().entropy % 2**32))  # type: ignore[operator]
 HERE = Path(__file__).parent
 
 
@@ -23,11 +21,11 @@ def test_everything_has_a_call() -> None:
     assert calls.public_names() == set(calls.CALLS)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="guards memory and time as Linux does")
-def test_wrong_arguments_of_everything(tmp_path: Path) -> None:
-    print(f"\narguments of the core: ECHOCAL_SEED={SEED}")
+def test_wrong_arguments_of_everything(tmp_path: Path, random: np.random.Generator) -> None:
     place = tmp_path / "under_way"
-    command = [sys.executable, str(HERE / "core_fuzz.py"), str(SEED), "8", str(place)]
+    command = [sys.executable, str(HERE / "core_fuzz.py"), str(random.integers(2**32)), "8", str(place)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     except subprocess.TimeoutExpired:
