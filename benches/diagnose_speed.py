@@ -92,9 +92,9 @@ class Clock:
         return run
 
     def posterior(self, *given: Any) -> Any:
-        """Weigh, and keep the number of systems solved."""
+        """Search, and keep the number of systems solved."""
         result = _posterior(*given)
-        self.systems = result[2]
+        self.systems = result.systems
         return result
 
 

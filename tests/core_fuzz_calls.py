@@ -98,7 +98,7 @@ def slips() -> list[Any]:
 
 
 def layout() -> list[Any]:
-    """First rows, blocks, cells, distance; block and group of each cell, series of each block; memories."""
+    """First rows, blocks, cells, distance; block and group of each cell, series of each; correlations."""
     blocks = guard(np.repeat(np.arange(2, dtype=np.uint32), ROWS // 2))
     places, series = [(0, 0), (0, 1), (1, 2), (1, 3)], column(2.0, 2.0, rows=2)
     return [starts(), blocks, groups(), column(), places, series, [None, 0.5, (0.6, 0.3)], True]
@@ -113,8 +113,40 @@ def products() -> Any:
     return guard(np.einsum("nri,nrj->nij", table, table))
 
 
-def form(cause: int | None, free: list[int]) -> Any:
+def form(cause: int | None, free: list[int]) -> tuple[Any, ...]:
+    """Arguments of a form."""
     return cause, [], free, [(-np.inf, np.inf)] * len(free), 1.0
+
+
+def forms(given: Any) -> list[_core.Form]:
+    """Forms of their arguments, which the fuzzer spoils."""
+    return [_core.Form(*one) for one in given]
+
+
+def fit_hypotheses(*given: Any) -> tuple[Any, ...]:
+    """Fit hypotheses given as arguments of their forms."""
+    *stack, hypotheses, one_width = given
+    found = _core.fit_hypotheses(*stack, [forms(one) for one in hypotheses], one_width)
+    return tuple((one.log_evidence, one.mean, one.covariance, one.noise, one.variance) for one in found)
+
+
+def posterior(*given: Any) -> tuple[Any, ...]:
+    """Search hypotheses, given everything as arguments."""
+    *stack, some, prior, options = given
+    found = _core.posterior(*stack, forms(some), _core.Prior(*prior), _core.SearchOptions(*options))
+    return tuple((one.forms, one.prior, one.fit.log_evidence) for one in found.outcomes)
+
+
+def rank(hypotheses: Any, log_posterior: Any, variances: Any, competing: Any, prior: Any) -> tuple[Any, ...]:
+    """Rank hypotheses given as arguments of their forms."""
+    given = [forms(one) for one in hypotheses]
+    found = _core.rank(given, log_posterior, variances, competing, _core.Prior(*prior))
+    return found.probability, found.sets
+
+
+def whiten(noises: Any, used: Any, chosen: Any) -> tuple[Any, ...]:
+    """Whiten sums for noises given as arguments."""
+    return sums().whiten([_core.NoiseModel(*one) for one in noises], used, chosen)
 
 
 def firmware_request() -> dict[str, Any]:
@@ -174,7 +206,13 @@ def evidence(function: Any, *arguments: Any) -> Callable[[], Call]:
     return lambda: Call(function, [products(), column(-2.0, -1.0, rows=3), *given])
 
 
+def ranking() -> list[Any]:
+    variances = [[0.1] * 4, [0.2]]
+    return [[FORMS, FORMS[:1]], column(-2.0, -1.0, rows=2), variances, 3, PRIOR]
+
+
 FORMS = [form(0, [1]), form(1, [2]), form(2, [3]), form(None, [4])]
+PRIOR = [[0.4, 0.3, 0.2, 0.1], 0.1]
 OFFSET = [("offset", 1e-3)]
 LEVELS = [1.0, 1.5, 2.0, 2.5]
 CALLS: dict[str, Callable[[], Call]] = {
@@ -210,11 +248,9 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Columns.combined": of_columns("combined", [(0, 1.0), (4, -2.0)]),
     "Columns.gram": of_columns("gram"),
     "Columns.products": lambda: Call(columns().products, layout(), columns=(0, 1, 2, 3)),
-    "Sums.whiten": of_sums(
-        "whiten", lambda: [(1, 0.5, 0.1, 0.7, -1.0)], lambda: [True, True], lambda: [0, 2, 4]
-    ),
-    "Sums.join": of_sums("join", sums),
-    "Sums.clear_infinite": of_sums("clear_infinite"),
+    "Sums.whiten": lambda: Call(whiten, [[(1, 0.5, 0.1, 0.7, -1.0)], [True, True], [0, 2, 4]]),
+    "Sums.joined": of_sums("joined", sums),
+    "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED]]),
     "Firmware.ranked_by": lambda: Call(_FIRMWARE.ranked_by, []),
     "Firmware.steps": lambda: Call(_FIRMWARE.steps, []),
@@ -223,15 +259,30 @@ CALLS: dict[str, Callable[[], Call]] = {
     ),
     "design_firmware": lambda: Call(_core.design_firmware, [model(), firmware_request(), lambda *_: None]),
     "echo_times": lambda: Call(_core.echo_times, [model(), firmware_request(), [0.02, 4.0]]),
-    "weigh": evidence(_core.weigh, [FORMS, FORMS[:1]], False),
-    "posterior": evidence(_core.posterior, FORMS, [0.4, 0.3, 0.2, 0.1], 0.1, 25.0),
-    "left_over": lambda: Call(_core.left_over, [products()[0].copy(), 50.0, 1.0, 1e-12]),
+    "Form": lambda: Call(_core.Form, [0, [1], [2, 3], [(-1.0, 1.0), (-np.inf, np.inf)], 0.5]),
+    "NoiseModel": lambda: Call(_core.NoiseModel, [1, 0.5, 0.1, 0.7, -1.0]),
+    "Prior": lambda: Call(_core.Prior, [*PRIOR]),
+    "Prior.no_cause": lambda: Call(_core.Prior(*PRIOR).no_cause, [True]),
+    "SearchOptions": lambda: Call(_core.SearchOptions, [25.0, 1.5]),
+    "fit_hypotheses": evidence(fit_hypotheses, [FORMS, FORMS[:1]], False),
+    "posterior": evidence(posterior, FORMS, PRIOR, [25.0, 1.5]),
+    "rank": lambda: Call(rank, ranking()),
+    "preferred_form": lambda: Call(_core.preferred_form, [[0.0, -1.0], [1, 2], 1.5]),
+    "residual_variance": lambda: Call(_core.residual_variance, [products()[0].copy(), 50.0, 1.0, 1e-12, 3.0]),
+    "ridge_coefficients": lambda: Call(_core.ridge_coefficients, [products()[0].copy(), 50.0, 1e-12, 3.0]),
+    "legendre_values": lambda: Call(_core.legendre_values, [column(), 0.5, 3.0, [1.0, 1.0]]),
+    "wave_values": lambda: Call(_core.wave_values, [column(), 24.0, [1.0, 1.0]]),
+    "spread": lambda: Call(_core.spread, [column()]),
     "log_density": lambda: Call(_core.log_density, [column(), 4.0]),
     "slips": lambda: Call(_core.slips, slips(), columns=(0, 1, 2, 3, 7)),
     "whitened": lambda: Call(
         _core.whitened, [0.5, 0.3, 0.9, column(), starts(), column()], columns=(3, 4, 5)
     ),
 }
+
+
+RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Ranking", "SlipFit"}
+"""Classes that come from other calls alone."""
 
 
 def public_names() -> set[str]:
@@ -242,7 +293,7 @@ def public_names() -> set[str]:
             continue
         thing = getattr(_core, name)
         made = isinstance(thing, type)
-        if not made or name not in {"Firmware", "Sums"}:  # these come from other calls alone
+        if not made or name not in RESULTS:
             names.add(name)
         own = (method for method in vars(thing) if not method.startswith("_")) if made else ()
         names |= {f"{name}.{method}" for method in own if callable(getattr(thing, method))}

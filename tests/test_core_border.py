@@ -57,23 +57,17 @@ def _changed_in_place() -> Any:
 
 
 def _products(**other: Any) -> Any:
-    names = ("starts", "blocks", "cells", "distance", "places", "series", "memories", "flat_level")
+    names = ("starts", "blocks", "cells", "distance", "places", "series", "correlations", "flat_level")
     return calls.columns().products(**{**dict(zip(names, calls.layout(), strict=True)), **other})
 
 
 def _whiten(noise: int = 0, used: int = 2, chosen: list[int] | None = None) -> Any:
-    return calls.sums().whiten([(noise, 0.0, 0.1, 1.0, 0.0)], [True] * used, chosen)
-
-
-def _joined() -> Any:
-    sums, others = calls.sums(), calls.sums()
-    sums.join(others)
-    return others.clear_infinite()
+    return calls.sums().whiten([_core.NoiseModel(noise, 0.0, 0.1, 1.0, 0.0)], [True] * used, chosen)
 
 
 def _other_cells() -> Any:
     places = [(0, 0), (0, 1), (1, 2), (1, 2)]
-    return calls.sums().join(_products(places=places))
+    return calls.sums().joined(_products(places=places))
 
 
 def _evaluate(*codes: Any) -> Any:
@@ -87,12 +81,21 @@ def _designed() -> Any:
 def _slips(**labels: Any) -> Any:
     given = calls.slips()
     given[2] = np.asarray(labels.get("cells", given[2]))
-    given[3] = np.asarray(labels.get("stretches", given[3]))
+    given[3] = np.asarray(labels.get("segments", given[3]))
     return _core.slips(*given)
 
 
-def _weigh(products: Any, forms: int = 3) -> Any:
-    return _core.weigh(products, np.zeros(3), 50.0, 1e-12, [[calls.form(0, [1])] * forms], False)
+def _fit(products: Any, forms: int = 3, **given: Any) -> Any:
+    some = [[_core.Form(*calls.form(0, given.get("free", [1])))] * forms]
+    weight = np.zeros(given.get("noises", 3))
+    return _core.fit_hypotheses(products, weight, given.get("degrees", 50.0), 1e-12, some, False)
+
+
+def _ranked(**given: Any) -> Any:
+    arguments = dict(
+        zip(("hypotheses", "log_posterior", "variances", "competing", "prior"), calls.ranking(), strict=True)
+    )
+    return calls.rank(**{**arguments, **given})
 
 
 _HUGE = np.full(calls.ROWS, 2**32 - 1, np.uint32)
@@ -159,14 +162,21 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         ValueError,
         "row 24 is of block 1 and of cell 0, which lies in another",
     ),
-    "no memories": (lambda: _products(memories=[]), ValueError, "no columns or no memories"),
-    "a memory that is not there": (lambda: _whiten(noise=3), IndexError, "no memory 3: there are 3"),
+    "no correlations": (
+        lambda: _products(correlations=[]),
+        ValueError,
+        "no columns or no correlations",
+    ),
+    "a correlation that is not there": (
+        lambda: _whiten(noise=3),
+        IndexError,
+        "no correlation 3: there are 3",
+    ),
     "blocks of other sums": (lambda: _whiten(used=3), ValueError, "used has 3 rows, series has 2"),
     "columns turned round": (lambda: _whiten(chosen=[4, 3, 2, 1, 0]), ValueError, "columns must ascend"),
     "a column twice": (lambda: _whiten(chosen=[0, 1, 1, 2, 3]), ValueError, "none twice"),
     "without the first column": (lambda: _whiten(chosen=[1, 2]), ValueError, "the first among them"),
-    "sums that others have": (_joined, ValueError, "others have them now"),
-    "sums of other groups": (_other_cells, ValueError, "sums of other rows"),
+    "sums of other groups": (_other_cells, ValueError, "the sums are of other rows"),
     "codes too few": (lambda: _evaluate([1, 2]), ValueError, "takes 2 codes, but got 1"),
     "codes too many": (lambda: _evaluate([1], [1], [1]), ValueError, "takes 2 codes, but got 3"),
     "codes too short": (
@@ -177,11 +187,101 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
     "air of one number": (_designed, TypeError, "FirmwareRequest.assumed"),
     "a cell far away": (lambda: _slips(cells=[2**63 - 1] * 48), ValueError, "cells has label 92233"),
-    "a stretch below nought": (lambda: _slips(stretches=[-1] * 48), ValueError, "stretches has label -1"),
+    "a segment below nought": (lambda: _slips(segments=[-1] * 48), ValueError, "segments has label -1"),
     "combinations for ever": (
-        lambda: _weigh(calls.products(), 40),
+        lambda: _fit(calls.products(), 40),
         ValueError,
         "a hypothesis has 40 forms",
+    ),
+    "series that no row begins": (
+        lambda: _products(series=np.array([2.0, 3.0])),
+        ValueError,
+        "block 1 has 3 series, but 2 of its rows begin one",
+    ),
+    "convection at no distance": (
+        lambda: _products(distance=np.full(calls.ROWS, np.nan)),
+        ValueError,
+        "the distance of row 0 in convection must be finite and 0 or more, but is NaN",
+    ),
+    "an autoregression that explodes": (
+        lambda: _core.NoiseModel(0, 1.0, 0.0, 1.0, 0.0),
+        ValueError,
+        "rho must be between -1 and 1, but is 1",
+    ),
+    "a negative variance of stations": (
+        lambda: _core.NoiseModel(0, 0.5, -0.1, 1.0, 0.0),
+        ValueError,
+        "station_ratio must be 0 or more, but is -0.1",
+    ),
+    "a moving average that explodes": (
+        lambda: _products(correlations=[None, 1.5]),
+        ValueError,
+        "a moving average must be between -1 and 1, but is 1.5",
+    ),
+    "bounds of other columns": (
+        lambda: _core.Form(0, [], [1, 2], [(0.0, 1.0)], 1.0),
+        ValueError,
+        "free has 2 rows, bounds has 1",
+    ),
+    "bounds turned round": (
+        lambda: _core.Form(0, [], [1], [(1.0, 0.0)], 1.0),
+        ValueError,
+        "a lower bound and an upper one, but has 1 and 0",
+    ),
+    "a bound that is no number": (
+        lambda: _core.Form(0, [], [1], [(np.nan, 0.0)], 1.0),
+        ValueError,
+        "but has NaN and 0",
+    ),
+    "a weight above one": (
+        lambda: _core.Form(0, [], [], [], 1.5),
+        ValueError,
+        "the weight of a form must be from 0 to 1, but is 1.5",
+    ),
+    "a prior that is no probability": (
+        lambda: _core.Prior([0.4, 0.3, 0.2, np.nan], 0.1),
+        ValueError,
+        "the prior of a number of causes must be from 0 to 1, but is NaN",
+    ),
+    "a column of a form that is not there": (
+        lambda: _fit(calls.products(), free=[6]),
+        IndexError,
+        "no column 6: there are 6",
+    ),
+    "weights of other noises": (
+        lambda: _fit(calls.products(), noises=2),
+        ValueError,
+        "products has 3 rows, log_weight has 2",
+    ),
+    "products that are not square": (
+        lambda: _fit(calls.products()[:, :5]),
+        ValueError,
+        "but are 3 of 5 by 6",
+    ),
+    "no degrees of freedom": (
+        lambda: _fit(calls.products(), degrees=0.0),
+        ValueError,
+        "degrees must be finite and above 0, but is 0",
+    ),
+    "a rank of other hypotheses": (
+        lambda: _ranked(log_posterior=np.zeros(3)),
+        ValueError,
+        "hypotheses has 2 rows, log_posterior has 3",
+    ),
+    "variances of other columns": (
+        lambda: _ranked(variances=[[0.1] * 4, [0.1] * 2]),
+        ValueError,
+        "variances has 2 rows, free columns has 1",
+    ),
+    "a log posterior that is no number": (
+        lambda: _ranked(log_posterior=np.array([0.0, np.nan])),
+        ValueError,
+        "hypothesis 1 has a log posterior of NaN",
+    ),
+    "more causes than compete": (
+        lambda: _ranked(competing=2),
+        ValueError,
+        "hypothesis 0 has 3 causes, but 2 compete",
     ),
 }
 
@@ -191,6 +291,53 @@ def test_refused_by_name(case: str) -> None:
     call, error, message = REFUSED[case]
     with pytest.raises(error, match=message):
         call()
+
+
+def test_joining_changes_neither_sum() -> None:
+    """A frozen case stays as it is when another one is made from it."""
+    one, other = calls.sums(), calls.sums()
+    before = one.whiten([_core.NoiseModel(0, 0.0, 0.1, 1.0, 0.0)], [True, True])
+    joined = one.joined(other)
+    for sums in (one, other):
+        assert "there are 3" in _message(lambda sums=sums: sums.whiten(_LAST_OF_SIX, [True, True]))
+    after = joined.whiten([_core.NoiseModel(3, 0.0, 0.1, 1.0, 0.0)], [True, True])
+    np.testing.assert_array_equal(before[0], after[0])
+    joined.whiten(_LAST_OF_SIX, [True, True])
+
+
+_LAST_OF_SIX = [_core.NoiseModel(5, 0.0, 0.1, 1.0, 0.0)]
+
+
+def _message(call: Callable[[], Any]) -> str:
+    with pytest.raises(IndexError) as caught:
+        call()
+    return str(caught.value)
+
+
+def test_columns_that_are_not_finite_are_zero_in_other_sums_alone() -> None:
+    columns = calls.columns()
+    columns.store(np.where(np.arange(calls.ROWS) == 7, np.inf, 1.0))
+    columns.settle()
+    sums = columns.products(*calls.layout())
+    white = [_core.NoiseModel(0, 0.0, 0.1, 1.0, 0.0)]
+    cleared, finite = sums.without_infinite()
+    assert finite == [True] * 5 + [False]
+    assert not np.isfinite(sums.whiten(white, [True, True])[0]).all()
+    products = cleared.whiten(white, [True, True])[0]
+    assert np.isfinite(products).all()
+    assert (products[0, 5] == 0.0).all()
+    joined = cleared.joined(sums)
+    again = joined.whiten([_core.NoiseModel(3, 0.0, 0.1, 1.0, 0.0)], [True, True])[0]
+    np.testing.assert_array_equal(again, products)
+
+
+def test_what_the_core_found_cannot_be_changed() -> None:
+    (fit,) = _fit(calls.products())
+    with pytest.raises(AttributeError):
+        fit.log_evidence = 0.0
+    for array in (fit.mean, fit.covariance, fit.noise):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
 
 
 def test_a_refused_column_leaves_the_others_alone() -> None:
@@ -215,15 +362,15 @@ def test_labels_of_a_larger_table_keep_their_meaning() -> None:
     """Of some rows of a table, groups keep the labels that they have in all of it."""
     plain = _whiten()
     far = _products(places=[(0, 2**40), (0, 2**50), (1, 2**60), (1, 2**63)])
-    moved = far.whiten([(0, 0.0, 0.1, 1.0, 0.0)], [True, True])
+    moved = far.whiten([_core.NoiseModel(0, 0.0, 0.1, 1.0, 0.0)], [True, True])
     np.testing.assert_array_equal(moved[0], plain[0])
 
 
 def test_an_array_in_another_order_has_the_same_numbers() -> None:
     """NumPy calls an array contiguous that lies in memory the other way round; it was read as it lay."""
     products = calls.products()
-    found = (_weigh(products), _weigh(np.asfortranarray(products)))
-    np.testing.assert_array_equal(*(weighed[0][1] for weighed in found))
+    found = (_fit(products), _fit(np.asfortranarray(products)))
+    np.testing.assert_array_equal(*(fits[0].mean for fits in found))
     table = np.zeros(5, [("flag", "i1"), ("echo", "i8"), ("temperature", "i8")])
     table["echo"], table["temperature"] = np.arange(5), [0, 1, 2, 1, 0]
     expected = _evaluate(np.arange(5), np.array([0, 1, 2, 1, 0]))
@@ -233,5 +380,5 @@ def test_an_array_in_another_order_has_the_same_numbers() -> None:
 def test_products_that_are_no_numbers_have_no_evidence() -> None:
     for forms in (calls.FORMS[:1], calls.FORMS):
         products = np.full((3, 6, 6), np.nan)
-        ((log_evidence, *_),) = _core.weigh(products, np.zeros(3), 50.0, 1e-12, [forms], False)
-        assert not np.isfinite(log_evidence)
+        (fit,) = _core.fit_hypotheses(products, np.zeros(3), 50.0, 1e-12, [calls.forms(forms)], False)
+        assert not np.isfinite(fit.log_evidence)

@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 _Column = NDArray[np.float64]
-_Form = tuple[int | None, list[int], list[int], list[tuple[float, float]], float]
-_Weighed = tuple[float, _Column, _Column, _Column, float]
+_Correlation = float | tuple[float, float] | None
 
 @final
 class Model:
@@ -73,36 +72,142 @@ def echo_times(
 def design_firmware(
     model: Model, request: dict[str, Any], progress: Callable[[str, int, int], object] | None
 ) -> Firmware: ...
-def weigh(
+
+@final
+class Form:
+    def __new__(
+        cls,
+        cause: int | None,
+        offsets: list[int],
+        free: list[int],
+        bounds: list[tuple[float, float]],
+        weight: float,
+    ) -> Form: ...
+    @property
+    def cause(self) -> int | None: ...
+    @property
+    def offsets(self) -> list[int]: ...
+    @property
+    def free(self) -> list[int]: ...
+    @property
+    def bounds(self) -> list[tuple[float, float]]: ...
+    @property
+    def weight(self) -> float: ...
+
+@final
+class Prior:
+    def __new__(cls, causes: list[float], unexplained: float) -> Prior: ...
+    @property
+    def causes(self) -> list[float]: ...
+    @property
+    def unexplained(self) -> float: ...
+    def no_cause(self, terms: bool) -> float: ...
+
+@final
+class SearchOptions:
+    def __new__(cls, pruning_log_odds: float, form_preference: float) -> SearchOptions: ...
+    @property
+    def pruning_log_odds(self) -> float: ...
+    @property
+    def form_preference(self) -> float: ...
+
+@final
+class HypothesisFit:
+    @property
+    def log_evidence(self) -> float: ...
+    @property
+    def mean(self) -> _Column: ...
+    @property
+    def covariance(self) -> _Column: ...
+    @property
+    def noise(self) -> _Column: ...
+    @property
+    def variance(self) -> float: ...
+
+@final
+class Outcome:
+    @property
+    def forms(self) -> list[int]: ...
+    @property
+    def prior(self) -> float: ...
+    @property
+    def fit(self) -> HypothesisFit: ...
+
+@final
+class Posterior:
+    @property
+    def outcomes(self) -> list[Outcome]: ...
+    @property
+    def noises(self) -> list[bool]: ...
+    @property
+    def systems(self) -> int: ...
+
+@final
+class Ranking:
+    @property
+    def probability(self) -> _Column: ...
+    @property
+    def sets(self) -> list[tuple[list[int | None], float]]: ...
+
+def fit_hypotheses(
     products: NDArray[np.float64],
     log_weight: NDArray[np.float64],
     degrees: float,
-    finest: float,
-    hypotheses: list[list[_Form]],
+    variance_floor: float,
+    hypotheses: list[list[Form]],
     one_width: bool,
-) -> list[_Weighed]: ...
+) -> list[HypothesisFit]: ...
 def posterior(
     products: NDArray[np.float64],
     log_weight: NDArray[np.float64],
     degrees: float,
-    finest: float,
-    forms: list[_Form],
-    causes: list[float],
-    shape: float,
-    hopeless: float,
-) -> tuple[list[tuple[list[int], float, _Weighed]], list[bool], int]: ...
+    variance_floor: float,
+    forms: list[Form],
+    prior: Prior,
+    options: SearchOptions,
+) -> Posterior: ...
+def rank(
+    hypotheses: list[list[Form]],
+    log_posterior: NDArray[np.float64],
+    variances: list[list[float]],
+    competing: int,
+    prior: Prior,
+) -> Ranking: ...
+def preferred_form(log_odds: list[float], coefficients: list[int], form_preference: float) -> int: ...
+def residual_variance(
+    products: NDArray[np.float64], degrees: float, variance: float, variance_floor: float, ridge_width: float
+) -> float: ...
+def ridge_coefficients(
+    products: NDArray[np.float64], degrees: float, variance_floor: float, ridge_width: float
+) -> _Column: ...
+def legendre_values(
+    values: NDArray[np.float64], low: float, high: float, scales: list[float]
+) -> NDArray[np.float64]: ...
+def wave_values(values: NDArray[np.float64], period: float, scales: list[float]) -> NDArray[np.float64]: ...
+def spread(values: NDArray[np.float64]) -> _Column: ...
 def log_density(values: NDArray[np.float64], freedom: float) -> NDArray[np.float64]: ...
 def slips(
     left: NDArray[np.float64],
     step: NDArray[np.float64],
     cells: NDArray[np.int64],
-    stretches: NDArray[np.int64],
+    segments: NDArray[np.int64],
     orders: list[float],
     freedom: float,
     spread: float,
     level: NDArray[np.float64],
     scale: float,
-) -> tuple[float, NDArray[np.float64], float, NDArray[np.float64]]: ...
+) -> SlipFit: ...
+
+@final
+class SlipFit:
+    @property
+    def log(self) -> float: ...
+    @property
+    def level(self) -> _Column: ...
+    @property
+    def scale(self) -> float: ...
+    @property
+    def weights(self) -> NDArray[np.float64]: ...
 
 @final
 class Columns:
@@ -144,9 +249,25 @@ class Columns:
         distance: NDArray[np.float64],
         places: list[tuple[int, int]],
         series: NDArray[np.float64],
-        memories: list[float | tuple[float, float] | None],
+        correlations: list[_Correlation],
         flat_level: bool,
     ) -> Sums: ...
+
+@final
+class NoiseModel:
+    def __new__(
+        cls, correlation: int, rho: float, station_ratio: float, first_weight: float, log_prior: float
+    ) -> NoiseModel: ...
+    @property
+    def correlation(self) -> int: ...
+    @property
+    def rho(self) -> float: ...
+    @property
+    def station_ratio(self) -> float: ...
+    @property
+    def first_weight(self) -> float: ...
+    @property
+    def log_prior(self) -> float: ...
 
 @final
 class Sums:
@@ -154,22 +275,21 @@ class Sums:
     def width(self) -> int: ...
     def whiten(
         self,
-        noises: list[tuple[int, float, float, float, float]],
+        noises: list[NoiseModel],
         used: list[bool],
         chosen: list[int] | None = None,
     ) -> tuple[NDArray[np.float64], _Column]: ...
-    def join(self, more: Sums) -> None: ...
-    def clear_infinite(self) -> list[bool]: ...
+    def joined(self, more: Sums) -> Sums: ...
+    def without_infinite(self) -> tuple[Sums, list[bool]]: ...
 
 def whitened(
-    remembered: float | tuple[float, float] | None,
+    correlation: _Correlation,
     rho: float,
     first_weight: float,
     values: NDArray[np.float64],
     starts: NDArray[np.bool_],
     distance: NDArray[np.float64],
 ) -> tuple[_Column, float]: ...
-def left_over(products: NDArray[np.float64], degrees: float, variance: float, finest: float) -> float: ...
 def effects() -> list[dict[str, Any]]: ...
 def laws() -> list[dict[str, Any]]: ...
 def quantities() -> list[dict[str, Any]]: ...

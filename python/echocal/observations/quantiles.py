@@ -9,13 +9,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
+
 __all__ = ["Grouped", "median", "quantiles", "spread"]
 
 Column = NDArray[np.float64]
 
 _LARGE = 1000  # rows of a group that are worth a partition of their own
-_MOST = 100_000  # rows that stand for all
-_RUN = 97  # rows that follow each other among those: a prime, so that no period of a table is missed
 
 
 def spread(values: Column) -> Column:
@@ -27,11 +27,7 @@ def spread(values: Column) -> Column:
     >>> len(spread(np.zeros(100_000))), len(spread(np.zeros(1_000_000)))
     (100000, 99910)
     """
-    skip = -(-len(values) // _MOST)
-    if skip <= 1:
-        return values
-    runs = len(values) // (_RUN * skip)
-    return values[: runs * _RUN * skip].reshape(runs, -1)[:, :_RUN].ravel()
+    return _core.spread(values)
 
 
 def median(values: Column) -> float:

@@ -2,7 +2,7 @@
 
 #![allow(clippy::suboptimal_flops)] // expected values are stated plainly
 
-use echocal_infer::search::{Prior, posterior};
+use echocal_infer::search::{Prior, SearchOptions, posterior};
 use echocal_infer::solve::{Variant, WIDTHS, WhitenedStack, log_evidence};
 
 const DEGREES: f64 = 40.0;
@@ -78,6 +78,13 @@ fn evidence_of_no_cause_and_of_one_by_hand() {
     );
 }
 
+fn options(pruning_log_odds: f64) -> SearchOptions {
+    SearchOptions {
+        pruning_log_odds,
+        form_preference: 1.5,
+    }
+}
+
 /// Where nothing is pruned, the search has every set of causes with its prior and its evidence.
 #[test]
 fn a_posterior_without_pruning_has_every_set() {
@@ -87,9 +94,8 @@ fn a_posterior_without_pruning_has_every_set() {
     let prior = Prior {
         causes: [0.4, 0.3, 0.2, 0.1],
         unexplained: 0.1,
-        pruning_log_odds: f64::INFINITY,
     };
-    let found = posterior(&stack, &variants, &prior, 1);
+    let found = posterior(&stack, &variants, &prior, &options(f64::INFINITY), 1);
     let order: Vec<f64> = found
         .outcomes
         .iter()
@@ -123,9 +129,8 @@ fn pruned_and_whole_posteriors_agree() {
         let prior = Prior {
             causes: [0.4, 0.3, 0.2, 0.1],
             unexplained: 0.1,
-            pruning_log_odds,
         };
-        posterior(&stack, &variants, &prior, 1)
+        posterior(&stack, &variants, &prior, &options(pruning_log_odds), 1)
     });
     for (whole, pruned) in whole.outcomes.iter().zip(&pruned.outcomes) {
         assert_eq!(whole.variants, pruned.variants);

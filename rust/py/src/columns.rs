@@ -12,21 +12,22 @@ use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::sync::Arc;
 
 use crate::border::{
     Column, ascending, at_most, labels, same_length, same_length_not_empty, within,
 };
+use crate::columns_layout::{layout, same_series};
 use crate::errors::to_python;
-use crate::infer::layout;
 use crate::model::CoreModel;
-use crate::sums::{CoreSums, Remembered, correlation};
+use crate::sums::{CoreSums, GivenCorrelation, correlation, distances};
 
 /// A column that Python holds: read anew each time.
 type Held = Py<PyArray1<f64>>;
 
 /// Polynomials of one column, or waves. The diagnosis asks for 16 degrees and 2 waves at most; time and
 /// memory grow with them, so that a wrong number must not ask for any number of them.
-const MOST_FUNCTIONS: usize = 1000;
+pub const MOST_FUNCTIONS: usize = 1000;
 
 /// A recorded quantity: one number, or a column.
 #[derive(FromPyObject)]
@@ -232,7 +233,7 @@ impl CoreColumns {
         PyArray1::from_vec(py, found).reshape([width, width])
     }
 
-    /// Lag-0 and lag-1 products of all columns per memory; `places` has block and group of each
+    /// Lag-0 and lag-1 products of all columns for each correlation; `places` has block and group of each
     /// cell, `series` those that begin in each block.
     #[allow(clippy::too_many_arguments)] // as Python sees it
     fn products<'py>(
@@ -244,21 +245,26 @@ impl CoreColumns {
         distance: Column<'py, f64>,
         places: Vec<(usize, usize)>,
         series: Vec<f64>,
-        memories: Vec<Option<Remembered>>,
+        correlations: Vec<Option<GivenCorrelation>>,
         flat_level: bool,
     ) -> PyResult<CoreSums> {
-        if self.recipes.is_empty() || memories.is_empty() {
-            return Err(PyValueError::new_err("there are no columns or no memories"));
+        if self.recipes.is_empty() || correlations.is_empty() {
+            let message = "there are no columns or no correlations";
+            return Err(PyValueError::new_err(message));
         }
         let (rows, count) = (self.distance.bind(py).len(), series.len());
         let (layout, places) = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
         let threads = available_threads();
-        let models: Vec<NoiseCorrelation> = memories.into_iter().map(correlation).collect();
+        same_series(&series, &layout)?;
+        let models = correlations.into_iter().map(correlation);
+        let models: Vec<NoiseCorrelation> = models.collect::<PyResult<_>>()?;
+        distances(&models, &distance)?;
         let products = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
             let sums =
                 NoiseCorrelation::gather(&distinct.among(columns), &layout, &models, threads);
-            sums.iter().map(|sums| distinct.spread(sums)).collect()
+            let spread = sums.iter().map(|sums| distinct.spread(sums));
+            spread.map(Arc::new).collect()
         })?;
         let sums = TableSums {
             products,

@@ -1,165 +1,120 @@
-//! Log evidence and posterior of hypotheses, over arrays.
+//! Log evidence, posterior and ranking of hypotheses, over arrays.
 
 use echocal_core::batch::available_threads;
-use echocal_infer::gram::RowLayout;
-use echocal_infer::search::{self, Outcome, Prior};
-use echocal_infer::solve::{self, HypothesisFit, Variant, WhitenedStack};
-use numpy::prelude::*;
-use numpy::{Ix2, Ix3, PyArray1, PyArray2};
+use echocal_infer::search::{self, RankedHypothesis};
+use echocal_infer::solve::{self, WhitenedStack};
+use numpy::{Ix2, Ix3, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::collections::HashMap;
 
-use crate::border::{Array, Column, same_length, within};
-
-/// Block and group of each cell.
-type Places = Vec<(usize, usize)>;
-
-/// Which rows of a table belong together, checked; `places` has block and group of each cell.
-///
-/// They come back with groups counted from 0, in the order in which they appear: of some rows of a
-/// table, groups may keep the labels that they have in all of it.
-pub fn layout<'a>(
-    starts: &'a [bool],
-    blocks: &'a [u32],
-    cells: &'a [u32],
-    distance: &'a [f64],
-    rows: usize,
-    places: &[(usize, usize)],
-    block_count: usize,
-) -> PyResult<(RowLayout<'a>, Places)> {
-    same_length(&[
-        ("the table", rows),
-        ("starts", starts.len()),
-        ("blocks", blocks.len()),
-        ("cells", cells.len()),
-        ("distance", distance.len()),
-    ])?;
-    let of = |label: &u32| *label as usize;
-    within("block", blocks.iter().map(of), block_count)?;
-    within("cell", cells.iter().map(of), places.len())?;
-    within("block", places.iter().map(|place| place.0), block_count)?;
-    let elsewhere = |row: &usize| places[cells[*row] as usize].0 != blocks[*row] as usize;
-    if let Some(row) = (0..rows).find(elsewhere) {
-        let (block, cell) = (blocks[row], cells[row]);
-        let message =
-            format!("row {row} is of block {block} and of cell {cell}, which lies in another");
-        return Err(PyValueError::new_err(message));
-    }
-    let layout = RowLayout {
-        starts,
-        blocks,
-        cells,
-        distance,
-        block_count,
-        cell_count: places.len(),
-    };
-    let mut counted = HashMap::new();
-    let counted = |&(block, group): &(usize, usize)| {
-        let next = counted.len();
-        (block, *counted.entry(group).or_insert(next))
-    };
-    Ok((layout, places.iter().map(counted).collect()))
-}
-
-/// A form of a cause: cause (none for an unexplained term), fixed columns, free columns, their bounds, weight.
-type Form = (Option<usize>, Vec<usize>, Vec<usize>, Vec<(f64, f64)>, f64);
-
-/// Log evidence, mean, covariance, probability of each noise, variance.
-type Result<'py> = (
-    f64,
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray1<f64>>,
-    f64,
-);
+use crate::border::{Array, Column, same_length, same_length_not_empty};
+use crate::infer_checks::{not_negative, positive};
+use crate::infer_classes::{
+    CoreForm, CoreHypothesisFit, CorePosterior, CorePrior, CoreRanking, CoreSearchOptions, variants,
+};
 
 fn stack<'a>(
     products: &'a Array<'_, f64, Ix3>,
     log_weight: &'a [f64],
     degrees: f64,
-    finest: f64,
+    variance_floor: f64,
 ) -> PyResult<WhitenedStack<'a>> {
     let &[noises, width, other] = products.shape() else {
         unreachable!("a three-dimensional array has three lengths")
     };
     if width != other || noises == 0 || width == 0 {
-        return Err(PyValueError::new_err(
-            "products are no square matrices, one for each noise",
-        ));
+        let message = format!(
+            "products must be square matrices, one for each noise, but are {noises} of {width} by {other}"
+        );
+        return Err(PyValueError::new_err(message));
     }
     same_length(&[("products", noises), ("log_weight", log_weight.len())])?;
+    positive("degrees", degrees)?;
+    not_negative("variance_floor", variance_floor)?;
     Ok(WhitenedStack {
         products,
         log_weight,
         width,
         degrees,
-        variance_floor: finest,
+        variance_floor,
     })
 }
 
-fn variants(forms: Vec<Form>, width: usize) -> PyResult<Vec<Variant>> {
-    let variant = |(cause, offsets, free, bounds, weight): Form| {
-        same_length(&[("free", free.len()), ("bounds", bounds.len())])?;
-        within("column", offsets.iter().chain(&free).copied(), width)?;
-        Ok(Variant {
-            cause: cause.unwrap_or(usize::MAX),
-            is_unexplained: cause.is_none(),
-            offsets,
-            free,
-            bounds,
-            weight,
-        })
-    };
-    forms.into_iter().map(variant).collect()
-}
-
-fn result<'py>(py: Python<'py>, fit: HypothesisFit) -> PyResult<Result<'py>> {
-    let order = fit.mean.len();
-    Ok((
-        fit.log_evidence,
-        PyArray1::from_vec(py, fit.mean),
-        PyArray1::from_vec(py, fit.covariance).reshape([order, order])?,
-        PyArray1::from_vec(py, fit.noise),
-        fit.variance,
-    ))
-}
-
-/// Variance that the columns between the first and the last leave of the last, see the crate echocal-infer.
-#[pyfunction]
-pub fn left_over(
-    products: Array<'_, f64, Ix2>,
+/// Number of columns of some products, checked with what a ridge needs.
+fn ridge(
+    products: &Array<'_, f64, Ix2>,
     degrees: f64,
-    variance: f64,
-    finest: f64,
-) -> PyResult<f64> {
+    variance_floor: f64,
+    ridge_width: f64,
+) -> PyResult<usize> {
     let &[width, other] = products.shape() else {
         unreachable!("a two-dimensional array has two lengths")
     };
     if width != other || width < 2 {
-        return Err(PyValueError::new_err("products are no square"));
+        let message =
+            format!("products must be a square of two columns or more, but are {width} by {other}");
+        return Err(PyValueError::new_err(message));
     }
+    positive("degrees", degrees)?;
+    not_negative("variance_floor", variance_floor)?;
+    positive("ridge_width", ridge_width)?;
+    Ok(width)
+}
+
+/// Variance that the columns between the first and the last leave of the last, see the crate echocal-infer.
+#[pyfunction]
+pub fn residual_variance(
+    products: Array<'_, f64, Ix2>,
+    degrees: f64,
+    variance: f64,
+    variance_floor: f64,
+    ridge_width: f64,
+) -> PyResult<f64> {
+    let width = ridge(&products, degrees, variance_floor, ridge_width)?;
     Ok(solve::residual_variance(
-        &products, width, degrees, variance, finest,
+        &products,
+        width,
+        degrees,
+        variance,
+        variance_floor,
+        ridge_width,
     ))
+}
+
+/// Coefficients of the columns between the first and the last, all at once.
+#[pyfunction]
+pub fn ridge_coefficients<'py>(
+    py: Python<'py>,
+    products: Array<'py, f64, Ix2>,
+    degrees: f64,
+    variance_floor: f64,
+    ridge_width: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let width = ridge(&products, degrees, variance_floor, ridge_width)?;
+    let found = solve::ridge_coefficients(&products, width, degrees, variance_floor, ridge_width);
+    Ok(PyArray1::from_vec(py, found))
 }
 
 /// Forms of one hypothesis whose widths can be combined: each has three, and every combination costs.
 const MOST_MIXED: usize = 12;
 
-/// The log evidence of hypotheses, each by itself.
+/// Hypotheses as Python gives them: the forms of each.
+type Hypotheses<'py> = Vec<Vec<PyRef<'py, CoreForm>>>;
+
+/// Fits hypotheses, each by itself; with `one_width` with the widest prior alone.
 #[pyfunction]
-pub fn weigh<'py>(
+#[allow(clippy::too_many_arguments)] // as Python sees it
+pub fn fit_hypotheses<'py>(
     py: Python<'py>,
     products: Array<'py, f64, Ix3>,
     log_weight: Column<'py, f64>,
     degrees: f64,
-    finest: f64,
-    hypotheses: Vec<Vec<Form>>,
+    variance_floor: f64,
+    hypotheses: Hypotheses<'py>,
     one_width: bool,
-) -> PyResult<Vec<Result<'py>>> {
-    let stack = stack(&products, &log_weight, degrees, finest)?;
-    let each = hypotheses.into_iter();
+) -> PyResult<Vec<CoreHypothesisFit>> {
+    let stack = stack(&products, &log_weight, degrees, variance_floor)?;
+    let each = hypotheses.iter();
     let hypotheses: PyResult<Vec<_>> = each.map(|forms| variants(forms, stack.width)).collect();
     let (hypotheses, threads) = (hypotheses?, available_threads());
     let most = hypotheses.iter().map(Vec::len).max().unwrap_or(0);
@@ -171,34 +126,91 @@ pub fn weigh<'py>(
         return Err(PyValueError::new_err(message));
     }
     let fits = py.detach(|| solve::log_evidence(&stack, &hypotheses, one_width, threads));
-    fits.into_iter().map(|one| result(py, one)).collect()
+    fits.into_iter()
+        .map(|one| CoreHypothesisFit::of(py, one))
+        .collect()
 }
 
-/// The posterior over hypotheses: forms, prior and result of each; the noises taken into account, and
-/// the number of linear systems solved.
+/// The posterior over the hypotheses that some forms make.
 #[pyfunction]
-#[allow(clippy::type_complexity, clippy::too_many_arguments)] // as Python sees them
+#[allow(clippy::too_many_arguments)] // as Python sees it
 pub fn posterior<'py>(
     py: Python<'py>,
     products: Array<'py, f64, Ix3>,
     log_weight: Column<'py, f64>,
     degrees: f64,
-    finest: f64,
-    forms: Vec<Form>,
-    causes: [f64; 4],
-    shape: f64,
-    hopeless: f64,
-) -> PyResult<(Vec<(Vec<usize>, f64, Result<'py>)>, Vec<bool>, usize)> {
-    let stack = stack(&products, &log_weight, degrees, finest)?;
-    let variants = variants(forms, stack.width)?;
-    let prior = Prior {
-        causes,
-        unexplained: shape,
-        pruning_log_odds: hopeless,
-    };
-    let threads = available_threads();
-    let found = py.detach(|| search::posterior(&stack, &variants, &prior, threads));
-    let outcome = |o: Outcome| Ok((o.variants, o.prior, result(py, o.fit)?));
-    let outcomes: PyResult<Vec<_>> = found.outcomes.into_iter().map(outcome).collect();
-    Ok((outcomes?, found.noises, found.systems))
+    variance_floor: f64,
+    forms: Vec<PyRef<'py, CoreForm>>,
+    prior: &CorePrior,
+    options: &CoreSearchOptions,
+) -> PyResult<CorePosterior> {
+    let stack = stack(&products, &log_weight, degrees, variance_floor)?;
+    let variants = variants(&forms, stack.width)?;
+    let (prior, options, threads) = (prior.prior(), options.options(), available_threads());
+    let found = py.detach(|| search::posterior(&stack, &variants, &prior, &options, threads));
+    CorePosterior::of(py, found)
+}
+
+/// Probabilities of hypotheses, most probable first, and of their sets of causes; `competing`: number
+/// of causes that compete; `variances`: of the coefficients of each hypothesis.
+#[pyfunction]
+pub fn rank<'py>(
+    py: Python<'py>,
+    hypotheses: Hypotheses<'py>,
+    log_posterior: Column<'py, f64>,
+    variances: Vec<Vec<f64>>,
+    competing: usize,
+    prior: &CorePrior,
+) -> PyResult<CoreRanking> {
+    same_length_not_empty(&[
+        ("hypotheses", hypotheses.len()),
+        ("log_posterior", log_posterior.len()),
+        ("variances", variances.len()),
+    ])?;
+    if !log_posterior.iter().any(|log| log.is_finite()) {
+        return Err(PyValueError::new_err(
+            "no hypothesis has a finite log posterior",
+        ));
+    }
+    let each = hypotheses.iter().zip(variances).zip(log_posterior.iter());
+    let mut ranked = Vec::with_capacity(hypotheses.len());
+    for (place, ((forms, variances), &log_posterior)) in each.enumerate() {
+        if log_posterior.is_nan() || log_posterior == f64::INFINITY {
+            let message = format!("hypothesis {place} has a log posterior of {log_posterior}");
+            return Err(PyValueError::new_err(message));
+        }
+        let variants = variants(forms, usize::MAX)?;
+        let free = variants.iter().map(|form| form.free.len()).sum();
+        same_length(&[("variances", variances.len()), ("free columns", free)])?;
+        let known = variants.iter().filter(|form| !form.is_unexplained).count();
+        if known > competing {
+            let message = format!("hypothesis {place} has {known} causes, but {competing} compete");
+            return Err(PyValueError::new_err(message));
+        }
+        ranked.push(RankedHypothesis {
+            variants,
+            log_posterior,
+            variances,
+        });
+    }
+    Ok(CoreRanking::of(
+        py,
+        search::rank(&ranked, competing, &prior.prior()),
+    ))
+}
+
+/// Position of the form that stands for the same causes, of forms of so many log odds, most probable
+/// first, and coefficients.
+#[pyfunction]
+pub fn preferred_form(
+    log_odds: Vec<f64>,
+    coefficients: Vec<usize>,
+    form_preference: f64,
+) -> PyResult<usize> {
+    same_length_not_empty(&[
+        ("log_odds", log_odds.len()),
+        ("coefficients", coefficients.len()),
+    ])?;
+    let forms: Vec<_> = log_odds.into_iter().zip(coefficients).collect();
+    Ok(search::preferred_form(&forms, form_preference))
 }

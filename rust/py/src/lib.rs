@@ -5,10 +5,14 @@ use pyo3::prelude::*;
 mod batch;
 mod border;
 mod columns;
+mod columns_basis;
+mod columns_layout;
 mod domain;
 mod errors;
 mod firmware;
 mod infer;
+mod infer_checks;
+mod infer_classes;
 mod laws;
 mod model;
 mod noise;
@@ -31,17 +35,26 @@ mod _core {
     #[pymodule_export]
     use super::columns::CoreColumns;
     #[pymodule_export]
+    use super::columns_basis::{legendre_values, spread, wave_values};
+    #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
     use super::firmware::{CoreFirmware, design_firmware, echo_times};
     #[pymodule_export]
-    use super::infer::{left_over, posterior, weigh};
+    use super::infer::{
+        fit_hypotheses, posterior, preferred_form, rank, residual_variance, ridge_coefficients,
+    };
+    #[pymodule_export]
+    use super::infer_classes::{
+        CoreForm, CoreHypothesisFit, CoreOutcome, CorePosterior, CorePrior, CoreRanking,
+        CoreSearchOptions,
+    };
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]
-    use super::noise::{log_density, slips};
+    use super::noise::{CoreSlipFit, log_density, slips};
     #[pymodule_export]
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]
-    use super::sums::{CoreSums, whitened};
+    use super::sums::{CoreNoiseModel, CoreSums, whitened};
 }

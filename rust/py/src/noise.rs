@@ -8,13 +8,18 @@ use pyo3::prelude::*;
 
 use crate::border::{Column, labels, same_length_not_empty};
 
-/// Log likelihood, level of each row, scale, probability of each group by cell.
-type Fitted<'py> = (
-    f64,
-    Bound<'py, PyArray1<f64>>,
-    f64,
-    Bound<'py, PyArray2<f64>>,
-);
+/// A mixture of groups of rows that are whole steps apart.
+#[pyclass(name = "SlipFit", module = "echocal._core", frozen, get_all)]
+pub struct CoreSlipFit {
+    /// Log likelihood.
+    log: f64,
+    /// Level of each row.
+    level: Py<PyArray1<f64>>,
+    /// Scale of the scatter within a group.
+    scale: f64,
+    /// Probability of each group, by cell.
+    weights: Py<PyArray2<f64>>,
+}
 
 /// Log density of Student's t, or of the normal distribution, at each of some numbers of scale one.
 #[pyfunction]
@@ -35,21 +40,21 @@ pub fn slips<'py>(
     left: Column<'py, f64>,
     step: Column<'py, f64>,
     cells: Column<'py, i64>,
-    stretches: Column<'py, i64>,
+    segments: Column<'py, i64>,
     orders: Vec<f64>,
     freedom: f64,
     spread: f64,
     level: Vec<f64>,
     scale: f64,
-) -> PyResult<Fitted<'py>> {
+) -> PyResult<CoreSlipFit> {
     let (left, step) = (&*left, &*step);
     let (cells, _) = labels("cells", &cells)?;
-    let (segments, _) = labels("stretches", &stretches)?;
+    let (segments, _) = labels("segments", &segments)?;
     same_length_not_empty(&[
         ("left", left.len()),
         ("step", step.len()),
         ("cells", cells.len()),
-        ("stretches", segments.len()),
+        ("segments", segments.len()),
         ("level", level.len()),
     ])?;
     if orders.is_empty() {
@@ -67,10 +72,12 @@ pub fn slips<'py>(
     let found = py.detach(|| slips.fit(level, scale));
     let groups = orders.len();
     let shape = [found.weights.len() / groups, groups];
-    Ok((
-        found.log,
-        PyArray1::from_vec(py, found.level),
-        found.scale,
-        PyArray1::from_vec(py, found.weights).reshape(shape)?,
-    ))
+    Ok(CoreSlipFit {
+        log: found.log,
+        level: PyArray1::from_vec(py, found.level).unbind(),
+        scale: found.scale,
+        weights: PyArray1::from_vec(py, found.weights)
+            .reshape(shape)?
+            .unbind(),
+    })
 }

@@ -10,25 +10,82 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::border::{Column, ascending, same_length, within};
+use crate::infer_checks::{coefficient, not_negative, positive, required};
 
-/// Correlation (by position), autoregression, variance ratio of stations, weight of first rows, log prior.
-type Given = (usize, f64, f64, f64, f64);
+/// Correlated noise with one set of parameters, and a random error that the rows of a station share.
+#[pyclass(name = "NoiseModel", module = "echocal._core", frozen, get_all)]
+pub struct CoreNoiseModel {
+    /// Position of its correlation among the sums.
+    correlation: usize,
+    /// Autoregressive coefficient; 0 of a convection.
+    rho: f64,
+    /// Variance of the error that all rows of a station share, over that of the innovations.
+    station_ratio: f64,
+    /// Innovation variance over the variance of the process: the weight of a series' first row.
+    first_weight: f64,
+    /// Log of its probability before the data.
+    log_prior: f64,
+}
+
+#[pymethods]
+impl CoreNoiseModel {
+    #[new]
+    fn new(
+        correlation: usize,
+        rho: f64,
+        station_ratio: f64,
+        first_weight: f64,
+        log_prior: f64,
+    ) -> PyResult<Self> {
+        coefficient("rho", rho)?;
+        not_negative("station_ratio", station_ratio)?;
+        positive("first_weight", first_weight)?;
+        required(log_prior < f64::INFINITY, "log_prior", "finite", log_prior)?;
+        Ok(Self {
+            correlation,
+            rho,
+            station_ratio,
+            first_weight,
+            log_prior,
+        })
+    }
+}
 
 /// A moving-average coefficient, or autoregression and growth of a convection; None is white.
 #[derive(FromPyObject)]
-pub enum Remembered {
+pub enum GivenCorrelation {
     Convection((f64, f64)),
-    Fading(f64),
+    MovingAverage(f64),
 }
 
-pub fn correlation(remembered: Option<Remembered>) -> NoiseCorrelation {
-    match remembered {
+/// The correlation that Python gives, checked.
+pub fn correlation(given: Option<GivenCorrelation>) -> PyResult<NoiseCorrelation> {
+    Ok(match given {
         None => NoiseCorrelation::White(White),
-        Some(Remembered::Convection((rho, growth))) => {
+        Some(GivenCorrelation::Convection((rho, growth))) => {
+            coefficient("the autoregression of a convection", rho)?;
+            not_negative("the growth of a convection", growth)?;
             NoiseCorrelation::Convection(Convection { rho, growth })
         }
-        Some(Remembered::Fading(coefficient)) => {
-            NoiseCorrelation::MovingAverage(MovingAverage { coefficient })
+        Some(GivenCorrelation::MovingAverage(theta)) => {
+            coefficient("a moving average", theta)?;
+            NoiseCorrelation::MovingAverage(MovingAverage { coefficient: theta })
+        }
+    })
+}
+
+/// Refuses distances that convection cannot grow with.
+pub fn distances(of: &[NoiseCorrelation], distance: &[f64]) -> PyResult<()> {
+    let convection = |one: &NoiseCorrelation| matches!(one, NoiseCorrelation::Convection(_));
+    if !of.iter().any(convection) {
+        return Ok(());
+    }
+    let wrong = |metres: &f64| !(metres.is_finite() && *metres >= 0.0);
+    match distance.iter().position(wrong) {
+        None => Ok(()),
+        Some(row) => {
+            let what = format!("the distance of row {row} in convection");
+            required(false, &what, "finite and 0 or more", distance[row])
         }
     }
 }
@@ -37,7 +94,7 @@ pub fn correlation(remembered: Option<Remembered>) -> NoiseCorrelation {
 #[pyfunction]
 pub fn whitened<'py>(
     py: Python<'py>,
-    remembered: Option<Remembered>,
+    correlation: Option<GivenCorrelation>,
     rho: f64,
     first_weight: f64,
     values: Column<'py, f64>,
@@ -50,14 +107,17 @@ pub fn whitened<'py>(
         ("starts", starts.len()),
         ("distance", distance.len()),
     ])?;
-    let model = correlation(remembered);
+    let model = self::correlation(correlation)?;
+    distances(&[model], distance)?;
+    coefficient("rho", rho)?;
+    positive("first_weight", first_weight)?;
     let own = Autoregression { rho, first_weight };
     let (white, log) = py.detach(|| model.whitened(own, values, starts, distance));
     Ok((PyArray1::from_vec(py, white), log))
 }
 
-/// Lag-0 and lag-1 products of columns, block by block.
-#[pyclass(name = "Sums", module = "echocal._core")]
+/// Lag-0 and lag-1 products of columns, block by block; what is made from them shares them.
+#[pyclass(name = "Sums", module = "echocal._core", frozen)]
 pub struct CoreSums {
     pub(crate) sums: TableSums,
 }
@@ -88,21 +148,21 @@ impl CoreSums {
     fn whiten<'py>(
         &self,
         py: Python<'py>,
-        noises: Vec<Given>,
+        noises: Vec<PyRef<'py, CoreNoiseModel>>,
         used: Vec<bool>,
         chosen: Option<Vec<usize>>,
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
-        let memories = noises.iter().map(|noise| noise.0);
-        within("memory", memories, self.sums.products.len())?;
+        let correlations = noises.iter().map(|noise| noise.correlation);
+        within("correlation", correlations, self.sums.products.len())?;
         same_length(&[("used", used.len()), ("series", self.sums.series.len())])?;
-        let noise = |(correlation, rho, station_ratio, first_weight, log_prior)| NoiseModel {
-            correlation,
-            rho,
-            station_ratio,
-            first_weight,
-            log_prior,
+        let noise = |noise: &PyRef<'py, CoreNoiseModel>| NoiseModel {
+            correlation: noise.correlation,
+            rho: noise.rho,
+            station_ratio: noise.station_ratio,
+            first_weight: noise.first_weight,
+            log_prior: noise.log_prior,
         };
-        let noises: Vec<NoiseModel> = noises.into_iter().map(noise).collect();
+        let noises: Vec<NoiseModel> = noises.iter().map(noise).collect();
         let (threads, width) = (available_threads(), self.sums.width);
         if let Some(chosen) = &chosen {
             within("column", chosen.iter().copied(), width)?;
@@ -132,23 +192,26 @@ impl CoreSums {
         self.sums.width
     }
 
-    /// Adds the sums of one more pass over the same rows and columns, which are then its own.
-    fn join(&mut self, more: &mut Self) -> PyResult<()> {
+    /// These sums and those of one more pass over the same rows and columns.
+    fn joined(&self, more: &Self) -> PyResult<Self> {
         let (own, others) = (&self.sums, &more.sums);
-        let same = own.width == others.width && own.flat_level == others.flat_level;
+        same_length(&[
+            ("the columns of these sums", own.width),
+            ("those of the others", others.width),
+        ])?;
+        let same = own.flat_level == others.flat_level;
         if !same || own.series != others.series || own.cells != others.cells {
-            return Err(PyValueError::new_err("sums of other rows or columns"));
-        }
-        self.sums.join(core::mem::take(&mut more.sums.products));
-        Ok(())
-    }
-
-    /// Makes columns zero that are not finite; tells which are.
-    fn clear_infinite(&mut self) -> PyResult<Vec<bool>> {
-        if self.sums.products.is_empty() {
-            let message = "there are no sums: none were asked for, or others have them now";
+            let message = "the sums are of other rows: blocks, cells or levels differ";
             return Err(PyValueError::new_err(message));
         }
-        Ok(self.sums.clear_infinite())
+        let sums = own.joined(others);
+        Ok(Self { sums })
+    }
+
+    /// The same with zero in place of columns that are not finite, and whether each is.
+    fn without_infinite(&self) -> (Self, Vec<bool>) {
+        let sums = self.sums.without_infinite();
+        let finite = sums.finite.clone();
+        (Self { sums }, finite)
     }
 }

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.settings import TermSettings
 from echocal.observations.quantiles import quantiles, spread
@@ -46,18 +47,10 @@ class Basis:
         return cls(against, low, high, settings)
 
     def at(self, values: Column) -> list[Column]:
-        """Every function, in units of its prior standard deviation [m]."""
+        """Every function, times its prior standard deviation [m]: docs/method.md, Eq. 2a, with its mean."""
         if self.against == HOUR:
-            phase = 2 * np.pi * values / 24.0
-            return [
-                size * wave(k * phase)
-                for k, size in enumerate(_harmonics(self.settings), 1)
-                for wave in (np.sin, np.cos)
-            ]
-        scaled = (2 * values - self.low - self.high) / max(self.high - self.low, 1e-300)
-        scales = _scales(self.settings)
-        legendre = np.polynomial.legendre.legvander(np.clip(scaled, -1.5, 1.5), len(scales)).T[1:]
-        return [scale * function for scale, function in zip(scales, legendre, strict=True)]
+            return list(_core.wave_values(values, 24.0, _harmonics(self.settings)))
+        return list(_core.legendre_values(values, self.low, self.high, _scales(self.settings)))
 
 
 def _scales(settings: TermSettings) -> list[float]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.inference.innovation import log_likelihood
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise, NoiseCorrelation
@@ -53,9 +54,7 @@ def that_may_be_there(
     if sums.order.starts.all():
         return []
     products, order = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0)).products, sums.order
-    among, along = products[1:-1, 1:-1], products[1:-1, -1]
-    ridge = max(products[-1, -1] / sums.degrees(), VARIANCE_FLOOR**2) / settings.ridge_width**2
-    sizes = np.linalg.solve(among + ridge * np.eye(len(among)), along)
+    sizes = _core.ridge_coefficients(products, sums.degrees(), VARIANCE_FLOOR**2, settings.ridge_width)
     used = np.flatnonzero(sizes)
     left = residual - columns.combined((1 + used).tolist(), sizes[used])
     rows = _looked_at(len(left))

@@ -35,7 +35,7 @@ def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Setting
     term_candidates(found, against, settings.terms, known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))
-    drop_infinite(found, sums)
+    sums = drop_infinite(found, sums)
     drop_invisible(found, sums, residual, settings.priors)
     if sums.correlations == (WHITE,):
         others = that_may_be_there(found.columns, sums, residual, settings.noise_models)

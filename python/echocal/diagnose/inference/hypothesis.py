@@ -116,7 +116,7 @@ class Stack:
 
 @dataclass(frozen=True)
 class HypothesisFit:
-    """A hypothesis after the data.
+    """A hypothesis after the data: docs/method.md, Eq. 16 and 17.
 
     Attributes
     ----------
@@ -139,6 +139,11 @@ class HypothesisFit:
     noise: Matrix
     variance: float
 
+    @classmethod
+    def of(cls, hypothesis: Hypothesis, fit: _core.HypothesisFit) -> "HypothesisFit":
+        """What the core found out about a hypothesis."""
+        return cls(hypothesis, fit.log_evidence, fit.mean, fit.covariance, fit.noise, fit.variance)
+
     def raised(self, by: float) -> "HypothesisFit":
         """The same with more log evidence."""
         return HypothesisFit(
@@ -147,15 +152,15 @@ class HypothesisFit:
 
     @property
     def log_posterior(self) -> float:
-        """Up to the constant that normalizes."""
+        """Up to the constant that normalizes: docs/method.md, Eq. 18."""
         prior = self.hypothesis.prior
         return self.log_evidence + (math.log(prior) if prior > 0.0 else -math.inf)
 
 
-def form(variant: Variant, cause: int | None = 0) -> "_core._Form":
+def form(variant: Variant, cause: int | None = 0) -> _core.Form:
     """Describe a variant to the core; an unexplained term has no cause."""
     offsets = [] if variant.offset is None else [variant.offset]
-    return cause, offsets, list(variant.free), list(variant.bounds), variant.weight
+    return _core.Form(cause, offsets, list(variant.free), list(variant.bounds), variant.weight)
 
 
 def fit_hypothesis(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> HypothesisFit:
@@ -191,5 +196,5 @@ def fit_hypotheses(
     """Fit several hypotheses, each by itself, on several threads."""
     forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
     given = stack.products, stack.log_weight, stack.degrees, VARIANCE_FLOOR**2
-    found = _core.weigh(*given, forms, one_width)
-    return [HypothesisFit(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]
+    found = _core.fit_hypotheses(*given, forms, one_width)
+    return [HypothesisFit.of(hypothesis, fit) for hypothesis, fit in zip(hypotheses, found, strict=True)]

@@ -1,6 +1,5 @@
 """Which hypotheses compete, and how probable each is before the data."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Sta
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR
 from echocal.diagnose.settings import PriorSettings, Settings
 
-__all__ = ["Inference", "infer", "posterior", "preferred", "set_prior"]
+__all__ = ["Inference", "core_prior", "infer", "posterior", "preferred"]
 
 
 @dataclass(frozen=True)
@@ -54,37 +53,31 @@ def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list
     """
     order = {cause: i for i, cause in enumerate(dict.fromkeys(v.cause for v in found.variants))}
     forms = [form(v, None if v.cause == UNKNOWN else order[v.cause]) for v in found.variants]
-    priors = settings.priors
-    outcomes, noises, _ = _core.posterior(
+    search = settings.search
+    found_by_core = _core.posterior(
         stack.products,
         stack.log_weight,
         stack.degrees,
         VARIANCE_FLOOR**2,
         forms,
-        priors.counts,
-        priors.unexplained_term,
-        settings.search.pruning_log_odds,
+        core_prior(settings.priors),
+        _core.SearchOptions(search.pruning_log_odds, search.form_preference),
     )
     fits = [
-        HypothesisFit(Hypothesis(tuple(found.variants[i] for i in chosen), prior), *result)
-        for chosen, prior, result in outcomes
+        HypothesisFit.of(Hypothesis(tuple(found.variants[i] for i in one.forms), one.prior), one.fit)
+        for one in found_by_core.outcomes
     ]
-    return fits, stack.only(np.array(noises))
+    return fits, stack.only(np.array(found_by_core.noises))
 
 
-def set_prior(ids: Sequence[str], causes: int, priors: PriorSettings) -> float:
-    """Probability of one set of causes before the data, of as many causes as compete."""
-    known = sum(id_ != UNKNOWN for id_ in ids)
-    shape = priors.unexplained_term if known < len(ids) else 1 - priors.unexplained_term
-    counts = priors.counts
-    rarer = (counts[3] / counts[2]) ** max(known - 3, 0)
-    return shape * counts[min(known, 3)] * rarer / math.comb(causes, known)
+def core_prior(priors: PriorSettings) -> _core.Prior:
+    """Priors of the number of causes and of an unexplained term, for the core."""
+    return _core.Prior(list(priors.counts), priors.unexplained_term)
 
 
-def preferred(same: list[HypothesisFit], undecided: float) -> HypothesisFit:
-    """Of forms of the same causes, most probable first: the best, or a freer one that is as good.
+def preferred(same: Sequence[HypothesisFit], undecided: float) -> HypothesisFit:
+    """Choose the form that stands for the same causes, most probable first.
 
-    Where the data do not say which value is right, its uncertainty says so.
+    Where the data do not say which value is right, a freer form's uncertainty says so.
     """
-    near = [w for w in same if w.log_posterior > same[0].log_posterior - undecided]
-    return max(near, key=lambda w: len(w.mean))
+    return same[_core.preferred_form([w.log_posterior for w in same], [len(w.mean) for w in same], undecided)]

@@ -91,8 +91,8 @@ class Sums:
     def with_correlations(self, columns: Columns, correlations: Sequence[NoiseCorrelation]) -> "Sums":
         """Pass once more over the rows of the same columns, for other correlations."""
         more = Sums.gather(columns, self.order, self.blocks, correlations)
-        self.products.join(more.products)
-        return replace(self, correlations=(*self.correlations, *correlations))
+        joined = self.products.joined(more.products)
+        return replace(self, products=joined, correlations=(*self.correlations, *correlations))
 
     def has(self, noise: Noise) -> bool:
         """Whether the rows were summed as a noise asks for."""
@@ -114,7 +114,7 @@ class Sums:
         """
         use = np.ones(len(self.rows), dtype=bool) if use is None else use
         given = [
-            (
+            _core.NoiseModel(
                 self._place(n.correlation),
                 0.0 if n.growth else n.rho,
                 n.station_ratio,
@@ -137,9 +137,10 @@ class Sums:
         products, log_weight = self.whiten_all([noise], use, columns)
         return Whitened(products[0], float(log_weight[0]), noise)
 
-    def clear_infinite(self) -> NDArray[np.bool_]:
-        """Make columns zero that are not finite; return which are."""
-        return np.array(self.products.clear_infinite())
+    def without_infinite(self) -> "tuple[Sums, NDArray[np.bool_]]":
+        """Put zero in place of columns that are not finite; return whether each is, too."""
+        products, finite = self.products.without_infinite()
+        return replace(self, products=products), np.array(finite)
 
     def degrees(self, use: NDArray[np.bool_] | None = None) -> int:
         """Rows less unknown levels."""

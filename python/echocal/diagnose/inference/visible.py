@@ -16,14 +16,15 @@ INVISIBLE = "cannot show in these data"
 """Why a cause was left out that no size would make visible."""
 
 
-def drop_infinite(found: Candidates, sums: Sums) -> None:
-    """Drop causes whose columns are not finite in these data."""
-    finite = sums.clear_infinite()
+def drop_infinite(found: Candidates, sums: Sums) -> Sums:
+    """Drop causes whose columns are not finite in these data; return the sums without these columns."""
+    sums, finite = sums.without_infinite()
     if finite.all():
-        return
+        return sums
     broken = {v.cause for v in found.variants if not finite[list(v.columns)].all()}
     found.skipped.update(dict.fromkeys(broken, "not finite in these data"))
     found.variants[:] = [v for v in found.variants if v.cause not in broken]
+    return sums
 
 
 def drop_invisible(
@@ -31,13 +32,13 @@ def drop_invisible(
 ) -> None:
     """Drop causes that could not show in these data even at three times their usual size.
 
-    Weighing them would only spread probability over causes that nobody can see.
+    Fitting them would only spread probability over causes that nobody can see.
     """
     used = np.ones(len(sums.rows), dtype=bool)
     products = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), used).products
     variance = min(_of_steps(residual, sums.order), products[-1, -1] / sums.degrees())
-    shape = Geometry(products, max(variance, VARIANCE_FLOOR**2))
-    shown = settings.usual_multiple * shape.visibilities(found.variants)
+    geometry = Geometry(products, max(variance, VARIANCE_FLOOR**2))
+    shown = settings.usual_multiple * geometry.visibilities(found.variants)
     visible = shown > settings.fewest_snr
     kept = {v.cause for v, shows in zip(found.variants, visible, strict=True) if shows or v.cause == UNKNOWN}
     for variant in found.variants:

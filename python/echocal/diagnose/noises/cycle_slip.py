@@ -179,17 +179,17 @@ def _mixture(trace: Trace, step: Column, groups: _Groups, freedom: float, own: T
     )
     first = max(0.25 * float(np.median(step)), 1e-4)
     spread = own.level if leveled else 0.0
-    log, level, scale, weights = _core.slips(
+    found = _core.slips(
         left, step, cells, segment, [float(order) for order in orders], freedom, spread, level, first
     )
     rows, members = np.bincount(cells), np.bincount(segment)
-    used = (weights > _TRACE).sum(axis=1) - 1
+    used = (found.weights > _TRACE).sum(axis=1) - 1
     cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
     if leveled:  # a level of its own costs what its prior spreads it over
-        levels = np.bincount(segment, level) / members
-        cost += 0.5 * float(np.log1p(members * (own.level / scale) ** 2).sum())
+        levels = np.bincount(segment, found.level) / members
+        cost += 0.5 * float(np.log1p(members * (own.level / found.scale) ** 2).sum())
         cost += 0.5 * float(np.sum((levels / own.level) ** 2))
-    return _Mixture(log - cost, weights, orders, scale, cells)
+    return _Mixture(found.log - cost, found.weights, orders, found.scale, cells)
 
 
 def draw(table: Columns, random: np.random.Generator) -> None:

@@ -17,7 +17,7 @@ from echocal.diagnose.inference.hypothesis import (
     fit_hypothesis,
 )
 from echocal.diagnose.inference.posterior import preferred
-from echocal.diagnose.selection.parsimony import Ids, shown
+from echocal.diagnose.selection.parsimony import Ids, probabilities
 from echocal.diagnose.settings import ClaimSettings, Settings
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
@@ -115,11 +115,11 @@ def _out_of_reach(ids: Sequence[str]) -> int:
 
 
 def rank(fits: list[HypothesisFit], causes: int, settings: Settings) -> Ranking:
-    """Normalize, add up the variants of each set of causes, and count only causes that show."""
-    log = np.array([w.log_posterior for w in fits])
-    probability = np.exp(log - log.max())
-    probability /= probability.sum()
-    sets = shown(fits, probability, causes, settings.priors)
+    """Normalize, add up the variants of each set of causes, and count only informative causes.
+
+    docs/method.md, Eq. 18 and 20 to 22.
+    """
+    probability, sets = probabilities(fits, causes, settings.priors)
     return Ranking(fits, probability, list(sets.items()), settings)
 
 

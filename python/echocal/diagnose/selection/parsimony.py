@@ -1,83 +1,57 @@
-"""A cause counts as there only as far as it shows.
+"""A cause counts as there only as far as it is informative: docs/method.md, Eq. 20 to 22.
 
-The prior on a size allows sizes that no data of this kind could show: a set with such a cause
-explains the rows no better and no worse than the set without it, however many rows there are. Its
-probability says nothing about the data and would fill a credible set with causes of no
-consequence. So the part of the prior where a cause stays below the noise, beside the other causes
-of its set, counts as its absence.
+The prior on a size allows sizes that no data of this kind could show. The part of the prior where a
+cause stays below the noise, beside the other causes of its set, counts as its absence. The core
+computes it: rust/infer/src/search/ranking.rs.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.candidates.variant import UNKNOWN
-from echocal.diagnose.inference.hypothesis import HypothesisFit
-from echocal.diagnose.inference.posterior import set_prior
+from echocal.diagnose.inference.hypothesis import HypothesisFit, form
+from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.settings import PriorSettings
 
-__all__ = ["Ids", "shown"]
+__all__ = ["Ids", "probabilities"]
 
 Ids = tuple[str, ...]
 
-_WIDTHS = (1 / 3, 1.0, 3.0)  # of the prior, in a mixture: rust/infer/src/solve/prior_widths.rs
-_USUAL = sum(width**2 for width in _WIDTHS) / len(_WIDTHS)  # variance of the mixture
-_VISIBLE = 1.0  # signal over noise, summed over rows
 
-
-def shown(
-    fits: Sequence[HypothesisFit], probability: NDArray[np.float64], causes: int, priors: PriorSettings
-) -> dict[Ids, float]:
-    """Probability of each set of causes that show.
+def probabilities(
+    fits: Sequence[HypothesisFit], causes: int, priors: PriorSettings
+) -> tuple[NDArray[np.float64], dict[Ids, float]]:
+    """Compute the probability of each hypothesis, and of each set of causes that are informative.
 
     Parameters
     ----------
     fits : sequence of HypothesisFit
         Most probable first.
-    probability : ndarray
-        Of each of `fits`; sums to one.
     causes : int
         Number of causes that compete.
     priors : PriorSettings
 
     Returns
     -------
+    ndarray
+        Probability of each of `fits`; the sum is one.
     dict of tuple of str to float
-        By sorted ids, most probable first; sums to one.
+        Probability of each set by its sorted ids, most probable first; the sum is one.
     """
-    best: dict[Ids, HypothesisFit] = {}
-    sets: dict[Ids, float] = {}
-    for one, p in zip(fits, probability, strict=True):
-        ids = one.hypothesis.ids
-        best.setdefault(ids, one)
-        sets[ids] = sets.get(ids, 0.0) + float(p)
-    before = dict(sets)
-    for ids in sorted(sets, key=len, reverse=True):
-        moved = {}
-        for cause, part in hidden(best[ids]).items():
-            fewer = tuple(id_ for id_ in ids if id_ != cause)
-            if fewer in before:
-                odds = set_prior(ids, causes, priors) / set_prior(fewer, causes, priors)
-                moved[fewer] = part * odds * before[fewer]
-        scale = min(1.0, before[ids] / max(sum(moved.values()), 1e-300))
-        for fewer, p in moved.items():
-            sets[ids] -= scale * p
-            sets[fewer] += scale * p
-    total = sum(max(p, 0.0) for p in sets.values())
-    ordered = sorted(((ids, max(p, 0.0) / total) for ids, p in sets.items()), key=lambda item: -item[1])
-    return dict(ordered)
-
-
-def hidden(fit: HypothesisFit) -> dict[str, float]:
-    """Part of each cause's prior at which it would not show beside the others of its set."""
-    parts: dict[str, float] = {}
-    variance = fit.covariance.diagonal().tolist()
-    for variant, place in fit.hypothesis.placed:
-        if variant.cause != UNKNOWN and variant.offset is None and variant.free:
-            information = 1 / max(min(variance[place]), 1e-300) - 1 / _USUAL
-            signal = math.sqrt(max(information, 0.0))  # of one prior standard deviation
-            reach = (_VISIBLE / max(signal * width, 1e-12) for width in _WIDTHS)
-            parts[variant.cause] = sum(math.erf(limit / math.sqrt(2)) for limit in reach) / len(_WIDTHS)
-    return parts
+    ids = sorted({cause for fit in fits for cause in fit.hypothesis.causes} - {UNKNOWN})
+    number = {id_: at for at, id_ in enumerate(ids)}
+    ranking = _core.rank(
+        [[form(variant, number.get(variant.cause)) for variant in fit.hypothesis.variants] for fit in fits],
+        np.array([fit.log_posterior for fit in fits]),
+        [fit.covariance.diagonal().tolist() for fit in fits],
+        causes,
+        core_prior(priors),
+    )
+    sets = {
+        tuple(sorted(UNKNOWN if cause is None else ids[cause] for cause in causes)): p
+        for causes, p in ranking.sets
+    }
+    return ranking.probability, sets

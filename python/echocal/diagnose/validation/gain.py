@@ -171,14 +171,15 @@ def _squares(values: Column) -> float:
     return float(np.einsum("i,i->", values, values))  # one pass, on one processor
 
 
-def floor(sums: Sums, held: Mask, variance: float) -> float:
+def floor(sums: Sums, held: Mask, variance: float, ridge_width: float) -> float:
     """Error that all columns together reach on the held-out rows, less what chance gives [m].
 
-    A ridge in units of the priors, three prior standard deviations wide; the residual is divided
-    by the rows less the effective number of coefficients.
+    A ridge, `ridge_width` prior standard deviations wide; the residual is divided by the rows less the
+    effective number of coefficients: R_f of docs/method.md, Eq. 31.
     """
     white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
-    return float(np.sqrt(_core.left_over(white, sums.degrees(held), variance, VARIANCE_FLOOR**2)))
+    given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, ridge_width)
+    return float(np.sqrt(_core.residual_variance(white, *given)))
 
 
 def summarize(

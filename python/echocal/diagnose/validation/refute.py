@@ -87,7 +87,7 @@ def validate(case: Case, selection: Selection) -> Validation:
         _ladder(trials, left, before),
         before,
         left.after,
-        floor(case.sums, case.folds.judged, fit.variance),
+        floor(case.sums, case.folds.judged, fit.variance, case.settings.noise_models.ridge_width),
         case.folds,
         case.seed,
         case.settings.validation,

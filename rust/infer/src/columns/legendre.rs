@@ -1,4 +1,4 @@
-//! Legendre polynomials of a column.
+//! Legendre polynomials of a column: docs/method.md, Eq. 2a.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 #![allow(clippy::needless_range_loop)] // plain loops over constant sizes stay in registers
 
@@ -59,9 +59,24 @@ impl Polynomials {
     }
 }
 
-/// A value between two others as -1 to 1; far ones must not bend a curve.
+/// Scaled values are cut off there: far ones must not bend a curve.
+const CLIP: f64 = 1.5;
+
+/// A value between two others as -1 to 1.
 fn scaled(value: f64, (low, high): (f64, f64)) -> f64 {
-    ((2.0 * value - low - high) / (high - low).max(1e-300)).clamp(-1.5, 1.5)
+    ((2.0 * value - low - high) / (high - low).max(1e-300)).clamp(-CLIP, CLIP)
+}
+
+/// The polynomials of a value between two others, from degree 0 on.
+pub(super) fn polynomials(value: f64, between: (f64, f64)) -> impl Iterator<Item = f64> {
+    let x = scaled(value, between);
+    let (mut before, mut now, mut degree) = (0.0, 1.0, 0);
+    core::iter::from_fn(move || {
+        let found = now;
+        (before, now) = (now, next(factors(degree), x, now, before));
+        degree += 1;
+        Some(found)
+    })
 }
 
 /// What the polynomial of a degree, times x, and the one before are multiplied with, to give the next.

@@ -1,4 +1,4 @@
-//! Waves of a column: sines and cosines of its multiples.
+//! Waves of a column: sines and cosines of its multiples (docs/method.md, after Eq. 2a).
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::sampling::spread;
@@ -60,6 +60,12 @@ fn multiplied((sine, cosine): (f64, f64), multiple: usize) -> (f64, f64) {
         (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
     }
     (s, c)
+}
+
+/// Sine and cosine of the multiples of a value's phase in a period, from the first on.
+pub(super) fn waves(value: f64, period: f64) -> impl Iterator<Item = (f64, f64)> {
+    let phase = fundamental(value, period);
+    (1..).map(move |multiple| multiplied(phase, multiple))
 }
 
 /// Means of the sine and the cosine of the first so many multiples; of many rows, over some evenly

@@ -4,6 +4,7 @@
 use super::shared_error::{SharedError, take_off};
 use crate::gram::LagProducts;
 use crate::parallel::fill_each;
+use std::sync::Arc;
 
 /// Correlated noise with one set of parameters, and a random error that the rows of a station share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +21,11 @@ pub struct NoiseModel {
     pub log_prior: f64,
 }
 
-/// What one pass over a table leaves.
+/// What passes over a table leave. It is not changed; what is made from it shares its sums.
 #[derive(Clone, Debug)]
 pub struct TableSums {
     /// Sums for each correlation.
-    pub products: Vec<LagProducts>,
+    pub products: Vec<Arc<LagProducts>>,
     /// Number of columns.
     pub width: usize,
     /// Block and group (segment, or station) of each cell; groups count from 0, none without a cell.
@@ -158,8 +159,12 @@ impl TableSums {
         weight
     }
 
-    /// Whether each column is finite; those that are not become zero.
-    pub fn clear_infinite(&mut self) -> Vec<bool> {
+    /// The same with zero in place of columns that are not finite; `finite` says which they are.
+    ///
+    /// # Panics
+    /// If there are no sums.
+    #[must_use]
+    pub fn without_infinite(&self) -> Self {
         let width = self.width;
         let area = width * width;
         let squares = |kind: &Vec<f64>, column: usize| -> f64 {
@@ -173,25 +178,38 @@ impl TableSums {
                 (squares(present, column) + squares(first, column)).is_finite()
             })
             .collect();
-        self.products.iter_mut().for_each(|own| clear(own, &finite));
-        self.finite.clone_from(&finite);
-        finite
+        Self {
+            products: cleared(&self.products, &finite),
+            finite,
+            ..self.clone()
+        }
     }
 
-    /// Adds the sums of one more pass over the same rows and columns.
-    pub fn join(&mut self, more: Vec<LagProducts>) {
-        for mut own in more {
-            clear(&mut own, &self.finite);
-            self.products.push(own);
+    /// These sums and those of one more pass over the same rows and columns; the columns that are zero
+    /// here become zero there.
+    #[must_use]
+    pub fn joined(&self, more: &Self) -> Self {
+        let further = cleared(&more.products, &self.finite);
+        Self {
+            products: self.products.iter().cloned().chain(further).collect(),
+            ..self.clone()
         }
     }
 }
 
+/// The same sums, with zero for columns that are not finite.
+fn cleared(sums: &[Arc<LagProducts>], finite: &[bool]) -> Vec<Arc<LagProducts>> {
+    let mut sums = sums.to_vec();
+    if finite.contains(&false) {
+        for own in &mut sums {
+            clear(Arc::make_mut(own), finite);
+        }
+    }
+    sums
+}
+
 /// Makes columns zero that are not finite.
 fn clear(own: &mut LagProducts, finite: &[bool]) {
-    if finite.iter().all(|&finite| finite) {
-        return;
-    }
     let width = finite.len();
     let each = |kind: &mut Vec<f64>, lost: &dyn Fn(usize) -> bool| {
         for (at, sum) in kind.iter_mut().enumerate() {

@@ -1,6 +1,7 @@
 //! Hypotheses that compete, and their scores.
 
-use super::prior::{Prior, combinations};
+use super::options::SearchOptions;
+use super::prior::Prior;
 use crate::parallel::each_of;
 use crate::solve::{EvidenceSolver, HypothesisColumns, NoiseTable, Variant};
 
@@ -42,6 +43,8 @@ pub(super) struct Candidates<'a> {
     pub explained: f64,
     /// Probabilities before the data.
     pub prior: &'a Prior,
+    /// What is left out.
+    pub options: &'a SearchOptions,
     /// Threads at most.
     pub threads: usize,
 }
@@ -55,10 +58,10 @@ impl Candidates<'_> {
 
     /// No cause, and every variant of every cause.
     pub fn singles(&self) -> Vec<Candidate> {
-        let [none, one, ..] = self.prior.causes.map(|p| self.explained * p);
-        let count = self.causes.len() as f64;
+        let of = |count: usize| self.explained * self.prior.of_set(count, self.causes.len());
+        let (none, one) = (of(0), of(1));
         let forms = self.causes.iter().flatten();
-        let each = forms.map(|&v| self.candidate(vec![v], one / count));
+        let each = forms.map(|&v| self.candidate(vec![v], one));
         [self.candidate(Vec::new(), none)]
             .into_iter()
             .chain(each)
@@ -67,7 +70,7 @@ impl Candidates<'_> {
 
     /// Every pair of causes.
     pub fn pairs(&self) -> Vec<Candidate> {
-        let prior = self.explained * self.prior.causes[2] / combinations(self.causes.len(), 2);
+        let prior = self.explained * self.prior.of_set(2, self.causes.len());
         let mut made = Vec::new();
         for (i, first) in self.causes.iter().enumerate() {
             for second in self.causes[i + 1..].iter().flatten() {
@@ -86,7 +89,7 @@ impl Candidates<'_> {
         if all < count {
             return Vec::new();
         }
-        let prior = self.explained * self.prior.of(count) / combinations(all, count);
+        let prior = self.explained * self.prior.of_set(count, all);
         let place = |v: &usize| self.causes.iter().position(|forms| forms.contains(v));
         let mut tried: Vec<Vec<usize>> = Vec::new();
         for set in smaller {

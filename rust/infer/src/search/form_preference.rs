@@ -2,29 +2,51 @@
 
 use super::candidates::{Candidate, Candidates};
 
-/// Log odds between two forms of the same causes below which neither is preferred by its evidence, and
-/// the one with more coefficients is taken: odds of 4.5, well below the 20 that count as "strong" in
-/// Kass & Raftery 1995, doi:10.1080/01621459.1995.10476572.
-pub(super) const FORM_PREFERENCE_LOG_ODDS: f64 = 1.5;
+/// The position of the form that stands for the same causes, of forms of so many log odds and
+/// coefficients each, most probable first.
+///
+/// It is the one with the most coefficients of those that are less than `undecided` behind the first:
+/// where the data do not say which value of a parameter is right, the uncertainty of a coefficient says
+/// so. Among as many coefficients it is the most probable (docs/method.md, section 5).
+pub fn preferred_form(forms: &[(f64, usize)], undecided: f64) -> usize {
+    let mut chosen = 0;
+    for (place, &(score, freedom)) in forms.iter().enumerate() {
+        if freedom > forms[chosen].1 && score > forms[0].0 - undecided {
+            chosen = place;
+        }
+    }
+    chosen
+}
 
 /// The best hypothesis of each set of causes, most probable first. Among forms of nearly the same
 /// probability the one with more coefficients is preferred.
 pub(super) fn preferred<'c>(of: &Candidates<'_>, found: &'c [Candidate]) -> Vec<&'c Candidate> {
     let mut sorted: Vec<&Candidate> = found.iter().collect();
     sorted.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut chosen: Vec<(Vec<usize>, f64, &Candidate)> = Vec::new();
+    let mut sets: Vec<(Vec<usize>, Vec<&Candidate>)> = Vec::new();
     for candidate in sorted {
         let causes = of.causes_of(candidate);
-        match chosen.iter_mut().find(|(same, _, _)| *same == causes) {
-            None => chosen.push((causes, candidate.score, candidate)),
-            Some((_, best, preferred)) => {
-                let freer = of.freedom(candidate) > of.freedom(preferred);
-                if freer && candidate.score > *best - FORM_PREFERENCE_LOG_ODDS {
-                    *preferred = candidate;
-                }
-            }
+        match sets.iter_mut().find(|(same, _)| *same == causes) {
+            None => sets.push((causes, vec![candidate])),
+            Some((_, forms)) => forms.push(candidate),
         }
     }
-    let each = chosen.into_iter();
-    each.map(|(_, _, candidate)| candidate).collect()
+    let best = |(_, forms): (_, Vec<&'c Candidate>)| {
+        let each = forms.iter().map(|form| (form.score, of.freedom(form)));
+        forms[preferred_form(&each.collect::<Vec<_>>(), of.options.form_preference)]
+    };
+    sets.into_iter().map(best).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_freest_of_those_that_are_as_good() {
+        let forms = [(0.0, 1), (-1.0, 2), (-1.4, 2), (-1.6, 3)];
+        assert_eq!(preferred_form(&forms, 1.5), 1);
+        assert_eq!(preferred_form(&forms, 2.0), 3);
+        assert_eq!(preferred_form(&forms, 0.5), 0);
+    }
 }

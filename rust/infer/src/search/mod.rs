@@ -3,10 +3,15 @@
 mod candidates;
 mod form_preference;
 mod noise_selection;
+mod options;
 mod posterior;
 mod prior;
 mod pruning;
+mod ranking;
 mod shortlist;
 
+pub use form_preference::preferred_form;
+pub use options::SearchOptions;
 pub use posterior::{Outcome, Posterior, posterior};
 pub use prior::Prior;
+pub use ranking::{CauseSet, RankedHypothesis, Ranking, rank};

@@ -1,5 +1,6 @@
 //! Which noises a search takes into account.
 
+use super::options::SearchOptions;
 use super::prior::Prior;
 use crate::parallel::each_of;
 use crate::solve::{EvidenceSolver, HypothesisColumns, NARROWER, NoiseTable, Variant};
@@ -34,12 +35,12 @@ impl NoiseSelection {
         variants: &[Variant],
         causes: &[Vec<usize>],
         unexplained: &[usize],
-        prior: &Prior,
+        (prior, options): (&Prior, &SearchOptions),
         threads: usize,
     ) -> Self {
         let free = freest(variants, causes, unexplained);
         let mut fits = fits(table, variants, &free, threads);
-        let unpruned = unpruned(table, variants, causes, prior, threads);
+        let unpruned = unpruned(table, variants, causes, (prior, options), threads);
         let fit = above(FITTED, &unpruned, table.noises());
         fits.extend(unpruned);
         Self {
@@ -93,22 +94,22 @@ fn unpruned(
     table: &NoiseTable,
     variants: &[Variant],
     causes: &[Vec<usize>],
-    prior: &Prior,
+    (prior, options): (&Prior, &SearchOptions),
     threads: usize,
 ) -> Vec<FirstFit> {
     let single = causes.iter().flatten().map(|&v| vec![v]);
     let simple: Vec<_> = [Vec::new()].into_iter().chain(single).collect();
     let mut fits = fits(table, variants, &simple, threads);
-    let each = prior.causes[1] / causes.len().max(1) as f64;
+    let (none, each) = (prior.of_set(0, 0), prior.of_set(1, causes.len().max(1)));
     let mut most = Vec::new();
     for (first, hypothesis) in fits.iter_mut().zip(&simple) {
         let form = hypothesis.first().map(|&v| &variants[v]);
-        first.1 += form.map_or(prior.causes[0], |form| each * form.weight).ln();
+        first.1 += form.map_or(none, |form| each * form.weight).ln();
         let narrower = NARROWER * form.map_or(0.0, |form| form.free.len() as f64);
         most.push(first.1 + narrower);
     }
     let top = fits.iter().map(|first| first.1);
-    let least = top.fold(f64::NEG_INFINITY, f64::max) - prior.pruning_log_odds;
+    let least = top.fold(f64::NEG_INFINITY, f64::max) - options.pruning_log_odds;
     let each = fits.into_iter().zip(most);
     each.filter_map(|(first, most)| (most >= least).then_some(first))
         .collect()

@@ -1,9 +1,10 @@
 //! The posterior over hypotheses: no cause, each cause, each pair, larger sets greedily, and the best of
-//! all beside an unexplained term.
+//! all beside an unexplained term (docs/method.md, Eq. 8 and 18, and section 5).
 
 use super::candidates::{Candidate, Candidates, MOST_CAUSES};
 use super::form_preference::preferred;
 use super::noise_selection::NoiseSelection;
+use super::options::SearchOptions;
 use super::prior::Prior;
 use super::pruning::{BESIDE, EXTENDED, NEGLIGIBLE, scored_if_they_matter};
 use super::shortlist::shortlist;
@@ -26,6 +27,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Up to the constant that normalizes: docs/method.md, Eq. 18.
     fn log_posterior(&self) -> f64 {
         self.fit.log_evidence + self.prior.ln()
     }
@@ -55,17 +57,15 @@ pub fn posterior(
     stack: &WhitenedStack<'_>,
     variants: &[Variant],
     prior: &Prior,
+    options: &SearchOptions,
     threads: usize,
 ) -> Posterior {
     let (unexplained, causes) = by_cause(variants);
     let all = columns(variants, stack.width - 1);
     let every = NoiseTable::of(stack, &all, threads);
-    let explained = if unexplained.is_empty() {
-        1.0
-    } else {
-        1.0 - prior.unexplained
-    };
-    let mut noises = NoiseSelection::of(&every, variants, &causes, &unexplained, prior, threads);
+    let explained = prior.explained(!unexplained.is_empty());
+    let before = (prior, options);
+    let mut noises = NoiseSelection::of(&every, variants, &causes, &unexplained, before, threads);
     loop {
         let table = every.carried(&noises.search, &all, threads);
         let candidates = Candidates {
@@ -74,6 +74,7 @@ pub fn posterior(
             causes: &causes,
             explained,
             prior,
+            options,
             threads,
         };
         let found = competitors(&candidates, &unexplained);

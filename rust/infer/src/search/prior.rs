@@ -1,4 +1,4 @@
-//! Probabilities before the data.
+//! Probabilities before the data: docs/method.md, Eq. 7 and 8.
 
 /// Probabilities before the data.
 #[derive(Clone, Copy, Debug)]
@@ -7,17 +7,32 @@ pub struct Prior {
     pub causes: [f64; 4],
     /// Of an unexplained term, independently of the causes.
     pub unexplained: f64,
-    /// Log odds against the most probable hypothesis beyond which one is pruned.
-    pub pruning_log_odds: f64,
 }
 
 impl Prior {
-    /// Of so many causes; beyond three, each further one is as rare beside the last as the third
-    /// is beside the second.
+    /// That there is no unexplained term, where some compete or none.
+    pub(super) fn explained(&self, terms: bool) -> f64 {
+        if terms { 1.0 - self.unexplained } else { 1.0 }
+    }
+
+    /// Of no cause and no unexplained term, where some terms compete or none.
+    #[must_use]
+    pub fn no_cause(&self, terms: bool) -> f64 {
+        self.explained(terms) * self.of(0)
+    }
+
+    /// Of so many causes (docs/method.md, Eq. 7); beyond three, each further one is as rare beside
+    /// the last as the third is beside the second.
     pub(super) fn of(&self, count: usize) -> f64 {
         let last = self.causes.len() - 1;
         let rarer = self.causes[last] / self.causes[last - 1];
         (last..count).fold(self.causes[count.min(last)], |p, _| p * rarer)
+    }
+
+    /// Of one set of so many causes among those that compete: docs/method.md, Eq. 8 without the weights
+    /// of the forms and without the unexplained term.
+    pub(super) fn of_set(&self, count: usize, competing: usize) -> f64 {
+        self.of(count) / combinations(competing, count)
     }
 }
 
@@ -37,10 +52,14 @@ mod tests {
         let prior = Prior {
             causes: [0.4, 0.3, 0.2, 0.05],
             unexplained: 0.1,
-            pruning_log_odds: 25.0,
         };
         assert_eq!([0, 1, 2, 3].map(|count| prior.of(count)), prior.causes);
         assert!((prior.of(5) - 0.05 * 0.25 * 0.25).abs() < 1e-17);
+        assert_eq!(prior.of_set(2, 6), 0.2 / 15.0);
+        assert_eq!(
+            [true, false].map(|terms| prior.no_cause(terms)),
+            [0.36, 0.4]
+        );
     }
 
     #[test]

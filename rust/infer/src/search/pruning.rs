@@ -1,7 +1,7 @@
 //! How good a hypothesis must be to matter beside those known.
 
 use super::candidates::{Candidate, Candidates};
-use super::form_preference::FORM_PREFERENCE_LOG_ODDS;
+use super::options::SearchOptions;
 use crate::solve::EvidenceSolver;
 use std::collections::HashMap;
 
@@ -55,8 +55,8 @@ fn floor<'a>(
     known: impl Iterator<Item = &'a Candidate>,
     leads: Option<usize>,
 ) -> f64 {
-    let pruning = of.prior.pruning_log_odds;
-    if pruning.is_infinite() {
+    let options = of.options;
+    if options.pruning_log_odds.is_infinite() {
         return f64::NEG_INFINITY;
     }
     let mut best: HashMap<Vec<usize>, f64> = HashMap::new();
@@ -67,11 +67,11 @@ fn floor<'a>(
         *best = best.max(candidate.score);
     }
     let sets = best.iter().map(|(causes, &score)| (causes.len(), score));
-    lowest(&sets.collect::<Vec<_>>(), pruning, leads)
+    lowest(&sets.collect::<Vec<_>>(), options, leads)
 }
 
 /// The floor, from the number of causes and the best score of each set of causes.
-fn lowest(sets: &[(usize, f64)], pruning: f64, leads: Option<usize>) -> f64 {
+fn lowest(sets: &[(usize, f64)], options: &SearchOptions, leads: Option<usize>) -> f64 {
     let nth = |wanted: &dyn Fn(usize) -> bool, place: usize| {
         let sets = sets.iter().filter(|(causes, _)| wanted(*causes));
         let mut scores: Vec<f64> = sets.map(|&(_, score)| score).collect();
@@ -82,9 +82,9 @@ fn lowest(sets: &[(usize, f64)], pruning: f64, leads: Option<usize>) -> f64 {
     let mut needed = top - NEGLIGIBLE - MISSED;
     if let Some(count) = leads {
         let leading = nth(&|causes| causes == count, EXTENDED).min(nth(&|_| true, BESIDE));
-        needed = needed.min(leading - FORM_PREFERENCE_LOG_ODDS);
+        needed = needed.min(leading - options.form_preference);
     }
-    needed.max(top - pruning)
+    needed.max(top - options.pruning_log_odds)
 }
 
 #[cfg(test)]
@@ -94,6 +94,13 @@ mod tests {
     #[test]
     fn what_is_reported_or_leads_to_others_is_above_the_floor() {
         let sets: Vec<(usize, f64)> = (0..10).map(|k| (2, -2.0 * f64::from(k))).collect();
+        let lowest = |sets: &[(usize, f64)], pruning_log_odds, leads| {
+            let options = SearchOptions {
+                pruning_log_odds,
+                form_preference: 1.5,
+            };
+            lowest(sets, &options, leads)
+        };
         // the eighth best is at -14: what leads there may be 1.5 below it
         assert_eq!(lowest(&sets, 25.0, Some(2)), -15.5);
         assert_eq!(lowest(&sets, 15.0, Some(2)), -15.0);

@@ -2,7 +2,6 @@
 #![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-use super::prior_widths::WIDTHS;
 use crate::numeric::cholesky::{backward, dot, factor, forward};
 use crate::numeric::on_widest;
 
@@ -12,13 +11,10 @@ const ROUNDS: usize = 3;
 /// Part of a sum of squares that arithmetic leaves behind: a few thousand roundings of 1.1e-16.
 const ROUNDING: f64 = 1e-12;
 
-/// Square of the widest prior, in prior standard deviations; see [`WIDTHS`].
-const WIDEST_SQUARED: f64 = WIDTHS[WIDTHS.len() - 1] * WIDTHS[WIDTHS.len() - 1];
-
 /// Variance that the columns between the first and the last of some products leave of the last.
 ///
-/// A ridge in units of the priors, three prior standard deviations wide; what is left is divided by
-/// the rows less the effective number of coefficients.
+/// A ridge of some prior standard deviations; what is left is divided by the rows less the effective
+/// number of coefficients. It is the square of `R_f` in docs/method.md, Eq. 31.
 ///
 /// # Panics
 /// If the products are not a square of at least two columns.
@@ -29,22 +25,33 @@ pub fn residual_variance(
     degrees: f64,
     variance: f64,
     variance_floor: f64,
+    ridge_width: f64,
 ) -> f64 {
-    assert!(width >= 2 && products.len() == width * width);
-    let order = width - 2;
-    let line = |row: usize| &products[(1 + row) * width + 1..][..order + 1];
-    let mut ridge = Ridge {
-        among: (0..order)
-            .flat_map(|row| &line(row)[..order])
-            .copied()
-            .collect(),
-        along: (0..order).map(|row| line(row)[order]).collect(),
-        square: line(order)[order],
-        ..Ridge::default()
-    };
+    let mut ridge = Ridge::of(products, width);
     (0..ROUNDS).fold(variance, |variance, _| {
-        ridge.round(degrees, variance.max(variance_floor) / WIDEST_SQUARED)
+        let added = variance.max(variance_floor) / (ridge_width * ridge_width);
+        ridge.round(degrees, added)
     })
+}
+
+/// Coefficients of the columns between the first and the last of some products, all at once.
+///
+/// A ridge of some prior standard deviations, beside the mean square of the last column.
+///
+/// # Panics
+/// If the products are not a square of at least two columns.
+#[must_use]
+pub fn ridge_coefficients(
+    products: &[f64],
+    width: usize,
+    degrees: f64,
+    variance_floor: f64,
+    ridge_width: f64,
+) -> Vec<f64> {
+    let mut ridge = Ridge::of(products, width);
+    let variance = (ridge.square / degrees).max(variance_floor);
+    ridge.round(degrees, variance / (ridge_width * ridge_width));
+    ridge.solved
 }
 
 /// Products of columns with each other and with what they explain, and memory.
@@ -58,8 +65,23 @@ struct Ridge {
 }
 
 impl Ridge {
+    fn of(products: &[f64], width: usize) -> Self {
+        assert!(width >= 2 && products.len() == width * width);
+        let order = width - 2;
+        let line = |row: usize| &products[(1 + row) * width + 1..][..order + 1];
+        Self {
+            among: (0..order)
+                .flat_map(|row| &line(row)[..order])
+                .copied()
+                .collect(),
+            along: (0..order).map(|row| line(row)[order]).collect(),
+            square: line(order)[order],
+            ..Self::default()
+        }
+    }
+
     on_widest! {
-        /// Variance that a ridge leaves.
+        /// Variance that a ridge leaves; finds the coefficients.
         round round_avx2 round_avx512 rounded (degrees: f64, ridge: f64) -> f64
     }
 
@@ -111,7 +133,7 @@ mod tests {
         // one column of square 4 along 2 with a square of 10: ridge 1 leaves 10 - 4 / 5 - 4 / 25
         let products = [1.0, 0.0, 0.0, 0.0, 4.0, 2.0, 0.0, 2.0, 10.0];
         let first: f64 = (10.0 - 0.8 - 0.16) / (8.0 - 0.8);
-        let found = residual_variance(&products, 3, 8.0, 9.0, 1e-18);
+        let found = residual_variance(&products, 3, 8.0, 9.0, 1e-18, 3.0);
         let ridge = |variance: f64| {
             let ridge: f64 = variance / 9.0;
             let left = 10.0 - 4.0 / (4.0 + ridge) - ridge * (2.0 / (4.0 + ridge)).powi(2);
@@ -119,5 +141,7 @@ mod tests {
         };
         assert!((ridge(9.0) - first).abs() < 1e-15);
         assert!((found - ridge(ridge(first))).abs() < 1e-15);
+        let found = ridge_coefficients(&products, 3, 8.0, 1e-18, 3.0);
+        assert!((found[0] - 2.0 / (4.0 + 10.0 / 8.0 / 9.0)).abs() < 1e-15);
     }
 }

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.innovation import innovation
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
@@ -113,9 +113,7 @@ def _with_nothing(case: Case, fits: list[HypothesisFit], carried: Stack) -> list
     """Nothing but noise competes, however unlikely it is while the noise is normal."""
     if any(not w.hypothesis.variants for w in fits):
         return fits
-    shapes = any(v.cause == UNKNOWN for v in case.found.variants)
-    priors = case.settings.priors
-    prior = priors.no_cause * ((1 - priors.unexplained_term) if shapes else 1.0)
+    prior = core_prior(case.settings.priors).no_cause(bool(case.found.terms))
     return [*fits, fit_hypothesis(Hypothesis((), prior), carried)]
 
 
