@@ -106,6 +106,8 @@ class Geometry:
     ) -> list[str]:
         """Causes that these data cannot tell from a signal: any form of a plausible size imitates it.
 
+        docs/method.md, Eq. 23.
+
         Parameters
         ----------
         signal : ndarray, shape (k,)

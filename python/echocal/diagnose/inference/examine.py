@@ -21,7 +21,10 @@ __all__ = ["examine"]
 
 
 def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Settings) -> Case:
-    """Build the columns and pass over them once."""
+    """Build the columns and pass over them once.
+
+    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2.
+    """
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)

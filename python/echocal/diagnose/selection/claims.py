@@ -62,7 +62,7 @@ class Ranking:
     settings: Settings
 
     def of(self, causes: Sequence[str]) -> float:
-        """Probability that at least one of these is at work."""
+        """Probability that at least one of these is at work: docs/method.md, Eq. 24."""
         return sum(p for ids, p in self.sets if set(ids) & set(causes))
 
     def best(self, beyond: Ids | None = None) -> HypothesisFit | None:
@@ -192,7 +192,7 @@ def beside_a_remainder(
     rms: float,
     settings: ClaimSettings,
 ) -> list[Claim]:
-    """Doubt the causes claimed beside a shape that no cause explains.
+    """Doubt the causes claimed beside a shape that no cause explains: docs/method.md, Eq. 27.
 
     A cause may fill in where a smooth shape against one column falls short of what is there. So it
     keeps its probability only as far as it does better than a second shape, against any other

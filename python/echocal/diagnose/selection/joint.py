@@ -57,6 +57,8 @@ def join(
 ) -> Joint:
     """Cross the posterior over mean causes with the noises beside each, and with the faults.
 
+    docs/method.md, Eq. 30.
+
     A fault is decided on other features of the table than the means are (values that repeat, rows
     far off, lattices), so that the probabilities multiply.
     """

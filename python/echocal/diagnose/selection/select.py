@@ -74,7 +74,7 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, carried: Stack)
 def _claimed(
     case: Case, ranking: Ranking, carried: Stack, shares: NoisePosterior
 ) -> tuple[HypothesisFit, list[Claim]]:
-    """Claims of the best hypothesis.
+    """Claims of the best hypothesis: docs/method.md, Eq. 25.
 
     Some effect is claimed where no effect is in doubt, however the probability is shared. Causes
     that these data cannot tell apart share what probability their class has: a set of causes wins

@@ -121,7 +121,7 @@ def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
 
 
 def _chance(sizes: Sequence[Size]) -> float:
-    """Probability that sizes of one cause differ as much."""
+    """Probability that sizes of one cause differ as much: docs/method.md, Eq. 28."""
     if len(sizes) < 2:
         return 1.0
     from scipy.stats import chi2  # takes long to import

@@ -138,7 +138,7 @@ def interval(before: HeldOut, after: HeldOut, seed: int, settings: ValidationSet
 
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
-    """Whether held-out rows are farther off with a cause."""
+    """Whether held-out rows are farther off with a cause: docs/method.md, Eq. 29."""
     if with_cause.known.all() and without.known.all():
         return with_cause.rms > without.rms
     loss = with_cause.error**2 - without.error**2
@@ -192,7 +192,7 @@ def summarize(
     seed: int,
     settings: ValidationSettings,
 ) -> Gain:
-    """Put the figures together."""
+    """Put the figures together: docs/method.md, Eq. 31."""
     judged = int((before.known & after.known).sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2

@@ -1,4 +1,4 @@
-//! What columns are made of.
+//! What columns are made of: docs/method.md, Eq. 2 and 2a.
 
 use echocal_core::model::Term;
 
@@ -9,9 +9,9 @@ pub enum Recipe {
     Slope,
     /// A column that is there, by position.
     Stored(usize),
-    /// Change of the base's reading if an effect were there \[m\].
+    /// Change of the base's reading if an effect were there \[m\]: `f` of docs/method.md, Eq. 2.
     Shift(Term, Level),
-    /// Derivative of the reading to a parameter of an effect, times a scale; without what an
+    /// Derivative of the reading to a parameter of an effect, times a scale, `X` of Eq. 2; without what an
     /// unknown level takes up.
     Tangent(Term, Level, usize, f64),
     /// What a tangent at the base has beyond the one of the same effect, set in later: nothing but

@@ -1,4 +1,4 @@
-//! Noise of warm cells that drift through the path of the echo.
+//! Noise of warm cells that drift through the path of the echo: docs/method.md, Eq. 4.
 //!
 //! The delays of cells that know nothing of each other add up, and so do their variances: that of the
 //! travel time grows in proportion to the path, until caustics bend it upward (Andreeva & Durgin 2005,
@@ -17,7 +17,7 @@ use crate::gram::{
 use crate::parallel::in_spans;
 use echocal_core::batch::{BLOCK, Line};
 
-/// White noise, and a autocorrelated part that grows with the distance.
+/// White noise, and an autocorrelated part that grows with the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convection {
     /// Autoregressive coefficient of the autocorrelated part.
@@ -26,7 +26,7 @@ pub struct Convection {
     pub growth: f64,
 }
 
-/// Kalman's filter for a autocorrelated part of variance 1 at a distance of one meter.
+/// Kalman's filter for an autocorrelated part of variance 1 at a distance of one meter.
 #[derive(Clone, Copy, Debug)]
 struct Filter {
     of: Convection,
@@ -42,7 +42,7 @@ impl Filter {
         }
     }
 
-    /// The step of the next row, at its distance \[m\].
+    /// The step of the next row, at its distance \[m\]: it whitens docs/method.md, Eq. 4.
     fn step(&mut self, begins: bool, distance: f64) -> FilterStep {
         let Convection { rho, growth } = self.of;
         let root = distance.max(0.0).sqrt();

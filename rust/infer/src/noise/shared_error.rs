@@ -1,4 +1,5 @@
-//! An error that all rows of a group share: the unknown level of a segment, or the error of a station.
+//! An error that all rows of a group share: the unknown level of a segment, or the error of a station
+//! (docs/method.md, Eq. 5 and 9).
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use crate::gram::{GROUP, add_products};

@@ -46,7 +46,7 @@ struct Merged {
 }
 
 impl TableSums {
-    /// Whitened products of some columns, the first among them, under each noise, one matrix after
+    /// Whitened products (docs/method.md, Eq. 9) of some columns, the first among them, under each noise, one matrix after
     /// the other, with what the noise adds to the log evidence of every hypothesis, over the blocks
     /// in use.
     #[must_use]
@@ -131,7 +131,8 @@ impl TableSums {
         }
     }
 
-    /// Fills one matrix, with memory for sums over groups; returns the weight of the noise.
+    /// Fills one matrix, docs/method.md, Eq. 9 and 10, with memory for sums over groups; returns the
+    /// weight of the noise: its prior, and `-1/2 ln det V` of Eq. 13.
     fn whitened(
         &self,
         noise: &NoiseModel,

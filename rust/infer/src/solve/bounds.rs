@@ -37,7 +37,8 @@ impl Bounds {
         found
     }
 
-    /// Log of posterior over prior mass within the bounds, of coefficients that have means and
+    /// Log of posterior over prior mass within the bounds, `ln beta` of docs/method.md, Eq. 15, of
+    /// coefficients that have means and
     /// variances, each with one of the widths.
     #[inline(always)]
     pub fn within(

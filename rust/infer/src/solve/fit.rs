@@ -1,6 +1,6 @@
 //! What is found out about one hypothesis.
 
-/// A hypothesis after the data.
+/// A hypothesis after the data: docs/method.md, Eq. 16 and 17.
 #[derive(Clone, Debug, Default)]
 pub struct HypothesisFit {
     /// Without the hypothesis's prior, with an arbitrary constant common to all.

@@ -1,4 +1,5 @@
-//! The parts of a hypothesis's evidence: noises, several at a time, and combinations of widths.
+//! The parts of a hypothesis's evidence: noises, several at a time, and combinations of widths
+//! (docs/method.md, Eq. 16).
 #![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 

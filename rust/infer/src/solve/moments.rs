@@ -1,4 +1,5 @@
-//! Mean and covariance over the parts of a mixture, several noises at a time.
+//! Mean and covariance over the parts of a mixture, several noises at a time: docs/method.md, Eq. 14
+//! and 17.
 #![allow(unsafe_code)]
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 

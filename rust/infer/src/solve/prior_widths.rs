@@ -2,7 +2,7 @@
 
 use super::hypothesis::HypothesisColumns;
 
-/// Widths of the mixture of normal priors on a size, in prior standard deviations, the widest last: an
+/// Widths of the mixture of normal priors on a size (docs/method.md, Eq. 6), in prior standard deviations, the widest last: an
 /// even mixture that spans a decade, because the typical size of an effect is rarely known better.
 pub const WIDTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 /// Position of the widest.
@@ -53,7 +53,7 @@ impl Widths {
         }
     }
 
-    /// Every combination of some widths of each cause; the first causes' change most often.
+    /// Every combination (docs/method.md, Eq. 16) of some widths of each cause; the first causes' change most often.
     pub fn every(&mut self, layout: &HypothesisColumns, kept: &[[bool; WIDTHS.len()]]) {
         self.begin(layout);
         let choices: Vec<Vec<usize>> = kept

@@ -1,4 +1,4 @@
-//! The linear system of one hypothesis, under several noises at once.
+//! The linear system of one hypothesis, under several noises at once: docs/method.md, Eq. 11 to 14.
 #![allow(unsafe_code)]
 
 use super::bounds::Bounds;
@@ -51,26 +51,28 @@ pub(super) struct System {
 
 impl System {
     on_widest! {
-        /// Variance that the best coefficients leave, never less than rounding allows.
+        /// Variance `s^2` that the best coefficients leave, never less than rounding allows:
+        /// docs/method.md, Eq. 11.
         least_squares least_avx2 least_avx512 least () -> Pack
     }
     on_widest! {
-        /// Factors the system for one combination of widths, given as the variance that the best
+        /// Factors the system for one combination of widths (docs/method.md, Eq. 12 and 13), given as the variance that the best
         /// coefficients leave over the square of each width, of which the first `changed` may be
         /// others than at the call before.
-        part part_avx2 part_avx512 weighed (precisions: &[Pack], changed: usize) -> Part
+        part part_avx2 part_avx512 evaluated (precisions: &[Pack], changed: usize) -> Part
     }
     on_widest! {
-        /// Log of posterior over prior mass within the bounds, each coefficient with one of the
+        /// Log of posterior over prior mass within the bounds (docs/method.md, Eq. 15), each coefficient with one of the
         /// widths, given the variance of the noise.
         within within_avx2 within_avx512 bounded (bounds: &Bounds, variance: &Pack, chosen: &[usize]) -> Pack
     }
     on_widest! {
-        /// Finds the coefficients.
+        /// Finds the coefficients: docs/method.md, Eq. 12.
         coefficients coefficients_avx2 coefficients_avx512 solve () -> ()
     }
     on_widest! {
-        /// Covariance of two coefficients after the data, over the variance of the noise, for every pair.
+        /// Covariance of two coefficients after the data, over the variance of the noise, for every pair:
+        /// docs/method.md, Eq. 14.
         inverse inverse_avx2 inverse_avx512 inverted (into: &mut Vec<Pack>) -> ()
     }
 
@@ -158,7 +160,7 @@ impl System {
     }
 
     #[inline(always)]
-    fn weighed(&mut self, precisions: &[Pack], changed: usize) -> Part {
+    fn evaluated(&mut self, precisions: &[Pack], changed: usize) -> Part {
         let (order, square) = (self.order, self.square());
         let mut own = 0;
         while own < changed {

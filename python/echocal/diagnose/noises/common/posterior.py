@@ -130,7 +130,10 @@ def _looked_at(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
 def _beside(
     trace: Trace, tried: Collection[FittedNoise], settings: NoiseSettings
 ) -> tuple[float, dict[str, float], dict[str, Likelihood]]:
-    """What the noises add to the log evidence of a hypothesis, their shares, and their likelihoods."""
+    """What the noises add to the log evidence of a hypothesis, their shares, and their likelihoods.
+
+    docs/method.md, Eq. 19.
+    """
     either = {noise.facts.id: noise.fit(trace, settings) for noise in tried}
     likelihoods = {id_: fit for id_, fit in either.items() if fit is not None}
     prior = {noise.facts.id: settings.prior(noise.facts) for noise in tried}
@@ -199,6 +202,8 @@ class _NuisancePrior:
 def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> None:
     """Lower the probabilities of nuisance noises to what their priors as causes allow.
 
+    docs/method.md, below Eq. 26.
+
     To be on the safe side the fits assume such noise in every other table. It is reported only if
     it is probable without that assumption: effects under white noise are its rivals.
     """
@@ -223,7 +228,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
 def _nuisances(
     fit: HypothesisFit, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
 ) -> dict[str, float]:
-    """Probability that each nuisance noise is there, and not only reckoned with."""
+    """Probability that each nuisance noise is there, and not only reckoned with: docs/method.md, Eq. 26."""
     without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
     mixed = sum(fitted.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
     found = {}

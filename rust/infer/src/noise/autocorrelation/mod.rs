@@ -1,4 +1,4 @@
-//! White noise on top of a first-order autoregression, an ARMA(1,1).
+//! White noise on top of a first-order autoregression, an ARMA(1,1): docs/method.md, Eq. 3 and 10.
 //!
 //! Residuals of a logged sensor are rarely independent. White noise on top of a first-order
 //! autoregression (Box, Jenkins & Reinsel 2008, section A4.3: an ARMA(1,1)) is whitened by
@@ -7,6 +7,9 @@
 //! give the products of `e` for every `rho`; `m = 0` is the plain autoregression. The pass keeps them
 //! per block of rows (for cross-validation) and, for the first column alone, per cell (for the unknown
 //! level of a segment or the error of a station, which is a multiple of that column).
+//!
+//! The first row of a series has no innovation before it: `z` begins with the value itself. That is
+//! exact for `m = 0`. For `m > 0` it is an approximation that the next rows forget as powers of `m`.
 //!
 //! Only symmetric products are summed, which halves the work: with `P` and `Q` the products of
 //! `z_t` and of `z_(t-1)` and `X` those of `x_t`, the lag-1 products and their transpose add up to
@@ -62,7 +65,8 @@ impl Correlation for MovingAverage {
         all.map(of).collect()
     }
 
-    /// `e_t = z_t - rho z_(t-1)`; the first row of a series is taken as that of the process.
+    /// `e_t = z_t - rho z_(t-1)`: docs/method.md, Eq. 3. The first row of a series has the variance of
+    /// the process; for `m > 0` it and the rows after it are approximate.
     fn whitened(
         self,
         autoregression: Autoregression,
