@@ -29,7 +29,7 @@ class Noise(Protocol):
     """A noise model, Eq. 3 and 5."""
 
     rho: float
-    memory: float
+    moving_average: float
     station_ratio: float
     prior: float
 

@@ -31,7 +31,7 @@ def sums(
     for column in columns:
         stored.store(column)
     order = Order(starts, groups, np.ones(n) if distance is None else distance, flat_level)
-    alike = [memory for memory, _ in MODELS.autoregressions]
+    alike = [theta for theta, _ in MODELS.autoregressions]
     found = Sums.gather(stored, order, np.arange(n) * 3 // n, alike)
     return found if distance is None else found.with_correlations(stored, CONVECTIONS)
 
@@ -48,7 +48,7 @@ def test_whitening_is_generalized_least_squares(rho: float, random: np.random.Ge
     np.testing.assert_allclose(whitened[1:, 1:], expected[1:, 1:], rtol=1e-9, atol=1e-9)
 
 
-def test_a_random_error_per_stand_is_its_covariance(random: np.random.Generator) -> None:
+def test_a_random_error_per_station_is_its_covariance(random: np.random.Generator) -> None:
     groups = np.repeat(np.arange(6), 10)
     columns = np.stack([np.ones(60), random.normal(size=60), random.normal(size=60)])
     whitened = sums(columns, groups, flat_level=False).whiten(Noise(0.0, 0.0, 2.0, 1.0))
@@ -60,7 +60,7 @@ def test_a_random_error_per_stand_is_its_covariance(random: np.random.Generator)
 
 @pytest.mark.parametrize("convection", CONVECTIONS[::6])
 def test_convection_is_its_covariance(convection: Convection, random: np.random.Generator) -> None:
-    """White noise, cells that stay for some rows and grow with the distance, and an error per stand."""
+    """White noise, cells that stay for some rows and grow with the distance, and an error per station."""
     groups = np.repeat(np.arange(4), 15)
     columns, distance = random.normal(size=(3, 60)), random.uniform(0.2, 4.0, 60)
     columns[0] = 1.0
@@ -101,7 +101,7 @@ def test_evidence_is_the_integral_over_size_and_variance(random: np.random.Gener
     likelihood = np.exp(-n * np.log(sigma) - 0.5 * square / sigma**2 + n)
     with_x = (likelihood * prior).sum() * (size[0, 1] - size[0, 0])
     without = np.exp(-n * np.log(sigma) - 0.5 * products[1, 1] / sigma**2 + n).sum()
-    # the Laplace approximation of the variance costs a little of one unit of log odds
+    # the prior is scaled by the variance over its estimate: this costs a little of one unit of log odds
     assert one.log_evidence - none.log_evidence == pytest.approx(np.log(with_x / without), abs=0.25)
 
 
@@ -144,8 +144,8 @@ def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(
     n = 20_000
     columns = np.cumsum(random.normal(size=(3, n)), axis=1)
     columns[0] = 1.0
-    remembered = lfilter([1.0], [1.0, -noise.moving_average], columns)
-    white = remembered[:, 1:] - noise.rho * remembered[:, :-1]
+    filtered = lfilter([1.0], [1.0, -noise.moving_average], columns)
+    white = filtered[:, 1:] - noise.rho * filtered[:, :-1]
     expected = white @ white.T + noise.first_weight * np.outer(columns[:, 0], columns[:, 0])
     found = sums(columns, np.zeros(n, dtype=int), flat_level=False).whiten(noise).products
     np.testing.assert_allclose(found, expected, rtol=1e-8)
@@ -174,14 +174,15 @@ def test_many_noises_at_once_are_each_by_itself(random: np.random.Generator) -> 
         assert weight == one.log_weight
 
 
-def test_shapes_are_weighed_as_they_are_told(random: np.random.Generator) -> None:
+def test_terms_are_fitted_as_they_are_reported(random: np.random.Generator) -> None:
     """Columns of the core, made a block at a time, are the functions that a model gets, less their means."""
     against = {"time": np.sort(random.uniform(0, 9 * 86400.0, 700))}
     found = Candidates(Columns(echocal.Model("linear"), np.ones(700), {}, None))
     term_candidates(found, against, TermSettings(), known_distance=False)
     for name in (HOUR, "time"):
         column = column_of(name, against)
-        told = np.array(Basis.of(name, column, TermSettings()).at(column))
-        weighed = found.columns.at(found.terms[name].free)
-        left = (weighed - weighed.mean(axis=1, keepdims=True)) - (told - told.mean(axis=1, keepdims=True))
+        reported = np.array(Basis.of(name, column, TermSettings()).at(column))
+        fitted = found.columns.at(found.terms[name].free)
+        left = fitted - fitted.mean(axis=1, keepdims=True)
+        left -= reported - reported.mean(axis=1, keepdims=True)
         assert np.abs(left).max() < 1e-12, name

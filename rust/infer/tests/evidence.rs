@@ -43,8 +43,8 @@ fn stack(products: &[f64]) -> WhitenedStack<'_> {
     }
 }
 
-/// One column with a normal prior of a width: the coefficient is integrated out, the variance stands at
-/// what least squares leave.
+/// One column with a normal prior of a width, scaled by the variance over what least squares leave: the
+/// coefficient and the variance are integrated out.
 fn by_hand(square: f64, along: f64, total: f64, width: f64) -> f64 {
     let variance = (total - along * along / square) / DEGREES;
     let precision = variance / (width * width);

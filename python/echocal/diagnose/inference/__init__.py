@@ -1,1 +1,1 @@
-"""Sums over the rows, the noise that is reckoned with, and how probable each set of causes is."""
+"""Sums over the rows, noise models, and how probable each hypothesis is."""

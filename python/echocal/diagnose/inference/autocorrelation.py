@@ -15,7 +15,7 @@ from echocal.diagnose.settings.noise_models import NoiseModelSettings
 
 __all__ = ["at_first", "that_may_be_there"]
 
-_STRETCHES, _STRETCH = 5, 20_000  # rows that are looked at
+_SEGMENTS, _SEGMENT = 5, 20_000  # rows that are looked at
 
 
 def at_first(order: Order, settings: NoiseModelSettings) -> Sequence[NoiseCorrelation]:
@@ -68,7 +68,7 @@ def that_may_be_there(
 
 
 def _looked_at(rows: int) -> NDArray[np.int64]:
-    if rows <= _STRETCHES * _STRETCH:
+    if rows <= _SEGMENTS * _SEGMENT:
         return np.arange(rows)
-    firsts = np.linspace(0, rows - _STRETCH, _STRETCHES).astype(np.int64)
-    return np.concatenate([np.arange(first, first + _STRETCH) for first in firsts])
+    firsts = np.linspace(0, rows - _SEGMENT, _SEGMENTS).astype(np.int64)
+    return np.concatenate([np.arange(first, first + _SEGMENT) for first in firsts])

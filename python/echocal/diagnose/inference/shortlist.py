@@ -116,8 +116,8 @@ class _Look:
         columns, (residual,) = bare.seen(columns), bare.seen(scene.residual[rows][None])
         columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=1, keepdims=True)), 1e-300)
         value, vector = np.linalg.eigh(columns @ columns.T)
-        told = value > _ALIKE * value[-1]
-        taken = (vector[:, told] / np.sqrt(value[told])).T @ columns
+        separable = value > _ALIKE * value[-1]
+        taken = (vector[:, separable] / np.sqrt(value[separable])).T @ columns
         return cls(order, noise, degrees, taken, residual - (taken @ residual) @ taken)
 
     def seen(self, columns: Column) -> Column:

@@ -3,7 +3,7 @@
 /// How rows belong together.
 #[derive(Clone, Copy, Debug)]
 pub struct RowLayout<'a> {
-    /// Whether a row begins a new series: nothing is remembered across.
+    /// Whether a row begins a new series: no correlation reaches across.
     pub starts: &'a [bool],
     /// The block of each row.
     pub blocks: &'a [u32],

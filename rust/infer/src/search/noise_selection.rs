@@ -58,13 +58,13 @@ impl NoiseSelection {
         threads: usize,
     ) -> bool {
         let fits = fits(table, variants, best, threads);
-        let told = above(LOST, &fits, table.noises());
+        let reported = above(LOST, &fits, table.noises());
         let needed = above(SEARCHED, &fits, table.noises());
         let mut missed = false;
         for (noise, needed) in needed.into_iter().enumerate() {
             missed |= needed && !self.search[noise];
             self.search[noise] |= needed;
-            self.fit[noise] |= told[noise] || self.search[noise];
+            self.fit[noise] |= reported[noise] || self.search[noise];
         }
         missed
     }
