@@ -41,7 +41,7 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (Columns, "products", "columns and their products"),
     (case.Case, "stack", "whitening"),
     (_core, "posterior", "hypotheses"),
-    (pipeline, "weigh_noises", "noises with a likelihood of their own"),
+    (pipeline, "infer_noises", "noises with a likelihood of their own"),
     (pipeline, "validate", "held-out rows"),
     (select, "unsteady", "one size in every part"),
     (pipeline, "propose", "next measurements"),

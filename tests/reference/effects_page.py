@@ -10,7 +10,7 @@ from pathlib import Path
 
 from echocal.diagnose.catalogue import irregularities
 from echocal.diagnose.findings.facts import CauseFacts
-from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
+from echocal.model.summary import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, Parameter, effects
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "effects.md"
@@ -45,16 +45,16 @@ echocal effects show cycle_slip --json -
 ```
 
 The same in Python: `echocal.effects()`. Typical sizes are what theory knows, else one standard deviation of
-the prior. [Noises and faults](#noises-and-faults) stand below: they have a likelihood or a detector, and no
-formula.
+the prior. [Noises and faults](#noises-and-faults) stand below: they have a likelihood or a detector.
 """
 
 IRREGULAR = """\
 # Noises and faults
 
 What varies the distribution of the readings, spoils single rows or whole columns is no effect on the mean.
-Each is one file too, `python/echocal/diagnose/noises/ID.py` or `python/echocal/diagnose/faults/ID.py`. In
-Python: `echocal.noises()`, `echocal.row_faults()`, `echocal.gross_faults()`.
+Each is one file too, `python/echocal/diagnose/noises/ID.py` or `python/echocal/diagnose/faults/ID.py`, and
+one line of the `registry.py` beside it. In Python: `echocal.noises()`, `echocal.row_faults()`,
+`echocal.gross_faults()`.
 
 | cause | kind | what it is |
 |---|---|---|"""
@@ -96,9 +96,12 @@ def irregular(cause: CauseFacts) -> Iterator[str]:
     """Lines that tell all about a noise or a fault."""
     yield f"## {cause.id}\n"
     yield f"{cause.sentence}\n"
-    yield "| parameter | unit | meaning |"
-    yield "|---|---|---|"
-    yield from (f"| `{p.name}` | {p.unit} | {p.meaning} |" for p in cause.parameters)
+    yield "| parameter | unit | meaning | bounds | prior |"
+    yield "|---|---|---|---|---|"
+    yield from (
+        f"| `{p.name}` | {p.unit} | {p.meaning} | {p.range} | {p.prior or 'read off the rows'} |"
+        for p in cause.parameters
+    )
     yield ""
     yield from (f"- {name}: {text}" for name, text in cause.details().items())
     yield ""

@@ -12,7 +12,7 @@ from echocal.diagnose.faults import find_faults
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
-from echocal.diagnose.noises.common.weighing import weigh_noises
+from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
@@ -78,7 +78,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("weighing noises")
             carried = inference.carried
-            shares = weigh_noises(case, inference.weighed, carried, faults.quantizations)
+            shares = infer_noises(case, inference.weighed, carried, faults.quantizations)
             ranking = rank(shares.weighed, case.found.competing, settings)
             selection = select(case, ranking, shares, carried)
 

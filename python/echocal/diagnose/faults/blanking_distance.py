@@ -20,17 +20,19 @@ __all__ = ["FAULT"]
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    fewest: float = threshold(2, "1", "wild rows; judgement")
+    fewest: float = threshold(2, "1", "outliers; judgement")
     unrelated: float = threshold(
         0.1, "1", "part of the distance that such readings miss it by, at the median; judgement"
     )
     least: float = threshold(0.03, "m", "the same in meters; judgement")
-    part: float = threshold(0.9, "1", "part of the rows below the blanking distance that are wild; judgement")
+    part: float = threshold(
+        0.9, "1", "part of the rows below the blanking distance that are outliers; judgement"
+    )
     most: float = threshold(
         0.5, "1", "part of all rows that may stand below the blanking distance; judgement"
     )
     tame: float = threshold(
-        0.1, "1", "probability that a row below the blanking distance is not wild; judgement"
+        0.1, "1", "probability that a row below the blanking distance is no outlier; judgement"
     )
 
 
@@ -38,9 +40,12 @@ FACTS = CauseFacts(
     id="blanking_distance",
     kind="row",
     sentence="The target stood nearer than the sensor can hear; it reports something else.",
-    signature="all rows below some distance are wild, and hardly any above",
+    signature="all rows below some distance are outliers, and hardly any above",
     source="ESPEasy PR #1831 (HC-SR04 below 3 cm); alaudet/raspi-sump #67 (JSN-SR04T below 25 cm)",
-    parameters=(Quantity("distance", "m", "largest distance that is wild"), Quantity("rows", "1", "rows")),
+    parameters=(
+        Quantity("distance", "m", "largest distance whose rows are outliers"),
+        Quantity("rows", "1", "rows"),
+    ),
     check="move a target slowly toward the sensor and note where the reading leaves it",
     prior=0.01,
     formula="reading' = anything, where the target is nearer than distance",
@@ -50,19 +55,19 @@ FACTS = CauseFacts(
 
 
 def detect(view: View, settings: FaultSettings) -> Finding | None:
-    """Find the distance below which wild rows stand together."""
+    """Find the distance below which outliers stand together."""
     reference = view.reference
     if reference is None or view.given is not None:
         return None
     own = settings.of(FACTS, Thresholds)
-    wild = far(view, settings.far)
-    count = int(wild.sum())
+    outliers = far(view, settings.far)
+    count = int(outliers.sum())
     good = np.flatnonzero(view.good)
     if count < own.fewest or np.ptp(reference[good]) == 0:
         return None
     order = good[np.argsort(reference[good], kind="stable")]
     ends = np.append(np.flatnonzero(np.diff(reference[order]) > 0), len(order) - 1)
-    inside = np.cumsum(wild[order])[ends]
+    inside = np.cumsum(outliers[order])[ends]
     rows_inside = ends + 1
     fits = (inside >= own.part * rows_inside) & (rows_inside < own.most * len(order))
     fitting = np.flatnonzero(fits)
@@ -74,15 +79,15 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     evidence = caught * -np.log(elsewhere) + (size - caught) * np.log(own.tame) - np.log(len(ends))
     if caught < own.fewest or evidence <= 0:
         return None
-    inner = order[:size][wild[order[:size]]]
+    inner = order[:size][outliers[order[:size]]]
     missed = max(own.unrelated * float(np.median(reference[inner])), own.least)
     if np.median(np.abs(view.deviation[inner])) < missed:
         return None
     limit = float(reference[order[size - 1]])
     near = view.good & (reference <= limit)
-    example = order[int(np.argmax(wild[order]))]
+    example = order[int(np.argmax(outliers[order]))]
     because = (
-        f"{caught} of {size} rows at or below {limit:.3f} m are wild (row {example + 1} reads "
+        f"{caught} of {size} rows at or below {limit:.3f} m are outliers (row {example + 1} reads "
         f"{view.indication[example]:.3f} m at {reference[example]:.3f} m), {count - caught} of "
         f"{len(order) - size} beyond; those below are left out"
     )

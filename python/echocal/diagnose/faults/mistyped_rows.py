@@ -59,7 +59,6 @@ FACTS = CauseFacts(
     check="look the rows up in the notes they were typed from",
     prior=0.02,
     formula="reading' = reading with two digits swapped, one lost, one too many, or another decimal point",
-    needs=("reading",),
     repair="corrects the rows to the nearest value that one edit gives",
 )
 
@@ -163,7 +162,7 @@ def _on_lattice(values: NDArray[np.float64], decimals: int) -> NDArray[np.bool_]
 def _meant(
     view: View, value: float, expected: float, decimals: int, own: Thresholds
 ) -> tuple[float, str, float] | None:
-    """The edit that fits best, and the log Bayes factor of a slip against any other wild value."""
+    """The edit that fits best, and the log Bayes factor of a slip against any other outlier."""
     scale = 10.0**-decimals
     text = f"{round(value / scale):0{decimals + 1}d}"
     close = own.close * max(view.scatter, 0.3 * scale)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.wild import count_evidence, wild_side
+from echocal.diagnose.faults.common.outliers import count_evidence, one_sided_outliers
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -44,7 +44,7 @@ FACTS = CauseFacts(
 def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Count rows that read far too long, and those at twice the distance."""
     own = settings.of(FACTS, Thresholds)
-    rows = wild_side(view, 1, settings)
+    rows = one_sided_outliers(view, 1, settings)
     count = int(rows.sum())
     if not count:
         return None

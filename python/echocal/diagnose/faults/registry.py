@@ -18,7 +18,7 @@ def _fault(id_: str) -> Fault:
 
 
 # Faults of whole columns come first. Of the others those that concern many rows come first: they
-# would make the rest look wild.
+# would make outliers of the rest.
 FAULTS: tuple[Fault, ...] = tuple(
     _fault(id_)
     for id_ in (

@@ -38,7 +38,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         found.log_bayes,
         f"{because}; the rest of the diagnosis divides them by {found.value:g}",
         (Parameter("factor", found.value, 0.0, "1"),),
-        view.observations.usable,
+        np.ones(len(view), dtype=bool),
         divided(view, found.value, "reading_m"),
     )
 

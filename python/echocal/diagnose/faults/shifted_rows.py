@@ -115,7 +115,7 @@ def _evidence(view: View, first: int, shift: int, settings: Thresholds) -> float
         unexplained = int((own > wide).sum()) - explained
         against = int(((own < close) & (moved > wide)).sum())
     spread = float(np.nanmax(view.reference) - np.nanmin(view.reference))
-    # a wild value would fit the neighbor's reference by chance
+    # an outlier would fit the neighbor's reference by chance
     each = np.log(max(spread / (2 * float(np.median(close))), 1.5))
     places = 1 + np.count_nonzero(np.diff(view.reference) != 0)  # where a shift could begin to show
     net = explained - settings.unexplained * unexplained

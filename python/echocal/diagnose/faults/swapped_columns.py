@@ -33,7 +33,7 @@ class Thresholds:
 
     fewest: float = threshold(30, "1", "rows of a table; judgement")
     before: float = threshold(15, "1", "rows before a seam that tell how rough the columns are; judgement")
-    wild: float = threshold(8.0, "1", "scales beyond which a step says no more; judgement")
+    outlier: float = threshold(8.0, "1", "scales beyond which a step says no more; judgement")
     fits: float = threshold(3.0, "1", "scales that the levels may differ by across the seam; judgement")
     level: float = threshold(12.0, "1", "largest log likelihood of a difference of levels; judgement")
     witnesses: float = threshold(
@@ -154,7 +154,7 @@ def _evidence(
     scale = _scale(usual)
     after = steps[:, row:]
     stays, changes = (
-        float(np.minimum(after / s[:, None], settings.wild).sum()) for s in (scale, scale[::-1])
+        float(np.minimum(after / s[:, None], settings.outlier).sum()) for s in (scale, scale[::-1])
     )
     part = min(1.0, settings.witnesses / max(after.shape[1], 1))  # neighbors are no independent witnesses
     levels = float(np.minimum(straight, settings.level).sum() - np.minimum(crossed, settings.level).sum())

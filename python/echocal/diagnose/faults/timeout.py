@@ -49,11 +49,11 @@ FACTS = CauseFacts(
 def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Look for a far value that repeats exactly, as a time or as a reading."""
     own = settings.of(FACTS, Thresholds)
-    wild = np.flatnonzero(far(view, settings.far))
-    candidates = [_largest(view.observations.echo_time, wild), _largest(recorded(view), wild)]
-    known = wild[np.abs(view.observations.echo_time[wild] - _KNOWN) < own.tolerance]
-    rows = max([*candidates, known if len(wild) <= own.lone else wild[:0]], key=len)
-    if not len(rows) or (len(rows) < own.many and len(rows) < own.part * len(wild)):
+    outliers = np.flatnonzero(far(view, settings.far))
+    candidates = [_largest(view.observations.echo_time, outliers), _largest(recorded(view), outliers)]
+    known = outliers[np.abs(view.observations.echo_time[outliers] - _KNOWN) < own.tolerance]
+    rows = max([*candidates, known if len(outliers) <= own.lone else outliers[:0]], key=len)
+    if not len(rows) or (len(rows) < own.many and len(rows) < own.part * len(outliers)):
         return None
     time = float(np.median(view.observations.echo_time[rows]))
     mask = np.zeros(len(view), dtype=bool)

@@ -41,8 +41,8 @@ class Thresholds:
 
     fewest: float = threshold(3, "1", "rows of one factor: one or two are typing errors")
     most: float = threshold(0.45, "1", "part of the rows: of more, nobody knows which unit is the right one")
-    wild: float = threshold(0.15, "1", "of the log ratio, beyond which a row is wild; judgement")
-    shared: float = threshold(0.8, "1", "part of the wild rows that must share the factor; judgement")
+    outlier: float = threshold(0.15, "1", "of the log ratio, beyond which a row is an outlier; judgement")
+    shared: float = threshold(0.8, "1", "part of the outliers that must share the factor; judgement")
     close: float = threshold(
         0.02, "1", "of the log ratio, beside the noise: what laws and thermometers do to it"
     )
@@ -50,7 +50,7 @@ class Thresholds:
         5.0, "1", "robust standard deviations of the noise that a row may be off by; judgement"
     )
     range: float = threshold(
-        8.0, "1", "of the log ratio, in which a wild row may lie anywhere: exp(8) is 3,000"
+        8.0, "1", "of the log ratio, in which an outlier may lie anywhere: exp(8) is 3,000"
     )
 
 
@@ -88,7 +88,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
             Parameter("factor", found.value, 0.0, "1"),
             Parameter("rows", float(view.observations.usable.sum()), 0.0, "1"),
         ),
-        view.observations.usable,
+        np.ones(len(view), dtype=bool),
         divided(view, found.value, "reading_m"),
     )
 
@@ -103,18 +103,18 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
         log_ratio = np.log(view.indication / expected)
         width = own.close + own.deviations * view.scatter / expected
     judged = np.isfinite(log_ratio) & np.isfinite(width)
-    wild = judged & (np.abs(log_ratio) > own.wild)
-    if wild.sum() > own.most * judged.sum():
+    outliers = judged & (np.abs(log_ratio) > own.outlier)
+    if outliers.sum() > own.most * judged.sum():
         return
     far = np.flatnonzero(judged & (np.abs(log_ratio) > _LEAST - width))
     for factor, story in _UNITS.items():
         rows = far[np.abs(log_ratio[far] - np.log(factor)) < width[far]]
         count = len(rows)
-        if count < max(own.fewest, own.shared * wild.sum()):
+        if count < max(own.fewest, own.shared * outliers.sum()):
             continue
         near = np.zeros(len(judged), dtype=bool)
         near[rows] = True
-        # rivals are wild rows, which lie anywhere
+        # rivals are outliers, which lie anywhere
         evidence = float(np.log(own.range / (2 * width[near])).sum() - np.log(len(_UNITS)) - count)
         because = (
             f"{listed(near)} read {np.exp(np.median(log_ratio[near])):.4g} times what the other rows say, as "
@@ -126,13 +126,13 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
 
 
 def _near(view: View, own: Thresholds) -> bool:
-    """Whether no row is wild, nor anything near another unit."""
+    """Whether no row is an outlier, nor anything near another unit."""
     least = float(np.fmin.reduce(view.expected))
     return (
         view.reference is not None
         and least > 0
-        and 1.01 * view.farthest < -np.expm1(-own.wild) * least
-        and own.close + own.deviations * view.scatter / least < 0.9 * (_LEAST - own.wild)
+        and 1.01 * view.farthest < -np.expm1(-own.outlier) * least
+        and own.close + own.deviations * view.scatter / least < 0.9 * (_LEAST - own.outlier)
     )
 
 

@@ -30,7 +30,13 @@ FACTS = CauseFacts(
             (0.0, 1.0),
             "half on 0; else one of 17 with a moving average",
         ),
-        Quantity("growth", "1/m", "autocorrelated variance over the rest, where it grows with distance"),
+        Quantity(
+            "growth",
+            "1/m",
+            "autocorrelated variance over the rest, where it grows with distance",
+            (0.0, None),
+            "one of 0.1, 0.3, 1 and 3, where rows are at several distances",
+        ),
     ),
     check="repeat the rows in a random order",
     prior=0.05,
@@ -68,7 +74,7 @@ def because(values: Values) -> str:
 
 
 def rivals(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:
-    """Noise with a long memory is a function of the row like any other."""
+    """Noise with a long correlation time is a function of the row like any other."""
     rows = 1 / (1 - values["autoregression"][0])
     return ((UNKNOWN,), _NOTE) if _TURNS * rows > degrees else ((), "")
 

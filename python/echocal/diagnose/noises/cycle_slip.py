@@ -112,7 +112,7 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
         fits += [_mixture(trace, step, _Groups(cells, _MISSED, one), freedom, own) for freedom in _KERNELS]
     if _split(trace, step, own):
         fits += [
-            _mixture(trace, step, _Groups(one, _EITHER, trace.stretch), freedom, own) for freedom in _KERNELS
+            _mixture(trace, step, _Groups(one, _EITHER, trace.segment), freedom, own) for freedom in _KERNELS
         ]
     least, widest = max(own.fewest, 3 / len(trace)), own.apart * float(np.median(step))
     fits = [f for f in fits if f.distinct > least and f.scale < widest and f.intact > own.intact]
@@ -141,10 +141,10 @@ def _where(found: _Mixture) -> str:
 
 def _split(trace: Trace, step: Column, own: Thresholds) -> bool:
     """Whether segments of one target are long, sharp, and have rows one period off."""
-    count = np.bincount(trace.stretch)
+    count = np.bincount(trace.segment)
     if len(trace) < own.segment * len(count):
         return False
-    off = np.abs(trace.left - trace.stretch_median) / step
+    off = np.abs(trace.left - trace.segment_median) / step
     one_off = np.abs(off - 1) < own.sharp
     return bool(np.median(off) < own.sharp and np.mean(one_off) > own.split)
 
@@ -171,22 +171,22 @@ class _Groups:
 
 def _mixture(trace: Trace, step: Column, groups: _Groups, freedom: float, own: Thresholds) -> _Mixture:
     """Fit the groups; the level is zero, one, or one per segment."""
-    cells, orders, stretch = groups.cells, groups.orders, groups.segment
+    cells, orders, segment = groups.cells, groups.orders, groups.segment
     left = np.ascontiguousarray(trace.left)
-    leveled = bool(stretch.any()) or trace.free_mean
+    leveled = bool(segment.any()) or trace.free_mean
     level: Column = (
-        trace.stretch_median if stretch.any() else np.full(len(left), np.quantile(left, 0.1) * leveled)
+        trace.segment_median if segment.any() else np.full(len(left), np.quantile(left, 0.1) * leveled)
     )
     first = max(0.25 * float(np.median(step)), 1e-4)
     spread = own.level if leveled else 0.0
     log, level, scale, weights = _core.slips(
-        left, step, cells, stretch, [float(order) for order in orders], freedom, spread, level, first
+        left, step, cells, segment, [float(order) for order in orders], freedom, spread, level, first
     )
-    rows, members = np.bincount(cells), np.bincount(stretch)
+    rows, members = np.bincount(cells), np.bincount(segment)
     used = (weights > _TRACE).sum(axis=1) - 1
     cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
     if leveled:  # a level of its own costs what its prior spreads it over
-        levels = np.bincount(stretch, level) / members
+        levels = np.bincount(segment, level) / members
         cost += 0.5 * float(np.log1p(members * (own.level / scale) ** 2).sum())
         cost += 0.5 * float(np.sum((levels / own.level) ** 2))
     return _Mixture(log - cost, weights, orders, scale, cells)

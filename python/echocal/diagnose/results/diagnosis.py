@@ -1,27 +1,21 @@
-"""What a diagnosis says, as data."""
+"""The diagnosis that a user gets: what it says, and what can be done with it."""
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.diagnose.experiment_design.average import Estimate, Member, averaged
+from echocal.diagnose.experiment_design.average import Estimate, averaged
 from echocal.diagnose.findings.parts import (
     OF_THIS_TABLE,
-    Cause,
-    Gain,
-    NextMeasurement,
-    Refuted,
-    Traces,
-    Unexplained,
-    Verdict,
 )
-from echocal.diagnose.settings import Settings
+from echocal.diagnose.results.explain import explain
+from echocal.diagnose.results.outcome import Outcome
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
@@ -33,42 +27,13 @@ Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Outcome):
     """What the base simulation gets wrong, and how sure that is.
 
-    Attributes
-    ----------
-    verdict : str
-        ``named``: one class of causes that these data cannot separate holds at least 0.9.
-        ``ambiguous``: several may be at work. ``unknown``: something is there that no cause
-        explains. ``nothing``: nothing beyond noise.
-    causes : tuple of Cause
-    posterior : tuple of (tuple of str, float)
-        Probability of sets of causes; the empty set is "nothing", ``unknown`` a shape without a
-        cause.
-    credible_set : tuple of tuple of str
-        The smallest number of sets that hold at least 0.95.
-    unexplained : Unexplained or None
-    refuted : tuple of Refuted
-        Causes that fit and yet make rows never fitted worse.
-    gain : Gain or None
-    next_measurements : tuple of NextMeasurement
-    rows, base, noise : mapping
-        Rows used and left out; the base simulation; the most probable noise.
-    notes : tuple of str
-        What a person should know beside the verdict.
-    settings : Settings
-        Every number that decided the verdict.
-    model : Model
-        The base extended by the causes that stand in the model. Its ``air`` holds the median of the
-        recorded humidity, pressure and CO2: what it assumes where they are not given.
-    traces : Traces
-        Columns for plots.
-    members : tuple of Member
-        The sets of causes that the data leave possible, each with its model: what `predict` and
-        `correct` average over.
-    seconds : float
-        What the diagnosis took [s].
+    Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
+    ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
+    ``next_measurements``, ``rows``, ``base``, ``noise``, ``notes``, ``settings``, ``model``, ``traces``,
+    ``members`` and ``seconds``.
 
     Examples
     --------
@@ -82,24 +47,6 @@ class Diagnosis:
     >>> diagnosis.to_dict()["schema"]
     'echocal.diagnosis/1'
     """
-
-    verdict: Verdict
-    causes: tuple[Cause, ...]
-    posterior: tuple[tuple[tuple[str, ...], float], ...]
-    credible_set: tuple[tuple[str, ...], ...]
-    unexplained: Unexplained | None
-    refuted: tuple[Refuted, ...]
-    gain: Gain | None
-    next_measurements: tuple[NextMeasurement, ...]
-    rows: Mapping[str, Any]
-    base: Mapping[str, Any]
-    noise: Mapping[str, float]
-    notes: tuple[str, ...]
-    settings: Settings = field(repr=False)
-    model: Model = field(repr=False)
-    traces: Traces = field(repr=False)
-    members: tuple[Member, ...] = field(repr=False, default=())
-    seconds: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
@@ -220,8 +167,6 @@ class Diagnosis:
 
     def explain(self) -> str:
         """Plain sentences that a user can check in the data."""
-        from echocal.diagnose.results.explain import explain
-
         return explain(self)
 
 

@@ -5,14 +5,14 @@ from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, quantity_text, shifted_text
 from echocal.diagnose.noises.registry import listed_only
-from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 
 _SHOWN = 6  # causes named in one proposal
 
 
-def explain(diagnosis: Diagnosis) -> str:
+def explain(diagnosis: Outcome) -> str:
     """Plain sentences, one a line, that a user can check in the data."""
     lines = [f"{lead(diagnosis)}.", _rows(diagnosis)]
     for cause in diagnosis.causes:
@@ -25,7 +25,7 @@ def explain(diagnosis: Diagnosis) -> str:
     return "\n".join(lines)
 
 
-def lead(diagnosis: Diagnosis) -> str:
+def lead(diagnosis: Outcome) -> str:
     """One sentence on the verdict, without its period."""
     if diagnosis.verdict == "nothing":
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
@@ -53,7 +53,7 @@ def lead(diagnosis: Diagnosis) -> str:
     return f"{text}; beside it something that no cause explains" if diagnosis.unexplained else text
 
 
-def _left_open(diagnosis: Diagnosis) -> str:
+def _left_open(diagnosis: Outcome) -> str:
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         return "every cause that fits is refuted by rows never fitted: no cause of a shift is claimed"
     return "the data leave open which of several causes it is"
@@ -71,7 +71,7 @@ def _class(cause: Cause) -> str:
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} that look the same'})"
 
 
-def _rows(diagnosis: Diagnosis) -> str:
+def _rows(diagnosis: Outcome) -> str:
     rows = diagnosis.rows
     text = f"{rows['used']} of {rows['total']} rows are used"
     reasons = "; ".join(f"{count} ({reason})" for reason, count in rows["unusable"].items())
@@ -122,7 +122,7 @@ def _gain(gain: Gain | None) -> list[str]:
     return lines + [f"Under other conditions: {shifted_text(one)}." for one in gain.shifted]
 
 
-def further_notes(diagnosis: Diagnosis) -> list[str]:
+def further_notes(diagnosis: Outcome) -> list[str]:
     """Notes that neither a cause nor the count of rows tells already."""
     told = {cause.doubt for cause in diagnosis.causes}
     told |= {f"{cause.id}: {cause.because}" for cause in diagnosis.causes}

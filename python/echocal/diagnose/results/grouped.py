@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from echocal.diagnose.findings.parts import Cause, Refuted
-from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["LEAST", "Group", "grouped", "in_common"]
 
@@ -43,7 +43,7 @@ class Group:
         return " + ".join(own) or ("nothing else" if common else "nothing")
 
 
-def grouped(diagnosis: Diagnosis) -> list[Group]:
+def grouped(diagnosis: Outcome) -> list[Group]:
     """Join the sets of the posterior that the data cannot tell apart, most probable first."""
     claimed: list[Cause | Refuted] = [*diagnosis.causes, *diagnosis.refuted]
     leader: dict[str, str] = {}

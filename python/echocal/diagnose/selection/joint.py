@@ -8,7 +8,7 @@ from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.findings import noise_findings
-from echocal.diagnose.noises.common.weighing import NoiseShares
+from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Ranking, posterior_sets
 from echocal.diagnose.settings import Settings
 
@@ -52,7 +52,7 @@ class Joint:
 def join(
     ranking: Ranking,
     found: Iterable[Finding],
-    shares: NoiseShares,
+    shares: NoisePosterior,
     carried: Stack,
 ) -> Joint:
     """Cross the posterior over mean causes with the noises beside each, and with the faults.
@@ -64,11 +64,11 @@ def join(
     least = claims.listed_from
     sets: Sets = {}
     for ids, p in posterior_sets(ranking).items():
-        shapes = shares.shape_of(ids)
+        shapes = shares.fitted_of(ids)
         split = {ids: p * max(1 - sum(shapes.values()), 0.0)}
         split |= {tuple(sorted((*ids, shape))): p * part for shape, part in shapes.items()}
         split = {named: part for named, part in split.items() if part >= least}
-        for guard, probability in shares.guard_of(ids).items():
+        for guard, probability in shares.nuisance_of(ids).items():
             is_open = never < probability < 1 - never
             split = _crossed(split, guard, probability if is_open else round(probability), least)
         for named, part in split.items():

@@ -9,7 +9,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises import registry
-from echocal.diagnose.noises.common.weighing import NoiseShares
+from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import (
     Claim,
     Ranking,
@@ -53,7 +53,7 @@ class Selection:
     varying: Mapping[str, str]
 
 
-def select(case: Case, ranking: Ranking, shares: NoiseShares, carried: Stack) -> Selection:
+def select(case: Case, ranking: Ranking, shares: NoisePosterior, carried: Stack) -> Selection:
     """Claim the causes of the best hypothesis, and doubt the claims."""
     settings = case.settings.claims
     best, listed = _claimed(case, ranking, carried, shares)
@@ -72,7 +72,7 @@ def select(case: Case, ranking: Ranking, shares: NoiseShares, carried: Stack) ->
 
 
 def _claimed(
-    case: Case, ranking: Ranking, carried: Stack, shares: NoiseShares
+    case: Case, ranking: Ranking, carried: Stack, shares: NoisePosterior
 ) -> tuple[Weighed, list[Claim]]:
     """Claims of the best hypothesis.
 
@@ -94,10 +94,10 @@ def _claimed(
     return best, claimed
 
 
-def _in_doubt(rows: int, ranking: Ranking, shares: NoiseShares) -> float:
+def _in_doubt(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
     """Probability of no effect below which some effect is claimed."""
     settings = ranking.settings.claims
-    guards = [{id_: p * q for id_, q in shares.guard_of(ids).items()} for ids, p in ranking.sets]
+    guards = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]
     there = (sum(found.get(guard.facts.id, 0.0) for found in guards) for guard in registry.nuisances())
     if max(there, default=0.0) > settings.noisy_from:
         return settings.claim_below_amid_noise

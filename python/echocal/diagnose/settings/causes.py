@@ -1,10 +1,11 @@
 """Numbers that decide: each with its value, its unit and where it comes from."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import TypeVar
 
 from echocal.diagnose.findings.facts import CauseFacts
+from echocal.errors import UsageError
 
 __all__ = ["CauseSettings", "NoThresholds", "Threshold", "listed_thresholds"]
 
@@ -79,7 +80,19 @@ class CauseSettings:
             return kind(**own)
         if not isinstance(own, kind):
             message = (
-                f"thresholds of {facts.id}: {type(own).__qualname__} is not {kind.__module__}.Thresholds"
+                f"thresholds of {facts.id} are a {type(own).__name__}; give a {kind.__module__}.Thresholds"
             )
-            raise TypeError(message)
+            raise UsageError(message)
         return own
+
+    def refuse_others(self, ids: Collection[str], noun: str) -> None:
+        """Refuse numbers of causes that there are not.
+
+        Raises
+        ------
+        UsageError
+        """
+        for id_ in (*self.priors, *self.thresholds):
+            if id_ not in ids:
+                message = f"settings: there is no {noun} '{id_}'; known: {', '.join(sorted(ids))}"
+                raise UsageError(message)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from echocal.diagnose.settings.causes import CauseSettings
 from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FarRows", "FaultSettings", "SharedFactor", "WildRows"]
+__all__ = ["FarRows", "FaultSettings", "Outliers", "SharedFactor"]
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class FarRows:
 
 
 @dataclass(frozen=True)
-class WildRows:
-    """Wild rows on one side: crosstalk and multipath."""
+class Outliers:
+    """Outliers on one side: crosstalk and multipath."""
 
     usual: float = threshold(0.02, "1", "part of the rows of a table with such a fault; judgement")
     most: float = threshold(0.3, "1", "part of the rows beyond which something else is wrong; judgement")
@@ -34,10 +34,10 @@ class WildRows:
         0.2, "1", "the same per row: all echoes from one target may be misread; judgement"
     )
     moved_tail: float = threshold(
-        0.01, "1", "part of the wild rows at either end that may stand alone; judgement"
+        0.01, "1", "part of the outliers at either end that may stand alone; judgement"
     )
     moved_as_far: float = threshold(
-        0.5, "1", "part of the wild rows' median deviation that the rows among them deviate by; judgement"
+        0.5, "1", "part of the outliers' median deviation that the rows among them deviate by; judgement"
     )
 
 
@@ -60,7 +60,7 @@ class FaultSettings(CauseSettings):
     listed : float
     cap : float
     far : FarRows
-    wild : WildRows
+    outliers : Outliers
     factor : SharedFactor
     """
 
@@ -70,5 +70,5 @@ class FaultSettings(CauseSettings):
     listed: float = threshold(1e-3, "1", "probability from which on a fault has a place in the posterior")
     cap: float = threshold(60.0, "1", "largest log Bayes factor: beyond it an odds ratio says no more")
     far: FarRows = field(default_factory=FarRows)
-    wild: WildRows = field(default_factory=WildRows)
+    outliers: Outliers = field(default_factory=Outliers)
     factor: SharedFactor = field(default_factory=SharedFactor)

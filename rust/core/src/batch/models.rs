@@ -2,11 +2,11 @@
 
 #![allow(unsafe_code)]
 
-use super::staged::{BLOCK, Given as Block, Line, Newton, Pass, Reading, settle};
+use super::staged::{BLOCK, Given as Block, Line, Pass, Reading};
 use super::{Column, Formula, Kernel, kernel, threads};
 use crate::chain::Stage;
 use crate::conditions::{Conditions, Quantity};
-use crate::model::{ENOUGH, Given, Model, Term};
+use crate::model::{Given, Model, Term};
 use crate::scalar::Rows;
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
@@ -82,34 +82,20 @@ impl Kernel for OfModel {
 }
 
 impl OfModel {
-    fn block(&self, pass: &mut Pass, block: Reading, found: &mut Line) {
+    fn block(&self, pass: &mut Pass, block: Reading<'_>, found: &mut Line) {
+        let (model, law) = (&self.model, self.model.law());
         let last = match self.output {
-            ModelOutput::Correction | ModelOutput::Distance => {
-                return self.invert(pass, block, found);
+            ModelOutput::Correction => {
+                return pass.invert(model, &block, Stage::Indication, None, found);
+            }
+            ModelOutput::Distance => {
+                return pass.invert(model, &block, Stage::Timer, Some(law), found);
             }
             ModelOutput::Indication => Stage::Indication,
             ModelOutput::TimeOfFlight => Stage::Timer,
             ModelOutput::SpeedOfSound => Stage::Speed,
         };
-        pass.run(&self.model, block, last).values(last, found);
-    }
-
-    /// As [`Model::invert`], a block at once.
-    fn invert(&self, pass: &mut Pass, block: Reading, found: &mut Line) {
-        let (last, guess) = match self.output {
-            ModelOutput::Correction => (Stage::Indication, None),
-            _ => (Stage::Timer, Some(self.model.law())),
-        };
-        let mut newton = Newton::new(&block, guess);
-        let here = block.to_distance(true).at(&newton.distance);
-        let mut here = pass.run(&self.model, here, last);
-        for _ in 0..ENOUGH {
-            if settle(&mut newton, here.of(last), block.rows) {
-                break;
-            }
-            here = pass.again(&self.model, here, last);
-        }
-        newton.found(found);
+        pass.run(model, block, last).values(last, found);
     }
 }
 

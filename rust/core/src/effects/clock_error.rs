@@ -1,6 +1,6 @@
 //! A timer whose clock runs fast or slow.
 
-use super::{Effect, Facts, Firmware, ParameterFacts, Role};
+use super::{Effect, Facts, ParameterFacts, Role};
 use crate::chain::{Chain, Stage};
 use crate::scalar::Scalar;
 
@@ -15,11 +15,6 @@ impl Effect for ClockError {
         formula: "t' = t (1 + frequency_error)",
         source: "ceramic resonator 0.5 %; one board 2021 ppm slow (forum.arduino.cc 69316); \
                  crystal 60 ppm (shelvin.de)",
-        reads: &[],
-        requires: &[],
-        excludes: &[],
-        supplies: None,
-        calls: None,
         parameters: &[ParameterFacts {
             name: "frequency_error",
             unit: "1",
@@ -27,12 +22,9 @@ impl Effect for ClockError {
             neutral: 0.0,
             bounds: (-0.05, 0.05),
             prior_scale: 3e-3,
-            known: &[],
             ..ParameterFacts::USUAL
         }],
-        domain: "any distance and air",
         check: "count a reference second (GPS, real-time clock) with the same timer",
-        firmware: Firmware::Folded,
         ..Facts::USUAL
     };
 

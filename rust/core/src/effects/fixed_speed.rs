@@ -1,6 +1,6 @@
 //! A device that converts with one fixed speed of sound.
 
-use super::{Effect, Facts, Firmware, ParameterFacts, Role};
+use super::{Effect, Facts, ParameterFacts, Role};
 use crate::chain::{Chain, Stage};
 use crate::scalar::Scalar;
 
@@ -18,11 +18,6 @@ impl Effect for FixedSpeed {
         formula: "c_device' = c_device + weight (speed - c_device); weight 1 is the fixed speed alone",
         source: "340 and 343 m/s (adafruit_hcsr04, esphome 2212), 344.8 m/s (58 us/cm), \
                  350.9 m/s (NewPing's 57 us/cm) in public HC-SR04 code",
-        reads: &[],
-        requires: &[],
-        excludes: &[],
-        supplies: None,
-        calls: None,
         parameters: &[
             ParameterFacts {
                 name: "weight",
@@ -47,7 +42,6 @@ impl Effect for FixedSpeed {
         ],
         domain: "indications of the device; recorded echo times do not know it",
         check: "read the firmware, or compare echo time and indication at two temperatures",
-        firmware: Firmware::Folded,
         ..Facts::USUAL
     };
 

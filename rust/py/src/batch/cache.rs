@@ -11,7 +11,7 @@ use echocal_core::batch::{Kernel, Output, absorption, echo, speed_of_sound};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use super::call::Label;
+use super::arguments::Label;
 use super::ufunc::ufunc;
 use crate::errors::to_python;
 

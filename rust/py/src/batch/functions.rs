@@ -3,8 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 
+use super::arguments::{Input, Options, Threads};
 use super::cache::{DEFAULT_LAW, Function, entry};
-use super::call::{Input, Options, Threads, call};
+use super::call::call;
 use super::documentation::{air, law, options};
 use crate::laws::{LawText, speed_text};
 

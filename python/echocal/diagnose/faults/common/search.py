@@ -100,6 +100,7 @@ def find_faults(
     Faults
         Whatever was repaired or left out stands in a finding, with its rows.
     """
+    settings.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
     known = not constant and (given is not None or observations.reference_distance is not None)
     view = View(observations, base, given, known)
     found = []

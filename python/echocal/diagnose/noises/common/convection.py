@@ -42,8 +42,8 @@ def _autocorrelated(weighed: Sequence[Weighed], carried: Stack) -> float:
     """Probability that the noise is autocorrelated."""
     log = np.array([one.log_posterior for one in weighed])
     share = np.exp(log - log.max())
-    remembers = np.array([noise.rho > 0.0 for noise in carried.noises])
-    part = np.array([one.noise[remembers].sum() for one in weighed])
+    correlated = np.array([noise.rho > 0.0 for noise in carried.noises])
+    part = np.array([one.noise[correlated].sum() for one in weighed])
     return float(share @ part / share.sum())
 
 

@@ -9,13 +9,13 @@ from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import NoiseEntry, NuisanceNoise
-from echocal.diagnose.noises.common.weighing import NoiseShares
+from echocal.diagnose.noises.common.posterior import NoisePosterior
 
 __all__ = ["noise_findings"]
 
 
 def noise_findings(
-    sets: Mapping[tuple[str, ...], float], shares: NoiseShares, carried: Stack, least: float
+    sets: Mapping[tuple[str, ...], float], shares: NoisePosterior, carried: Stack, least: float
 ) -> list[Finding]:
     """Findings on the fitted and the nuisance noises.
 
@@ -23,7 +23,7 @@ def noise_findings(
     ----------
     sets : mapping of tuple of str to float
         Posterior probability of each set of causes.
-    shares : NoiseShares
+    shares : NoisePosterior
     carried : Stack
         The noises that every hypothesis reckons with.
     least : float
@@ -38,7 +38,7 @@ def noise_findings(
     return findings
 
 
-def _finding(noise: NoiseEntry, probability: float, shares: NoiseShares, carried: Stack) -> Finding:
+def _finding(noise: NoiseEntry, probability: float, shares: NoisePosterior, carried: Stack) -> Finding:
     facts, share = noise.facts, 1.0
     rivals: tuple[str, ...] = ()
     if isinstance(noise, NuisanceNoise):

@@ -23,6 +23,7 @@ def find_steps(view: View, settings: NoiseSettings) -> tuple[list[Finding], list
     View
         The table with readings that were cut off in the middle of their steps.
     """
+    settings.refuse_others([noise.facts.id for noise in registry.NOISES], "noise")
     found, harmless = [], []
     for finding in _candidates(view, settings):
         if finding.share < settings.harmless or finding.rms < settings.negligible:

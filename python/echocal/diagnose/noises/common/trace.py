@@ -65,14 +65,14 @@ class Trace:
     left : ndarray, shape (n,)
         Reading less base less the hypothesis's causes, in the order recorded [m].
     innovation : ndarray, shape (n,)
-        The same with the memory of the noise and the stands' own errors taken out [m].
+        The same without autocorrelation and the errors of the stations [m].
     distance : ndarray, shape (n,)
         Expected distance [m].
     speed : ndarray, shape (n,)
         Speed of sound that the device converts with [m/s].
     free_mean : bool
         Whether the hypothesis found a level of its own, so that zero means nothing.
-    stretch : ndarray of int, shape (n,)
+    segment : ndarray of int, shape (n,)
         Segment of rows with one target, undisturbed, that each row belongs to.
     """
 
@@ -81,20 +81,20 @@ class Trace:
     distance: Column
     speed: Column
     free_mean: bool
-    stretch: NDArray[np.int64]
+    segment: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.left)
 
     @cached_property
-    def stretch_median(self) -> Column:
-        """Median of what is left over the row's stretch [m]."""
-        order = np.lexsort((self.left, self.stretch))
-        count = np.bincount(self.stretch)
+    def segment_median(self) -> Column:
+        """Median of what is left over the row's segment [m]."""
+        order = np.lexsort((self.left, self.segment))
+        count = np.bincount(self.segment)
         firsts = np.cumsum(count) - count
         middle = [firsts + (count - 1) // 2, firsts + count // 2]
         medians = 0.5 * (self.left[order][middle[0]] + self.left[order][middle[1]])
-        return np.asarray(medians[self.stretch])
+        return np.asarray(medians[self.segment])
 
     def skewed(self, worth: float) -> bool:
         """Whether a moment is so many standard errors off as one-sided delays would move it."""
@@ -110,8 +110,8 @@ class Trace:
     def plain(self) -> float:
         """Log likelihood of noise without a name, its kernel averaged.
 
-        Of the rows as they are, or less what the guards know, whichever is likelier: what the guards
-        take from heavy tails makes other rows look wild.
+        Of the rows as they are, or less what the nuisance noises explain, whichever is likelier: what these
+        take from heavy tails makes other rows look like outliers.
         """
         either = (_averaged(self.innovation), _averaged(self.left))
         return float(np.logaddexp(*either) - np.log(2) - 0.5 * np.log(len(self)))

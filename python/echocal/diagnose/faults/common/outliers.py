@@ -1,0 +1,56 @@
+"""Outliers on one side of what is expected: shared by crosstalk and multipath."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.faults.common.values import chance_far, far
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings, Outliers
+
+__all__ = ["count_evidence", "one_sided_outliers"]
+
+
+def one_sided_outliers(
+    view: View, sign: int, settings: FaultSettings, least: float = 0.0
+) -> NDArray[np.bool_]:
+    """Far rows that read too long (+1) or too short (-1), by a part of the distance at least.
+
+    No row, if most rows before or after some moment are off as far (then the sensor moved), or if
+    there are too many.
+    """
+    rows = far(view, settings.far)
+    if not rows.any():
+        return rows
+    with np.errstate(invalid="ignore"):
+        rows = rows & (sign * view.deviation > least * np.abs(view.expected))
+    none = rows.sum() > settings.outliers.most * view.good.sum() or _moved(
+        view, rows, sign, settings.outliers
+    )
+    return np.zeros_like(rows) if none else rows
+
+
+def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: Outliers) -> bool:
+    """Whether these rows begin or end a table, among rows most of which are off by as much."""
+    where = np.flatnonzero(rows)
+    if len(where) < settings.moved_rows:
+        return False
+    tail = settings.moved_tail
+    early, late = np.quantile(where, (tail, 1 - tail)).astype(np.int64)
+    limit = settings.moved_as_far * np.median(sign * view.deviation[rows])
+    for stretch in (slice(0, late + 1), slice(early, len(rows))):
+        known = view.good[stretch]
+        distances = len(np.unique(view.expected[stretch][known]))
+        others = len(rows) - len(known)
+        enough = max(settings.moved_distances, settings.moved_distances_per_row * len(known))
+        if distances < enough or min(len(known), others) < settings.moved_rows:
+            continue
+        if np.median(sign * view.deviation[stretch][known]) > limit:
+            return True
+    return False
+
+
+def count_evidence(view: View, count: int, settings: FaultSettings) -> float:
+    """Log Bayes factor of a fault that hits some percent of the rows against heavy tails alone."""
+    total = int(view.good.sum())
+    chance, usual = 0.5 * chance_far(view, settings.far), settings.outliers.usual * total + 0.5
+    return float(min(count * np.log(max(usual, 1.0) / chance) - (usual - chance), settings.cap))

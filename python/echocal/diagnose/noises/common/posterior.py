@@ -1,0 +1,238 @@
+"""Noises in the posterior: every likely hypothesis on the mean, beside each noise."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.variant import UNKNOWN
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.innovation import innovation
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.noises import registry
+from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
+from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.settings.noises import NoiseSettings
+
+__all__ = ["NoisePosterior", "infer_noises"]
+
+Ids = tuple[str, ...]
+
+
+@dataclass
+class NoisePosterior:
+    """What the noises are beside each set of causes.
+
+    Attributes
+    ----------
+    weighed : list of Weighed
+        The hypotheses with their evidence under every noise, most probable first.
+    fitted : dict
+        Per evaluated set of causes: probability of each fitted noise given the set.
+    nuisances : dict
+        Per set of causes: probability of each nuisance noise given the set.
+    fits : dict
+        Per evaluated set of causes: the fitted likelihoods.
+    """
+
+    weighed: list[Weighed]
+    fitted: dict[Ids, dict[str, float]] = field(default_factory=dict)
+    nuisances: dict[Ids, dict[str, float]] = field(default_factory=dict)
+    fits: dict[Ids, dict[str, Likelihood]] = field(default_factory=dict)
+
+    def fitted_of(self, ids: Ids) -> Mapping[str, float]:
+        """Probabilities of the fitted noises beside a set; those of the likeliest set where not evaluated."""
+        return self.fitted.get(ids) or next(iter(self.fitted.values()), {})
+
+    def nuisance_of(self, ids: Ids) -> Mapping[str, float]:
+        """Probabilities of the nuisance noises beside a set."""
+        return self.nuisances.get(ids, {})
+
+    def fit_of(self, id_: str) -> Likelihood | None:
+        """Fit of a noise beside the likeliest set that has one."""
+        return next((fits[id_] for fits in self.fits.values() if id_ in fits), None)
+
+
+def infer_noises(
+    case: Case,
+    weighed: list[Weighed],
+    carried: Stack,
+    steps: Collection[str],
+) -> NoisePosterior:
+    """Weigh the likeliest sets of causes, and none, beside each noise.
+
+    Parameters
+    ----------
+    case : Case
+    weighed : list of Weighed
+        Hypotheses on the mean under normal noise with the nuisance noises.
+    carried : Stack
+        The nuisance noises that were carried along.
+    steps : collection of str
+        Quantizations found before; what they imitate is not looked for.
+
+    Returns
+    -------
+    NoisePosterior
+    """
+    settings = case.settings.noises
+    weighed = _with_nothing(case, weighed, carried)
+    best: dict[Ids, Weighed] = {}
+    for one in weighed:
+        best.setdefault(one.hypothesis.ids, one)
+    chosen = list(best)[: settings.sets]
+    chosen += [ids for ids in [()] if ids not in chosen]
+    skipped = {id_ for noise in registry.quantizations() if noise.facts.id in steps for id_ in noise.imitates}
+    tried = [noise for noise in registry.fitted() if noise.facts.id not in skipped]
+    gains: dict[Ids, float] = {}
+    shares = NoisePosterior([])
+    rows = _looked_at(case, settings)
+    for ids in chosen:
+        trace = _trace(case, best[ids], carried.likeliest(best[ids])[0], rows)
+        gains[ids], shares.fitted[ids], shares.fits[ids] = _beside(trace, tried, settings)
+    least = min(gains.values())
+    shares.weighed = sorted(
+        (w.raised(gains.get(w.hypothesis.ids, least)) for w in weighed),
+        key=lambda w: -w.log_posterior,
+    )
+    order = list(dict.fromkeys(w.hypothesis.ids for w in shares.weighed))
+    shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
+    shares.fits = {ids: shares.fits[ids] for ids in order if ids in shares.fits}
+    nuisances = [_NuisancePrior.of(noise, case, carried, settings) for noise in registry.nuisances()]
+    for ids in order:
+        shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
+    _doubt(shares, nuisances)
+    return shares
+
+
+def _with_nothing(case: Case, weighed: list[Weighed], carried: Stack) -> list[Weighed]:
+    """Nothing but noise competes, however unlikely it is while the noise is normal."""
+    if any(not w.hypothesis.variants for w in weighed):
+        return weighed
+    shapes = any(v.cause == UNKNOWN for v in case.found.variants)
+    priors = case.settings.priors
+    prior = priors.no_cause * ((1 - priors.unexplained_term) if shapes else 1.0)
+    return [*weighed, weigh(Hypothesis((), prior), carried)]
+
+
+def _looked_at(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
+    """Rows that fits may see, in segments where there are many."""
+    rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
+    count, length = settings.segments, settings.segment_rows
+    if len(rows) <= count * length:
+        return rows
+    firsts = np.linspace(0, len(rows) - length, count).astype(np.int64)
+    return np.concatenate([rows[first : first + length] for first in firsts])
+
+
+def _beside(
+    trace: Trace, tried: Collection[FittedNoise], settings: NoiseSettings
+) -> tuple[float, dict[str, float], dict[str, Likelihood]]:
+    """What the noises add to the log evidence of a hypothesis, their shares, and their fits."""
+    either = {noise.facts.id: noise.fit(trace, settings) for noise in tried}
+    fits = {id_: fit for id_, fit in either.items() if fit is not None}
+    prior = {noise.facts.id: settings.prior(noise.facts) for noise in tried}
+    logs = {"": float(np.log1p(-sum(prior.values())))}
+    logs |= {id_: float(np.log(prior[id_])) + fitted.log - trace.plain for id_, fitted in fits.items()}
+    total = float(np.logaddexp.reduce(list(logs.values())))
+    return total, {id_: float(np.exp(log - total)) for id_, log in logs.items() if id_}, fits
+
+
+def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) -> Trace:
+    left = case.left(weighed, rows)
+    order = case.sums.order.at(rows)
+    groups = order.groups
+    flat = case.sums.flat_level
+    if flat:  # each segment has a level of its own
+        left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
+    conditions = {name: column[rows] for name, column in case.table.conditions.items()}
+    return Trace(
+        left=left,
+        innovation=innovation(left, order, noise),
+        distance=order.distance,
+        speed=case.base.indication(np.full(len(rows), 2.0), conditions),
+        segment=_segments(case, rows),
+        free_mean=flat or bool(weighed.hypothesis.variants),
+    )
+
+
+def _segments(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number the runs of rows whose target did not move."""
+    new = np.zeros(len(rows), dtype=bool)
+    new[1:] = np.diff(case.table.groups[rows]) != 0
+    if case.table.reference is not None:
+        new[1:] |= np.diff(case.table.reference[rows]) != 0
+    return np.cumsum(new)
+
+
+@dataclass(frozen=True)
+class _NuisancePrior:
+    """A nuisance noise: its prior as a cause, and as the fits reckon with it.
+
+    Attributes
+    ----------
+    id : str
+    prior : float
+        Probability that a table has it.
+    assumed : float
+        Probability that the fits reckon with, to be on the safe side.
+    concerned : ndarray of bool
+        Which of the noises carried along it is.
+    """
+
+    id: str
+    prior: float
+    assumed: float
+    concerned: NDArray[np.bool_]
+
+    @classmethod
+    def of(
+        cls, noise: NuisanceNoise, case: Case, carried: Stack, settings: NoiseSettings
+    ) -> "_NuisancePrior":
+        assumed = sum(each.prior for each in case.usual_noises if noise.concerns(each))
+        concerned = np.array([noise.concerns(each) for each in carried.noises])
+        return cls(noise.facts.id, settings.prior(noise.facts), assumed, concerned)
+
+
+def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> None:
+    """Lower the probabilities of nuisance noises to what their priors as causes allow.
+
+    To be on the safe side the fits assume such noise in every other table. It is reported only if
+    it is probable without that assumption: effects under white noise are its rivals.
+    """
+    log = np.array([w.log_posterior for w in shares.weighed])
+    total = np.exp(log - log.max())
+    for nuisance in nuisances:
+        id_, before, concerned = nuisance.id, nuisance.assumed, nuisance.concerned
+        if not concerned.any() or before >= 1.0:
+            continue
+        part = np.array([w.noise[concerned].sum() for w in shares.weighed])
+        with_it = float(total @ part) / before * nuisance.prior
+        without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
+        believed = with_it / max(with_it + without, 1e-300)
+        given = np.array([shares.nuisance_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.weighed])
+        usual = float(total @ given) / float(total.sum())
+        factor = min(believed / max(usual, 1e-12), 1.0)
+        for found in shares.nuisances.values():
+            if id_ in found:
+                found[id_] *= factor
+
+
+def _nuisances(
+    weighed: Weighed, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
+) -> dict[str, float]:
+    """Probability that each nuisance noise is there, and not only reckoned with."""
+    without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
+    mixed = sum(fitted.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
+    found = {}
+    for nuisance in nuisances:
+        before, prior = nuisance.assumed, nuisance.prior
+        if before in (0.0, 1.0):
+            continue
+        share = float(weighed.noise[nuisance.concerned].sum())
+        odds = share * (1 - before) / max((1 - share) * before, 1e-12)
+        odds *= prior / (1 - prior)
+        found[nuisance.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
+    return found
