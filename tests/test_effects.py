@@ -36,8 +36,8 @@ def recorded(effect: Effect) -> dict[str, float]:
 
 
 @EVERY
-def test_neutral_is_identity_bit_for_bit(effect: Effect) -> None:
-    distance = np.random.default_rng().uniform(0.02, 10.0, 100)
+def test_neutral_is_identity_bit_for_bit(effect: Effect, random: np.random.Generator) -> None:
+    distance = random.uniform(0.02, 10.0, 100)
     conditions = recorded(effect)
     base = echocal.Model(law(effect)).indicate(distance, **conditions)
     shapes = {p.name: v for p in effect.parameters if p.role == "shape" for v in (p.neutral, *p.known)}
@@ -63,9 +63,9 @@ def test_what_it_does_not_read_leaves_the_echo_alone(effect: Effect) -> None:
 
 
 @EVERY
-def test_compensation_undoes_it(effect: Effect) -> None:
+def test_compensation_undoes_it(effect: Effect, random: np.random.Generator) -> None:
     model, conditions = echocal.Model(law(effect), {effect.id: values(effect)}), recorded(effect)
-    distance = np.random.default_rng().uniform(0.02, 10.0, 100)
+    distance = random.uniform(0.02, 10.0, 100)
     back = model.correct(model.indicate(distance, **conditions), **conditions)
     np.testing.assert_allclose(back, distance, rtol=0, atol=1e-12)
 

@@ -1,5 +1,7 @@
 //! Log evidence and posterior against plain computations, one number at a time.
 
+#![allow(clippy::suboptimal_flops)] // expected values are stated plainly
+
 use echocal_infer::search::{Prior, posterior};
 use echocal_infer::solve::{Variant, WIDTHS, WhitenedStack, log_evidence};
 

@@ -1,4 +1,4 @@
-//! Python binding of echocal: conversion only.
+//! Python binding of echocal: arguments are converted and checked here, and kernels become NumPy ufuncs.
 
 use pyo3::prelude::*;
 

@@ -2,11 +2,11 @@
 
 #![allow(unsafe_code)]
 
-use super::staged::{BLOCK, Given as Block, Line, Pass, Reading};
+use super::staged::{BLOCK, BlockReader, Line, Pass, Reading};
 use super::{Column, Formula, Kernel, kernel, threads};
 use crate::chain::Stage;
 use crate::conditions::{Conditions, Quantity};
-use crate::model::{Given, Model, Term};
+use crate::model::{DeviceOutput, Model, Term};
 use crate::scalar::Rows;
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
@@ -61,7 +61,7 @@ impl Kernel for OfModel {
         }
         let span = |first: usize, count: usize| {
             let columns = core::array::from_fn(|q| inputs[1 + q].skip(first));
-            let mut given = Block::new(inputs[0].skip(first), columns);
+            let mut given = BlockReader::new(inputs[0].skip(first), columns);
             let (mut pass, mut found) = (Pass::new(), Line::of(0.0));
             for from in (0..count).step_by(BLOCK) {
                 let some = BLOCK.min(count - from);
@@ -117,7 +117,7 @@ pub fn jacobian(model: &Model, inputs: &[&[f64]], threads: usize) -> Vec<f64> {
     let columns: [Column; INPUTS] = core::array::from_fn(|k| Column::of(inputs[k]));
     let span = |first: usize, count: usize| {
         let recorded = core::array::from_fn(|q| columns[1 + q].skip(first));
-        let mut given = Block::new(columns[0].skip(first), recorded);
+        let mut given = BlockReader::new(columns[0].skip(first), recorded);
         let (mut pass, mut line) = (Pass::new(), Line::of(0.0));
         for from in (0..count).step_by(BLOCK) {
             let some = BLOCK.min(count - from);
@@ -177,8 +177,8 @@ impl Formula<INPUTS> for Simulation {
         let last = match self.output {
             ModelOutput::Correction | ModelOutput::Distance => {
                 let given = match self.output {
-                    ModelOutput::Correction => Given::Indication(first),
-                    _ => Given::Time(first),
+                    ModelOutput::Correction => DeviceOutput::Indication(first),
+                    _ => DeviceOutput::Time(first),
                 };
                 return self.model.invert(given, &recorded, parameters);
             }

@@ -12,6 +12,7 @@ use super::direct::direct;
 use super::explain::{check_condition, common_shape, explained};
 use super::output;
 use super::ufunc::{MOST_INPUTS, with_threads};
+use crate::errors::raise;
 
 /// The function's value: a float for plain numbers, else whatever the ufunc makes of the inputs.
 pub fn call<'py>(

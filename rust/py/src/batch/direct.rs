@@ -10,7 +10,6 @@ use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::prelude::*;
 use numpy::{IxDyn, PyArray, PyArrayDescr, PyUntypedArray, dtype};
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyInt};
 
 use super::arguments::Input;
 use super::precision::Precision;

@@ -8,7 +8,7 @@ mod numbers;
 pub use numbers::Numbers;
 
 use super::Column;
-use super::staged::{BLOCK, Given, Line, Pass, Reading};
+use super::staged::{BLOCK, BlockReader, Line, Pass, Reading};
 use crate::chain::Stage;
 use crate::conditions::Quantity;
 use crate::model::{Model, Term};
@@ -29,7 +29,7 @@ pub enum ExpansionPoint<'a> {
 pub struct Sensitivities<'a> {
     model: &'a Model,
     rows: usize,
-    given: Given,
+    given: BlockReader,
     passes: [Pass; 3],
     following: Following,
 }
@@ -51,7 +51,7 @@ impl<'a> Sensitivities<'a> {
         Self {
             model,
             rows: distance.len(),
-            given: Given::new(Column::of(distance), columns),
+            given: BlockReader::new(Column::of(distance), columns),
             passes: [Pass::new(), Pass::new(), Pass::new()],
             following: Following::new(),
         }

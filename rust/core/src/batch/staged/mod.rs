@@ -12,4 +12,4 @@ mod tracks;
 
 pub(crate) use pass::{Pass, is_alone, prepare};
 pub use tracks::{BLOCK, Line};
-pub(crate) use tracks::{Given, Reading, TRACKS, tracks_of};
+pub(crate) use tracks::{BlockReader, Reading, TRACKS, tracks_of};

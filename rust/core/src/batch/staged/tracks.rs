@@ -278,13 +278,13 @@ unsafe fn dual<V: Vector<Element = f64>>(
 }
 
 /// Columns of a batch, of which blocks are read where they lie if they can be.
-pub(crate) struct Given {
+pub(crate) struct BlockReader {
     columns: [Column; 1 + Quantity::COUNT],
     buffers: Box<[Line; 1 + Quantity::COUNT]>,
     filled: [bool; 1 + Quantity::COUNT],
 }
 
-impl Given {
+impl BlockReader {
     /// Columns of double precision: the quantity that a model is applied to, then every recorded
     /// one.
     pub(crate) fn new(first: Column, recorded: [Column; Quantity::COUNT]) -> Self {
