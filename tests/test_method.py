@@ -11,7 +11,7 @@ from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
-from echocal.diagnose.inference.hypothesis import Stack, weigh
+from echocal.diagnose.inference.hypothesis import Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.posterior import posterior
 from echocal.diagnose.inference.sums import Sums
@@ -57,7 +57,7 @@ def test_columns_are_scaled_derivatives_and_polynomials_without_their_means() ->
     np.testing.assert_allclose(late, 0.5 * (331.4 + 0.6 * celsius) * 30e-6, rtol=1e-12)
     low, high = np.quantile(celsius, (0.005, 0.995))
     scaled = np.clip((2 * celsius - low - high) / (high - low), -1.5, 1.5)
-    constant, *terms = case.found.shapes["temperature"].free
+    constant, *terms = case.found.terms["temperature"].free
     np.testing.assert_allclose(columns[constant], 3e-3, rtol=1e-12)
     for degree, column in enumerate(terms, 1):
         polynomial = np.polynomial.Legendre.basis(degree)(scaled)
@@ -79,7 +79,7 @@ def test_log_evidence_under_one_noise(rho: float) -> None:
         engine = Stack.of([case.sums.whiten(noise)], case.sums.degrees())
         for hypothesis in hypotheses:
             log, mean, covariance = method.evidence(hypothesis.variants)
-            found = weigh(hypothesis, engine)
+            found = fit_hypothesis(hypothesis, engine)
             assert log == pytest.approx(found.log_evidence, abs=1e-8)
             np.testing.assert_allclose(mean, found.mean, rtol=1e-3, atol=1e-3)
             np.testing.assert_allclose(covariance, found.covariance, rtol=1e-2, atol=1e-3)

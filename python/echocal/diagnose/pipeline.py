@@ -1,7 +1,7 @@
 """The whole diagnosis, on one screen: each stage takes what the stages before it found.
 
 Every loop over the rows is here. One more level step, and the columns are built again. Noise whose
-autocorrelation grows with the distance, and the hypotheses are weighed again.
+autocorrelation grows with the distance, and the hypotheses are fitted again.
 """
 
 import warnings
@@ -71,15 +71,15 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("weighing causes")
             inference = infer(case)
-            if growing := convections(case, inference.weighed, inference.carried):
-                case = case.with_noises(growing)
+            if growing := convections(case, inference.fits, inference.carried):
+                case = case.with_correlations(growing)
                 del inference  # of a wide table it is large
                 inference = infer(case)
 
             work.begin("weighing noises")
             carried = inference.carried
-            shares = infer_noises(case, inference.weighed, carried, faults.quantizations)
-            ranking = rank(shares.weighed, case.found.competing, settings)
+            shares = infer_noises(case, inference.fits, carried, faults.quantizations)
+            ranking = rank(shares.fits, case.found.competing, settings)
             selection = select(case, ranking, shares, carried)
 
             work.begin("validating on held-out rows")

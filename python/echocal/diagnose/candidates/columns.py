@@ -141,12 +141,12 @@ class Columns:
         cells: Labels,
         places: tuple[Labels, Labels],
         series: Column,
-        memories: Sequence[float | tuple[float, float] | None],
+        correlations: Sequence[float | tuple[float, float] | None],
     ) -> _core.Sums:
         """Lag-0 and lag-1 products, see `Sums`; settles the columns."""
         self._core.settle()
         labels = (blocks.astype(np.uint32), cells.astype(np.uint32))
         where = list(zip(*(place.tolist() for place in places), strict=True))
         return self._core.products(
-            order.starts, *labels, order.distance, where, series, list(memories), order.flat_level
+            order.starts, *labels, order.distance, where, series, list(correlations), order.flat_level
         )

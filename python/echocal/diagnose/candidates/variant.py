@@ -8,7 +8,7 @@ from echocal.diagnose.candidates.columns import Columns
 __all__ = ["UNKNOWN", "Candidates", "Variant"]
 
 UNKNOWN = "unknown"
-"""Id under which a smooth shape without a cause competes."""
+"""Id under which an unexplained term competes: a smooth function without a cause."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Variant:
     weight : float
         Probability among the variants of its cause.
     against : str
-        For `UNKNOWN`, the column that the shape is a function of.
+        For `UNKNOWN`, the column that the term is a function of.
     """
 
     cause: str
@@ -55,7 +55,7 @@ class Variant:
 class Candidates:
     """Columns so far, the variants that use them, and what was left out and why.
 
-    `aside` are further columns of the table that no shape is tried against, for there are many.
+    `aside` are further columns of the table that no unexplained term is tried against, for there are many.
     """
 
     columns: Columns
@@ -71,7 +71,7 @@ class Candidates:
         return len({v.cause for v in self.variants} - {UNKNOWN})
 
     @property
-    def shapes(self) -> dict[str, Variant]:
-        """The freest shape without a cause against each column."""
-        shapes = sorted((v for v in self.variants if v.cause == UNKNOWN), key=lambda v: len(v.free))
-        return {v.against: v for v in shapes}
+    def terms(self) -> dict[str, Variant]:
+        """The freest unexplained term against each column."""
+        terms = sorted((v for v in self.variants if v.cause == UNKNOWN), key=lambda v: len(v.free))
+        return {v.against: v for v in terms}

@@ -185,7 +185,7 @@ def _promise(
 ) -> float:
     """Simulate how probable the most probable class would be after measuring.
 
-    Readings are drawn from each member in turn and weighed by all. Nobody learns of a cause that is
+    Readings are drawn from each member in turn and judged by all. Nobody learns of a cause that is
     not among the members, so what probability they leave of one is lost.
     """
     mean = prospect.shift[:, places]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
 from echocal.diagnose.validation.gain import errors
@@ -42,9 +42,9 @@ def members(
         named = _named(ids, left_out)
         shares[named] = shares.get(named, 0.0) + p
         alone[named] = alone.get(named, 0.0) + p * (UNKNOWN not in ids)
-    forms: dict[Ids, list[Weighed]] = {}
-    for weighed in ranking.weighed:
-        forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
+    forms: dict[Ids, list[HypothesisFit]] = {}
+    for fit in ranking.fits:
+        forms.setdefault(_named(fit.hypothesis.causes, left_out), []).append(fit)
     best = {
         named: _best(forms[named], left_out, stack, case.settings.search.form_preference)
         for named in _chosen(shares, claimed)
@@ -85,34 +85,36 @@ def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
     ]
 
 
-def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack, undecided: float) -> Weighed:
-    """The best hypothesis of a set; weighed again without what is left out, if it had any of it."""
+def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack, undecided: float) -> HypothesisFit:
+    """The best hypothesis of a set; fitted again without what is left out, if it had any of it."""
     best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes], undecided)
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:
         hypothesis = without(hypothesis, cause)
-    return best if hypothesis.causes == best.hypothesis.causes else weigh(hypothesis, stack)
+    return best if hypothesis.causes == best.hypothesis.causes else fit_hypothesis(hypothesis, stack)
 
 
-def _models(case: Case, best: Mapping[Ids, Weighed], stack: Stack, *, doubtful: bool) -> dict[Ids, Model]:
+def _models(
+    case: Case, best: Mapping[Ids, HypothesisFit], stack: Stack, *, doubtful: bool
+) -> dict[Ids, Model]:
     """Model of each set of causes, but of those that leave the fitted rows further off than the base.
 
     Beside a shape sizes may be anything that the shape makes up for, and no model has the shape:
-    then they are those without it. Where causes were refuted it is doubtful that what was weighed
+    then they are those without it. Where causes were refuted it is doubtful that what was fitted
     beside them stands without them.
     """
     models: dict[Ids, Model] = {}
     base: float | None = None
-    for named, weighed in best.items():
-        model, shaped = _model(case, weighed), UNKNOWN in weighed.hypothesis.causes
+    for named, fit in best.items():
+        model, shaped = _model(case, fit), UNKNOWN in fit.hypothesis.causes
         if shaped or doubtful:
             base = _off(case, case.base.plain) if base is None else base
             if shaped and _off(case, model) > base:
-                model = _model(case, weigh(without(weighed.hypothesis, UNKNOWN), stack))
+                model = _model(case, fit_hypothesis(without(fit.hypothesis, UNKNOWN), stack))
             if _off(case, model) > base:
                 continue
         models[named] = model
-    return models or {(): _model(case, weigh(Hypothesis((), 1.0), stack))}
+    return models or {(): _model(case, fit_hypothesis(Hypothesis((), 1.0), stack))}
 
 
 def _off(case: Case, model: Model) -> float:
@@ -121,9 +123,9 @@ def _off(case: Case, model: Model) -> float:
     return float(np.nanmean(errors(case.table, model, fit)[fit] ** 2))
 
 
-def _model(case: Case, weighed: Weighed) -> Model:
+def _model(case: Case, fit: HypothesisFit) -> Model:
     base = replace(case.base, air={**case.base.air, **case.table.air()})
-    effects = effects_of(weighed)
+    effects = effects_of(fit)
     names: tuple[str, ...] = base.model(effects).parameter_names
-    covariance: NDArray[np.float64] | None = covariance_of(weighed, names) if names else None
+    covariance: NDArray[np.float64] | None = covariance_of(fit, names) if names else None
     return base.model(effects, covariance=covariance)

@@ -85,7 +85,7 @@ def _aside(case: Case) -> list[str]:
     aside = case.found.aside
     if not aside:
         return []
-    tried = sum(name in case.table.extra for name in case.found.shapes)
+    tried = sum(name in case.table.extra for name in case.found.terms)
     more = f" and {len(aside) - _SHOWN} more" if len(aside) > _SHOWN else ""
     return [
         f"an unknown effect was searched for against {tried} of the {tried + len(aside)} further columns "
@@ -117,7 +117,7 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
         return ""
     claimed = cause in [c.cause for c in validation.kept]
     known = case.found.size_tangents[cause][1]
-    beside = without(validation.weighed.hypothesis, cause)
+    beside = without(validation.fit.hypothesis, cause)
     plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # the first look
     size, uncertainty = free_size(cause, case.found, beside, stack)
     if max(plain_u, uncertainty) > 0.5 * abs(known):

@@ -34,7 +34,7 @@ def reconciled(
         )
     moved = []
     named = without(beside, UNKNOWN)
-    shapes = list(case.found.shapes.values())
+    shapes = list(case.found.terms.values())
     shaped = [replace(named, variants=(*named.variants, variant)) for variant in shapes]
     (size, uncertainty), *fits = free_sizes(cause, case.found, [named, *shaped], stack)
     for variant, (there, error) in zip(shapes, fits, strict=True):
