@@ -1,7 +1,7 @@
-"""The whole diagnosis, on one screen: each stage takes what the stages before it found.
+"""The whole diagnosis on one screen: each stage takes the results of the stages before it.
 
-Every loop over the rows is here. One more level step, and the columns are built again. Noise whose
-autocorrelation grows with the distance, and the hypotheses are weighed again.
+Both repetitions are visible here. After each new level step, the columns are built again. If the
+variance of autocorrelated noise may grow with the distance, the posterior is computed again.
 """
 
 import warnings
@@ -38,7 +38,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     reading : Reading
     request : Request
     work : Steps
-        Told as each stage begins.
+        Receives the name of each stage as it begins.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     """
     settings = request.settings
     base, distance, constant = request.base, request.reference_distance, request.constant_distance
-    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
+    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # that of the final model is a note
         work.begin("looking for faults")
         observations = between(reading.observations, request.since, request.until)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
@@ -73,7 +73,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             inference = infer(case)
             if growing := convections(case, inference.weighed, inference.carried):
                 case = case.with_noises(growing)
-                del inference  # of a wide table it is large
+                del inference  # it is large for a wide table
                 inference = infer(case)
 
             work.begin("weighing noises")

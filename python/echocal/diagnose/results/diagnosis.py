@@ -1,4 +1,4 @@
-"""What a diagnosis says, as data."""
+"""The diagnosis as data."""
 
 import json
 import math
@@ -34,41 +34,40 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What the base simulation gets wrong, and how sure that is.
+    """What the base simulation gets wrong, with probabilities.
 
     Attributes
     ----------
     verdict : str
-        ``named``: one class of causes that these data cannot separate holds at least 0.9.
-        ``ambiguous``: several may be at work. ``unknown``: something is there that no cause
-        explains. ``nothing``: nothing beyond noise.
+        ``named``: one class of causes that these data cannot separate has a probability of at least
+        0.9. ``ambiguous``: several causes can explain the data. ``unknown``: an effect outside the
+        catalogue is detected. ``nothing``: no effect is detected.
     causes : tuple of Cause
     posterior : tuple of (tuple of str, float)
-        Probability of sets of causes; the empty set is "nothing", ``unknown`` a shape without a
-        cause.
+        Probability of sets of causes. The empty set is "no effect"; ``unknown`` is an effect
+        outside the catalogue.
     credible_set : tuple of tuple of str
-        The smallest number of sets that hold at least 0.95.
+        The fewest sets whose probabilities add up to at least 0.95.
     unexplained : Unexplained or None
     refuted : tuple of Refuted
-        Causes that fit and yet make rows never fitted worse.
+        Causes that fit, but make the error on cross-validated or held-out rows larger.
     gain : Gain or None
     next_measurements : tuple of NextMeasurement
     rows, base, noise : mapping
         Rows used and left out; the base simulation; the most probable noise.
     notes : tuple of str
-        What a person should know beside the verdict.
+        What a user should know besides the verdict.
     settings : Settings
         Every number that decided the verdict.
     model : Model
-        The base extended by the causes that stand in the model. Its ``air`` holds the median of the
-        recorded humidity, pressure and CO2: what it assumes where they are not given.
+        The base extended by the claimed causes. Its ``air`` holds the median of the recorded
+        humidity, pressure and CO2, which the model assumes where they are not given.
     traces : Traces
         Columns for plots.
     members : tuple of Member
-        The sets of causes that the data leave possible, each with its model: what `predict` and
-        `correct` average over.
+        The possible sets of causes, each with its model. `predict` and `correct` average over them.
     seconds : float
-        What the diagnosis took [s].
+        Time that the diagnosis took [s].
 
     Examples
     --------
@@ -127,21 +126,21 @@ class Diagnosis:
         replace_text(path, text)
 
     def predict(self, distance: ArrayLike, **conditions: ArrayLike) -> Estimate:
-        """Reading that the device would give at a true distance, all possible causes averaged.
+        """Reading of the device at a true distance, averaged over the possible sets of causes.
 
         Parameters
         ----------
         distance : array_like
             True distance [m].
         **conditions
-            Influence quantities, as for `echocal.Model`; humidity, pressure and CO2 that are not
-            given are the medians of the table.
+            Influence quantities, as for `echocal.Model`. Where humidity, pressure or CO2 is not
+            given, the median of the table is used.
 
         Returns
         -------
         Estimate
-            Of the reading [m]. A `DisagreementWarning` tells where the sets of causes that the
-            data leave possible predict differently.
+            Of the reading [m]. A `DisagreementWarning` reports where the possible sets of causes
+            predict different readings.
 
         Examples
         --------
@@ -157,7 +156,7 @@ class Diagnosis:
         return averaged(self.members, "indicate", distance, conditions, self.noise["standard_deviation_m"])
 
     def correct(self, indication: ArrayLike, **conditions: ArrayLike) -> Estimate:
-        """True distance that a reading means, all possible causes averaged; see `predict`.
+        """True distance of a reading, averaged over the possible sets of causes; see `predict`.
 
         Parameters
         ----------
@@ -175,16 +174,16 @@ class Diagnosis:
 
     @property
     def model_with_shape(self) -> Model:
-        """The model and the shape that nobody explains, as a term that data gave.
+        """The model with the unexplained term: a smooth function of one column, without a known cause.
 
-        It is held flat outside the range that was seen, and no firmware is made of it. Where nobody
-        knows the cause, nobody knows how long or where else the shape holds.
+        The function is constant outside the range of the data. Firmware cannot include it. As its
+        cause is not known, the function may not hold at another time or place.
 
         Raises
         ------
         UsageError
-            If nothing is unexplained, or it follows the clock or the rows, which no later reading has,
-            or rows never fitted are no better with it.
+            If there is no unexplained term, if it is a function of the row or the time, which no
+            later reading has, or if it does not reduce the error on cross-validated or held-out rows.
 
         Examples
         --------
@@ -200,26 +199,27 @@ class Diagnosis:
         """
         found = self.unexplained
         if found is None or found.shape is None:
-            message = "nothing is unexplained in these data: there is no shape to add"
+            message = "the diagnosis has no unexplained term, so there is none to add to the model"
             raise UsageError(message)
         if found.against in OF_THIS_TABLE:
             message = (
-                f"the shape that nobody explains follows the {found.against} of this table, which no later "
-                "reading has: it cannot extend a model"
+                f"the unexplained term is a function of the {found.against} of this table; later readings "
+                "have no such column, so the term cannot extend a model"
             )
             raise UsageError(message)
         if not found.extends:
             without, with_it = (1e3 * (rms or 0.0) for rms in (found.rms_without_m, found.rms_with_m))
+            rows = "cross-validated rows" if self.gain is None else self.gain.judged_rows
             message = (
-                f"the shape against {found.against} that nobody explains makes rows never fitted no better "
-                f"({without:.2f} mm without it, {with_it:.2f} mm with it): it cannot extend the model; use "
-                "the model without it (on the command line: leave --with-shape out)"
+                f"the unexplained term against {found.against} does not reduce the error on {rows} "
+                f"({without:.2f} mm without it, {with_it:.2f} mm with it), so it cannot extend the model; use "
+                "the model without it (on the command line: omit --with-shape)"
             )
             raise UsageError(message)
         return self.model.with_shape(found.shape)
 
     def explain(self) -> str:
-        """Plain sentences that a user can check in the data."""
+        """The diagnosis in sentences that a user can check in the data."""
         from echocal.diagnose.results.explain import explain
 
         return explain(self)

@@ -66,8 +66,8 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -
             break
         claim = left.pop(worst % len(left))
         said[claim.cause] = (
-            f"{claim.cause} has no one size, so it is not named: {_told(claim, looks[worst])} in "
-            f"{len(looks[worst])} parts of the table"
+            f"the size of {claim.cause} differs between {len(looks[worst])} parts of the table, so "
+            f"{claim.cause} is not named: {_sizes_text(claim, looks[worst])}"
         )
     return said
 
@@ -132,16 +132,16 @@ def _chance(sizes: Sequence[Size]) -> float:
     return float(chi2.sf(apart, (len(sizes) - 1) * len(mean)))
 
 
-def _told(claim: Claim, sizes: Sequence[Size]) -> str:
-    told = []
+def _sizes_text(claim: Claim, sizes: Sequence[Size]) -> str:
+    texts = []
     for i, (name, scale) in enumerate(zip(claim.variant.names, claim.variant.scales, strict=True)):
         unit = next(p.unit for p in find_effect(claim.cause).parameters if p.name == name)
         parts = [
             parameter_text(name, scale * value[i], scale * float(np.sqrt(covariance[i, i])), unit)
             for value, covariance in sizes
         ]
-        told.append(f"{name} is {', '.join(part.partition(' = ')[2] for part in parts)}")
-    return "; ".join(told)
+        texts.append(f"{name} is {', '.join(part.partition(' = ')[2] for part in parts)}")
+    return "; ".join(texts)
 
 
 def _shape(best: Weighed) -> dict[int, float]:
