@@ -55,7 +55,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     settings = request.settings
     base, distance, constant = request.base, request.reference_distance, request.constant_distance
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # that of the final model is a note
-        work.begin("looking for faults")
+        work.begin("searching for faults")
         observations = between(reading.observations, request.since, request.until)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
         if reading.refusal is not None and not faults.explain_a_refusal:
@@ -69,20 +69,20 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             folds = Folds.of(table, observations, request.hold_out_after, settings.rows)
             case = examine(table, base, folds, request.seed, settings)
 
-            work.begin("weighing causes")
+            work.begin("comparing causes")
             inference = infer(case)
             if growing := convections(case, inference.weighed, inference.carried):
                 case = case.with_noises(growing)
                 del inference  # it is large for a wide table
                 inference = infer(case)
 
-            work.begin("weighing noises")
+            work.begin("comparing noises")
             carried = inference.carried
             shares = infer_noises(case, inference.weighed, carried, faults.quantizations)
             ranking = rank(shares.weighed, case.found.competing, settings)
             selection = select(case, ranking, shares, carried)
 
-            work.begin("validating on held-out rows")
+            work.begin("validating claims")
             validation = validate(case, selection)
             step = validation.further_level_step(table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:

@@ -9,11 +9,11 @@ Progress = Callable[[str, int, int], object]
 
 STAGES = (
     "reading",
-    "looking for faults",
+    "searching for faults",
     "building columns",
-    "weighing causes",
-    "weighing noises",
-    "validating on held-out rows",
+    "comparing causes",
+    "comparing noises",
+    "validating claims",
     "planning measurements",
 )
 """Stages in order. For each level step that is found, the work starts again at the columns."""

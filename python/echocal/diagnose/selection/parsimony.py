@@ -1,10 +1,9 @@
-"""A cause counts as there only as far as it shows.
+"""A cause counts as present only as far as the data can show it.
 
-The prior on a size allows sizes that no data of this kind could show: a set with such a cause
-explains the rows no better and no worse than the set without it, however many rows there are. Its
-probability says nothing about the data and would fill a credible set with causes of no
-consequence. So the part of the prior where a cause stays below the noise, beside the other causes
-of its set, counts as its absence.
+The prior of a size includes sizes that are too small for these data to show. With such a size, a
+set explains the rows as well as the set without the cause. Its probability says nothing about the
+data, and it would fill the credible set with negligible causes. Therefore the part of the prior at
+which a cause stays below the noise, beside the other causes of its set, counts as its absence.
 """
 
 import math
@@ -71,7 +70,7 @@ def shown(
 
 
 def hidden(weighed: Weighed) -> dict[str, float]:
-    """Part of each cause's prior at which it would not show beside the others of its set."""
+    """Part of the prior of each cause at which it does not show beside the others of its set."""
     parts: dict[str, float] = {}
     variance = weighed.covariance.diagonal().tolist()
     for variant, place in weighed.hypothesis.placed:
