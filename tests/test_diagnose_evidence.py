@@ -182,6 +182,6 @@ def test_shapes_are_weighed_as_they_are_told() -> None:
     for name in (HOUR, "time"):
         column = column_of(name, against)
         told = np.array(Basis.of(name, column, TermSettings()).at(column))
-        weighed = found.columns.at(found.shapes[name].free)
+        weighed = found.columns.at(found.terms[name].free)
         left = (weighed - weighed.mean(axis=1, keepdims=True)) - (told - told.mean(axis=1, keepdims=True))
         assert np.abs(left).max() < 1e-12, name

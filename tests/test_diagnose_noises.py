@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.preprocess.quantization_grid import find_lattice
+from echocal.diagnose.preprocess.quantization_grid import find_grid
 
 N = 400
 Table = dict[str, np.ndarray]
@@ -184,5 +184,5 @@ def test_a_harmless_step_is_a_note() -> None:
     ],
 )
 def test_the_step_of_a_column(values: np.ndarray, step: float | None) -> None:
-    found = find_lattice(values)
+    found = find_grid(values)
     assert (found.step if found else None) == (pytest.approx(step) if step else None)

@@ -1,4 +1,4 @@
-"""Which rows are held out together."""
+"""Blocks of rows, and the folds that hold them out."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,12 +18,12 @@ __all__ = ["Folds", "Rows"]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 Rows = Mask | slice
-"""Rows by a mask, or by where they begin and end."""
+"""Rows as a mask or as a slice."""
 
 
 @dataclass(frozen=True)
 class Folds:
-    """Which rows are held out together.
+    """Blocks of rows, and the folds that hold them out.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Folds:
     held : tuple of ndarray of bool, shape (blocks,)
         Blocks held out, fold by fold.
     fit : ndarray of bool, shape (blocks,)
-        Blocks that causes are chosen from: all, except what the user held out.
+        Blocks that causes are selected on: all, except those that the user holds out.
     scheme : str
         How the blocks are held out, in words.
     known : dict

@@ -1,4 +1,4 @@
-"""Rows that cannot be what they seem: another echo, or no reading at all."""
+"""Outliers: rows with another echo, or without a real reading."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -18,9 +18,9 @@ Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 
-FAR = "far from what its neighbors or the base simulation say"
-OFF_STATION = "far from what the same target mostly read: another echo"
-"""Why a row was left out."""
+FAR = "far from its neighbors or from the base simulation"
+OFF_STATION = "far from the usual reading at its station: another echo"
+"""Reasons why a row is left out."""
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
 
@@ -38,22 +38,22 @@ def far_rows(
     orders: Callable[[], Sequence[Column]],
     settings: RowSettings,
 ) -> Mask:
-    """Find rows far outside anything that noise or the air could do.
+    """Find rows farther off than noise or the air can explain.
 
     Parameters
     ----------
     indication : ndarray, shape (n,)
         Readings [m], in the order recorded.
     expected : ndarray, shape (n,), or None
-        Readings that the base simulation predicts [m]; None where the distance is not known, and
-        the neighbors are the only witnesses.
+        Readings that the base simulation predicts [m]. None where the distance is not known; then
+        each row is compared with its neighbors.
     orders : callable
-        ``orders()`` are columns, shape (n,), that a deviation may be a function of.
+        ``orders()`` are columns, shape (n,), that a deviation may depend on.
 
     Returns
     -------
     ndarray of bool, shape (n,)
-        Also rows that physics might reach, where none of the neighbors does.
+        Includes rows with a physically possible deviation if no neighbor deviates as much.
     """
     if len(indication) <= 2 * settings.half_window:
         return np.zeros(len(indication), dtype=bool)
@@ -71,7 +71,7 @@ def far_rows(
     far = np.asarray(off > np.maximum(usual, settings.far_relative * np.abs(expected)))
     limit = max(usual, settings.far_least)
     odd = np.flatnonzero((off > limit) & ~far)
-    if 0 < len(odd) <= settings.exceptions:  # more of them have a cause
+    if 0 < len(odd) <= settings.exceptions:  # a larger number has a common cause
         far[odd[_alone(deviation, odd, orders(), limit, settings.half_window)]] = True
     return far
 
@@ -79,10 +79,10 @@ def far_rows(
 def _alone(
     deviation: Column, odd: NDArray[np.intp], orders: Sequence[Column], limit: float, neighbors: int
 ) -> Mask:
-    """Whether rows deviate as none of their neighbors does, in whichever order one looks.
+    """Whether rows deviate differently from their neighbors in every order.
 
-    Whatever a cause is a function of, rows alike in it deviate alike: a row that is alone in
-    time, by distance and by temperature is a wild one, also where physics could reach as far.
+    Rows with similar values of the column that a cause depends on deviate similarly. A row that
+    deviates alone in time, by distance and by temperature is therefore an outlier.
     """
     alone = np.zeros(len(odd), dtype=bool)
     for i, row in enumerate(odd):
@@ -94,7 +94,7 @@ def _alone(
 
 
 def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
-    """Find the rows of stations that are far for the most part: an error of the station, no wild rows.
+    """Find the rows of stations most of whose rows are far: an error of the station, not outliers.
 
     Parameters
     ----------
@@ -115,9 +115,9 @@ def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
 def far_from_station(
     indication: Column, labels: Labels, temperature: Column | None, settings: RowSettings
 ) -> Mask:
-    """Find rows far from what the same target mostly read: what another echo answered to.
+    """Find rows far from the usual reading at their station, because of another echo.
 
-    A last part of the table that is far as a whole is a step, not a lot of wild rows.
+    If most of the last rows of the table are far, this is a step and not a set of outliers.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def far_from_station(
     labels : ndarray of int, shape (n,)
         Placement of the target of each row.
     temperature : ndarray, shape (n,), or None
-        Air temperature [degC]; tells how much the air could have done.
+        Air temperature [degC]; limits the possible change by the air.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def far_from_station(
 def without_outliers(
     observations: Observations, usable: Usable, reference: Column | None, settings: RowSettings
 ) -> tuple[Usable, Labels | None]:
-    """Leave out rows that are far from what they should be.
+    """Leave out outliers.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def without_outliers(
     columns = (reference, observations.conditions.get("temperature"))
 
     def orders() -> list[Column]:
-        """Columns that neighbors are sought by: the row, and what a cause is most likely a function of."""
+        """Columns by which neighbors are found: the row, the distance and the temperature."""
         rows = usable.rows
         return [rows.astype(np.float64), *(some(column, rows) for column in columns if column is not None)]
 

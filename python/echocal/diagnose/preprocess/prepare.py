@@ -1,4 +1,4 @@
-"""From observations to the table that a diagnosis works on."""
+"""From observations to the table of a diagnosis."""
 
 from collections.abc import Sequence
 
@@ -26,7 +26,7 @@ def prepare(
     settings: RowSettings,
     more_steps: Sequence[int] = (),
 ) -> Table:
-    """Leave out what cannot be used; find outliers, segments and series.
+    """Leave out unusable rows and outliers, and find stations, segments and series.
 
     Parameters
     ----------
@@ -38,14 +38,14 @@ def prepare(
         Whether the distance is only known to be constant.
     settings : RowSettings
     more_steps : sequence of int
-        Source rows at which an unknown level is known to jump, besides those found.
+        Source rows of further steps of an unknown level, found by an earlier round.
 
     Raises
     ------
     DataError
         If too few rows are left.
     UsageError
-        If nobody says what the distance is.
+        If neither the table nor the user gives the distance.
     """
     reference = reference_of(observations, reference_distance, constant_distance)
     usable = usable_rows(observations, base, reference)

@@ -86,7 +86,7 @@ def _aside(case: Case) -> list[str]:
     aside = case.found.aside
     if not aside:
         return []
-    tried = sum(name in case.table.extra for name in case.found.shapes)
+    tried = sum(name in case.table.extra for name in case.found.terms)
     more = f" and {len(aside) - _SHOWN} more" if len(aside) > _SHOWN else ""
     return [
         f"{tried} of the {tried + len(aside)} further columns that vary and have no gaps were searched for an "

@@ -191,7 +191,7 @@ def beside_a_term(
     against another column, or an offset or a tilt that is as large as the first term. Claims that
     are improbable after this are dropped.
     """
-    whole = Hypothesis((*(claim.variant for claim in made), found.shapes[against]), 1.0)
+    whole = Hypothesis((*(claim.variant for claim in made), found.terms[against]), 1.0)
     with_it = _evidence(whole.variants, stack)
     substitutes = _substitutes(found, against, rms)
     doubted = []
@@ -209,7 +209,7 @@ def _substitutes(found: Candidates, against: str, rms: float) -> list[Variant]:
     line = found.line
     mean = () if line is None else line.free[:1]
     substitutes = []
-    for name, term in found.shapes.items():
+    for name, term in found.terms.items():
         free = tuple(column for column in term.free if column not in mean)
         if name != against:
             substitutes.append(replace(term, free=free, bounds=term.bounds[: len(free)]))

@@ -40,7 +40,7 @@ def reconciled(
         )
     moved = []
     named = without(beside, UNKNOWN)
-    terms = list(case.found.shapes.values())
+    terms = list(case.found.terms.values())
     with_term = [replace(named, variants=(*named.variants, term)) for term in terms]
     (size, uncertainty), *fits = free_sizes(cause, case.found, [named, *with_term], stack)
     for variant, (there, error) in zip(terms, fits, strict=True):
