@@ -117,7 +117,7 @@ def form(cause: int | None, free: list[int]) -> Any:
     return cause, [], free, [(-np.inf, np.inf)] * len(free), 1.0
 
 
-def wish() -> dict[str, Any]:
+def firmware_request() -> dict[str, Any]:
     return {
         "target": "c99",
         "package": "c",
@@ -138,7 +138,7 @@ def wish() -> dict[str, Any]:
     }
 
 
-_FIRMWARE = _core.design_firmware(model(), wish(), None)
+_FIRMWARE = _core.design_firmware(model(), firmware_request(), None)
 _TEXTS = ("core", "compiler", "options", "simulator")
 _COUNTS = ("flash_bytes", "own_flash_bytes", "ram_bytes", "stack_bytes")
 _STEPS = ("cycles", "fewest_cycles", "instructions", "fewest_instructions")
@@ -221,8 +221,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Firmware.evaluate": lambda: Call(
         _FIRMWARE.evaluate, [[guard(np.arange(ROWS)), guard(np.arange(ROWS) % 3)]], columns=(0,)
     ),
-    "design_firmware": lambda: Call(_core.design_firmware, [model(), wish(), lambda *_: None]),
-    "echo_times": lambda: Call(_core.echo_times, [model(), wish(), [0.02, 4.0]]),
+    "design_firmware": lambda: Call(_core.design_firmware, [model(), firmware_request(), lambda *_: None]),
+    "echo_times": lambda: Call(_core.echo_times, [model(), firmware_request(), [0.02, 4.0]]),
     "weigh": evidence(_core.weigh, [FORMS, FORMS[:1]], False),
     "posterior": evidence(_core.posterior, FORMS, [0.4, 0.3, 0.2, 0.1], 0.1, 25.0),
     "left_over": lambda: Call(_core.left_over, [products()[0].copy(), 50.0, 1.0, 1e-12]),

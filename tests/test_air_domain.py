@@ -11,35 +11,36 @@ from hypothesis import strategies as st
 
 import echocal
 from echocal import domain
-from echocal.conditions import QUANTITIES
 from echocal.domain import warn_outside
+from echocal.quantities import QUANTITIES
 
 
 def names(codes: np.ndarray) -> list[str]:
-    return [echocal.DEPARTURES[code] for code in codes.ravel()]
+    return [echocal.DOMAIN_VIOLATIONS[code] for code in codes.ravel()]
 
 
 def test_mask_has_the_broadcast_shape() -> None:
-    codes = echocal.departures([[20.0], [60.0]], [0.1, 0.5, 1.0], law="cramer")
+    codes = echocal.domain_violations([[20.0], [60.0]], [0.1, 0.5, 1.0], law="cramer")
     assert codes.shape == (2, 3)
     assert names(codes) == ["", "", "", "", "water_vapor_mole_fraction", "water_vapor_mole_fraction"]
 
 
 def test_reasons() -> None:
-    assert names(echocal.departures([-21.0, np.nan, 20.0], law="virial")) == [
+    assert names(echocal.domain_violations([-21.0, np.nan, 20.0], law="virial")) == [
         "temperature",
         "not_a_number",
         "",
     ]
-    assert names(echocal.departures(20.0, [0.5, 1.43], law="virial")) == ["", "relative_humidity"]
-    assert names(echocal.departures(20.0, 0.5, [1013.25, 101325.0], law="virial")) == ["pressure", ""]
-    assert names(echocal.departures(20.0, 0.5, co2_mole_fraction=400.0)) == ["co2_mole_fraction"]
-    assert names(echocal.departures(55.0, 0.5, law="virial", frequency=[0.0, 40e3])) == ["", "temperature"]
-    assert names(echocal.departures(20.0, 0.5, law=None, frequency=[40e3, 2e6])) == [
+    assert names(echocal.domain_violations(20.0, [0.5, 1.43], law="virial")) == ["", "relative_humidity"]
+    assert names(echocal.domain_violations(20.0, 0.5, [1013.25, 101325.0], law="virial")) == ["pressure", ""]
+    assert names(echocal.domain_violations(20.0, 0.5, co2_mole_fraction=400.0)) == ["co2_mole_fraction"]
+    codes = echocal.domain_violations(55.0, 0.5, law="virial", frequency=[0.0, 40e3])
+    assert names(codes) == ["", "temperature"]
+    assert names(echocal.domain_violations(20.0, 0.5, law=None, frequency=[40e3, 2e6])) == [
         "",
         "frequency_over_pressure",
     ]
-    assert names(echocal.departures(20.0, np.nan, np.nan, law="linear")) == [""]
+    assert names(echocal.domain_violations(20.0, np.nan, np.nan, law="linear")) == [""]
 
 
 def test_one_warning_with_both_sides() -> None:
@@ -103,11 +104,11 @@ COLUMN = {
 def test_warns_exactly_where_the_mask_says(law: str, rows: list[dict[str, float]]) -> None:
     """The corners of the columns never clear a row that the mask would not."""
     columns = {name: np.array([row[name] for row in rows]) for name in COLUMN}
-    codes = echocal.departures(**columns, law=law)
+    codes = echocal.domain_violations(**columns, law=law)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         warn_outside(**columns, law=law)
-    counted = int(np.sum(codes > echocal.DEPARTURES.index("not_a_number")))
+    counted = int(np.sum(codes > echocal.DOMAIN_VIOLATIONS.index("not_a_number")))
     assert len(caught) == min(counted, 1)
     if counted:
         assert f"{counted} of {len(rows)} rows" in str(caught[0].message)
@@ -115,12 +116,12 @@ def test_warns_exactly_where_the_mask_says(law: str, rows: list[dict[str, float]
 
 def test_unknown_law_and_shapes() -> None:
     with pytest.raises(echocal.ModelError, match="cramer"):
-        echocal.departures(20.0, law="cramr")
+        echocal.domain_violations(20.0, law="cramr")
     with pytest.raises(echocal.UsageError, match=r"\(2,\).*\(3,\)"):
-        echocal.departures([1.0, 2.0], [0.1, 0.2, 0.3])
+        echocal.domain_violations([1.0, 2.0], [0.1, 0.2, 0.3])
 
 
-@pytest.mark.parametrize("function", [echocal.departures, warn_outside])
+@pytest.mark.parametrize("function", [echocal.domain_violations, warn_outside])
 def test_defaults_are_those_of_the_core(function: Callable[..., object]) -> None:
     given = inspect.signature(function).parameters
     for name in ("relative_humidity", "pressure", "co2_mole_fraction"):
@@ -129,4 +130,9 @@ def test_defaults_are_those_of_the_core(function: Callable[..., object]) -> None
 
 def test_a_masked_value_is_not_taken_for_measured() -> None:
     masked = np.ma.masked_array([20.0, 999.0], mask=[False, True])
-    assert names(echocal.departures(masked)) == names(echocal.departures([20.0, np.nan]))
+    assert names(echocal.domain_violations(masked)) == names(echocal.domain_violations([20.0, np.nan]))
+
+
+def test_former_names_are_still_there() -> None:
+    assert echocal.departures is echocal.domain_violations
+    assert echocal.DEPARTURES is echocal.DOMAIN_VIOLATIONS

@@ -7,6 +7,7 @@ import fit_virial
 import moist_air
 import numpy as np
 import physics_tables
+import pytest
 
 ROOT = Path(__file__).parents[1]
 
@@ -21,6 +22,7 @@ def test_stored_reference_is_what_the_packages_say() -> None:
         np.testing.assert_allclose(stored, live, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_stored_coefficients_are_what_the_fit_gives() -> None:
     """To 0.1 ppm of the speed: releases of CoolProp may differ in the last digits."""
     text = (ROOT / "rust/core/src/air/virial_coefficients.rs").read_text(encoding="utf-8")

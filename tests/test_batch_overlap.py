@@ -118,6 +118,7 @@ def buffer(rows: int) -> Array:
     return values.view(np.uint8)
 
 
+@pytest.mark.slow
 @settings(max_examples=400, deadline=None, print_blob=True)
 @given(data=st.data(), name=st.sampled_from([*FUNCTIONS, *METHODS]), shape=SHAPES)
 def test_any_views_of_one_memory(data: st.DataObject, name: str, shape: tuple[int, ...]) -> None:

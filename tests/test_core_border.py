@@ -1,6 +1,5 @@
 """What Python gives the core: wrong lengths, positions and labels are refused by name, never a panic."""
 
-import os
 import subprocess
 import sys
 import warnings
@@ -14,7 +13,6 @@ import pytest
 
 from echocal import _core
 
-SEED = int(os.environ.get("ECHOCAL_SEED", np.random.SeedSequence().entropy % 2**32))  # type: ignore[operator]
 HERE = Path(__file__).parent
 
 
@@ -23,11 +21,11 @@ def test_everything_has_a_call() -> None:
     assert calls.public_names() == set(calls.CALLS)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="guards memory and time as Linux does")
-def test_wrong_arguments_of_everything(tmp_path: Path) -> None:
-    print(f"\narguments of the core: ECHOCAL_SEED={SEED}")
+def test_wrong_arguments_of_everything(tmp_path: Path, random: np.random.Generator) -> None:
     place = tmp_path / "under_way"
-    command = [sys.executable, str(HERE / "core_fuzz.py"), str(SEED), "8", str(place)]
+    command = [sys.executable, str(HERE / "core_fuzz.py"), str(random.integers(2**32)), "8", str(place)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     except subprocess.TimeoutExpired:
@@ -83,7 +81,7 @@ def _evaluate(*codes: Any) -> Any:
 
 
 def _designed() -> Any:
-    return _core.design_firmware(calls.model(), {**calls.wish(), "assumed": [20.0]}, None)
+    return _core.design_firmware(calls.model(), {**calls.firmware_request(), "assumed": [20.0]}, None)
 
 
 def _slips(**labels: Any) -> Any:
@@ -177,7 +175,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "echo_code has 2 rows, temperature_code has 1",
     ),
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
-    "air of one number": (_designed, TypeError, "Wish.assumed"),
+    "air of one number": (_designed, TypeError, "FirmwareRequest.assumed"),
     "a cell far away": (lambda: _slips(cells=[2**63 - 1] * 48), ValueError, "cells has label 92233"),
     "a stretch below nought": (lambda: _slips(stretches=[-1] * 48), ValueError, "stretches has label -1"),
     "combinations for ever": (

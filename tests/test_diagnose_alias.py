@@ -15,8 +15,7 @@ ALIASES = {
 
 
 @pytest.mark.parametrize("effect", ALIASES)
-def test_exact_aliases_under_the_linear_law(effect: str) -> None:
-    random = np.random.default_rng()
+def test_exact_aliases_under_the_linear_law(effect: str, random: np.random.Generator) -> None:
     rows = bench(random)
     data = table(rows, EFFECTS[effect](rows, 4.0) + noise(rows, random, sd=0.5e-3))  # no scale looks like it
     diagnosis = echocal.diagnose(data)
@@ -27,8 +26,7 @@ def test_exact_aliases_under_the_linear_law(effect: str) -> None:
     assert all("side_measurement" in p.conditions for p in proposals)  # no row can ever separate them
 
 
-def test_one_distance_and_temperature_leave_one_big_class() -> None:
-    random = np.random.default_rng()
+def test_one_distance_and_temperature_leave_one_big_class(random: np.random.Generator) -> None:
     data = {
         "distance_m": np.full(60, 2.0),
         "temperature_C": 20.0 + random.normal(0, 0.2, 60),
@@ -43,8 +41,7 @@ def test_one_distance_and_temperature_leave_one_big_class() -> None:
     assert max(abs(distance - 2.0) for distance in plan.conditions["distance"]) > 0.5
 
 
-def test_an_unknown_level_takes_up_a_zero_error() -> None:
-    random = np.random.default_rng()
+def test_an_unknown_level_takes_up_a_zero_error(random: np.random.Generator) -> None:
     said = []
     for _ in range(3):
         data = {

@@ -7,8 +7,7 @@ import echocal
 ROWS = 600
 
 
-def test_a_step_is_placed_beside_a_wrong_speed() -> None:
-    random = np.random.default_rng()
+def test_a_step_is_placed_beside_a_wrong_speed(random: np.random.Generator) -> None:
     distance, celsius = random.uniform(0.5, 3.5, ROWS), random.uniform(5.0, 35.0, ROWS)
     first = int(random.integers(150, 450))
     reading = distance * 343.0 / (331.4 + 0.6 * celsius) + random.normal(0.0, 1e-3, ROWS)
@@ -25,8 +24,7 @@ def test_a_step_is_placed_beside_a_wrong_speed() -> None:
     assert abs(begins / 60.0 - first) <= 3
 
 
-def test_a_stand_that_is_far_as_a_whole_is_kept() -> None:
-    random = np.random.default_rng()
+def test_a_stand_that_is_far_as_a_whole_is_kept(random: np.random.Generator) -> None:
     distance = np.repeat([0.5, 0.8, 1.1, 1.4, 1.7, 3.0], 40)
     reading = distance + random.normal(0.0, 1e-3, len(distance))
     reading[-40:] -= 0.12  # something at the edge of the beam answers first
@@ -41,9 +39,8 @@ def test_a_stand_that_is_far_as_a_whole_is_kept() -> None:
     assert "says nothing about it" in note
 
 
-def test_white_noise_is_reckoned_with_beside_two_causes() -> None:
+def test_white_noise_is_reckoned_with_beside_two_causes(random: np.random.Generator) -> None:
     """Beside either cause alone, what the other does looks like noise that remembers."""
-    random = np.random.default_rng()
     rows = 3000
     distance, celsius = random.uniform(0.3, 4.0, rows), random.uniform(5.0, 25.0, rows)
     first = int(random.integers(600, 2400))
@@ -63,9 +60,8 @@ def test_white_noise_is_reckoned_with_beside_two_causes() -> None:
     assert diagnosis.noise["autoregression"] < 0.5
 
 
-def test_a_cause_that_may_be_two_others_says_so() -> None:
+def test_a_cause_that_may_be_two_others_says_so(random: np.random.Generator) -> None:
     """A slope and a scale make what a clock that warms and a scale make, of other sizes."""
-    random = np.random.default_rng()
     rows = 400
     distance = np.repeat(np.linspace(0.4, 3.8, 5), rows // 5)
     celsius = np.tile(np.linspace(4.0, 44.0, rows // 5), 5)

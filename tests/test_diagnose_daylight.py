@@ -1,5 +1,7 @@
 """A thermometer in a sun that nobody recorded: only the clock tells."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,9 +11,9 @@ from echocal.observations.clock import hour_angle
 
 
 @pytest.fixture(scope="module")
-def log() -> pd.DataFrame:
+def log(request: pytest.FixtureRequest, seeded: Callable[..., np.random.Generator]) -> pd.DataFrame:
     """Ten days around an equinox, every ten minutes; the housing is 3 K too warm at 13:00 local time."""
-    random = np.random.default_rng()
+    random = seeded(request)
     hour = np.arange(1440) / 6.0
     weather = np.interp(hour, np.arange(0, 253, 12), random.normal(0.0, 3.0, 22))
     air = 15.0 + 6.0 * np.sin(2 * np.pi * (hour - 10.0) / 24.0) + weather

@@ -37,8 +37,7 @@ def sums(
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])
-def test_whitening_is_generalized_least_squares(rho: float) -> None:
-    random = np.random.default_rng()
+def test_whitening_is_generalized_least_squares(rho: float, random: np.random.Generator) -> None:
     n = 60
     columns = np.stack([np.ones(n), random.normal(size=n), random.normal(size=n)])
     noise = Noise(0.0, rho, 0.0, 1.0)
@@ -49,8 +48,7 @@ def test_whitening_is_generalized_least_squares(rho: float) -> None:
     np.testing.assert_allclose(whitened[1:, 1:], expected[1:, 1:], rtol=1e-9, atol=1e-9)
 
 
-def test_a_random_error_per_stand_is_its_covariance() -> None:
-    random = np.random.default_rng()
+def test_a_random_error_per_stand_is_its_covariance(random: np.random.Generator) -> None:
     groups = np.repeat(np.arange(6), 10)
     columns = np.stack([np.ones(60), random.normal(size=60), random.normal(size=60)])
     whitened = sums(columns, groups, flat_level=False).whiten(Noise(0.0, 0.0, 2.0, 1.0))
@@ -61,9 +59,8 @@ def test_a_random_error_per_stand_is_its_covariance() -> None:
 
 
 @pytest.mark.parametrize("convection", CONVECTIONS[::6])
-def test_convection_is_its_covariance(convection: Convection) -> None:
+def test_convection_is_its_covariance(convection: Convection, random: np.random.Generator) -> None:
     """White noise, cells that stay for some rows and grow with the distance, and an error per stand."""
-    random = np.random.default_rng()
     groups = np.repeat(np.arange(4), 15)
     columns, distance = random.normal(size=(3, 60)), random.uniform(0.2, 4.0, 60)
     columns[0] = 1.0
@@ -78,8 +75,7 @@ def test_convection_is_its_covariance(convection: Convection) -> None:
     assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])
 
 
-def test_blocks_add_up_whatever_is_held_out() -> None:
-    random = np.random.default_rng()
+def test_blocks_add_up_whatever_is_held_out(random: np.random.Generator) -> None:
     columns = random.normal(size=(3, 90))
     columns[0] = 1.0
     all_rows = sums(columns, np.zeros(90, dtype=int), flat_level=True)
@@ -88,8 +84,7 @@ def test_blocks_add_up_whatever_is_held_out() -> None:
     np.testing.assert_allclose(last[1:, 1:], (rows @ rows.T)[1:, 1:], rtol=1e-9, atol=1e-9)
 
 
-def test_evidence_is_the_integral_over_size_and_variance() -> None:
-    random = np.random.default_rng()
+def test_evidence_is_the_integral_over_size_and_variance(random: np.random.Generator) -> None:
     n = 40
     x = random.normal(size=n)
     y = 0.8 * x + random.normal(size=n)
@@ -121,8 +116,8 @@ def test_bounds_cut_the_prior_off() -> None:
     assert evidence[2] < evidence[0] - 10  # the wrong sign
 
 
-def test_hypotheses_side_by_side_are_each_by_itself() -> None:
-    parts = sums(np.random.default_rng().normal(size=(9, 90)), np.repeat(np.arange(5), 18), flat_level=False)
+def test_hypotheses_side_by_side_are_each_by_itself(random: np.random.Generator) -> None:
+    parts = sums(random.normal(size=(9, 90)), np.repeat(np.arange(5), 18), flat_level=False)
     stack = Stack(*parts.whiten_all(noises(MODELS, True)), 90, noises(MODELS, True))
     forms = [Variant(f"x{i}", free=(i,), bounds=((-1.0, 2.0),)) for i in range(1, 8)]
     hypotheses = [Hypothesis(tuple(forms[:count]), 1.0) for count in range(5)]
@@ -141,9 +136,11 @@ def test_noises_have_a_prior_of_one() -> None:
 
 
 @pytest.mark.parametrize("noise", [Noise(0.0, 0.98, 0.0, 1.0), Noise(0.9, 0.98, 0.0, 1.0)])
-def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(noise: Noise) -> None:
+def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(
+    noise: Noise, random: np.random.Generator
+) -> None:
     n = 20_000
-    columns = np.cumsum(np.random.default_rng().normal(size=(3, n)), axis=1)
+    columns = np.cumsum(random.normal(size=(3, n)), axis=1)
     columns[0] = 1.0
     remembered = lfilter([1.0], [1.0, -noise.memory], columns)
     white = remembered[:, 1:] - noise.rho * remembered[:, :-1]
@@ -152,9 +149,10 @@ def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(noise: 
     np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
-def test_a_long_series_in_convection_is_whitened_as_one_although_it_is_summed_in_spans() -> None:
+def test_a_long_series_in_convection_is_whitened_as_one_although_it_is_summed_in_spans(
+    random: np.random.Generator,
+) -> None:
     n, noise = 20_000, Noise(0.0, 0.98, 0.0, 1.0, 0.3)
-    random = np.random.default_rng()
     columns, distance = np.cumsum(random.normal(size=(3, n)), axis=1), random.uniform(0.2, 4.0, n)
     found = sums(columns, np.zeros(n, dtype=int), flat_level=False, distance=distance).whiten(noise)
     order = Order(np.arange(n) == 0, np.zeros(n, dtype=int), distance, False)
@@ -163,8 +161,8 @@ def test_a_long_series_in_convection_is_whitened_as_one_although_it_is_summed_in
     np.testing.assert_allclose(found.products, scale * white @ white.T, rtol=1e-8)
 
 
-def test_many_noises_at_once_are_each_by_itself() -> None:
-    columns = np.random.default_rng().normal(size=(4, 90))
+def test_many_noises_at_once_are_each_by_itself(random: np.random.Generator) -> None:
+    columns = random.normal(size=(4, 90))
     parts = sums(columns, np.repeat(np.arange(5), 18), flat_level=False)
     use = np.array([True, False, True])
     products, log_weight = parts.whiten_all(noises(MODELS, True), use)
@@ -174,9 +172,9 @@ def test_many_noises_at_once_are_each_by_itself() -> None:
         assert weight == one.log_weight
 
 
-def test_shapes_are_weighed_as_they_are_told() -> None:
+def test_shapes_are_weighed_as_they_are_told(random: np.random.Generator) -> None:
     """Columns of the core, made a block at a time, are the functions that a model gets, less their means."""
-    against = {"time": np.sort(np.random.default_rng().uniform(0, 9 * 86400.0, 700))}
+    against = {"time": np.sort(random.uniform(0, 9 * 86400.0, 700))}
     found = Candidates(Columns(echocal.Model("linear"), np.ones(700), {}, None))
     term_candidates(found, against, TermSettings(), known_distance=False)
     for name in (HOUR, "time"):

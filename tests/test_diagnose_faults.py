@@ -3,7 +3,6 @@
 Tables come from numpy alone; what is planted is a mistake of a person or a logger, no physics.
 """
 
-import secrets
 from collections.abc import Callable
 
 import numpy as np
@@ -189,6 +188,7 @@ def test_a_clean_table_has_no_fault(seed: int) -> None:
     assert not [c for c in echocal.diagnose(table).causes if c.kind in {"row", "gross"}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize(("step", "noise"), [(1e-2, 2e-3), (1e-2, 1e-4), (3e-3, 1.5e-3), (1e-3, 2e-4)])
 def test_equal_neighbors_of_a_coarse_reading_are_not_stuck(seed: int, step: float, noise: float) -> None:
@@ -238,9 +238,10 @@ def test_fahrenheit_is_undone() -> None:
 
 
 @pytest.mark.parametrize("as_recorded", [True, False])
-def test_echo_times_say_whether_a_hot_column_is_fahrenheit(as_recorded: bool) -> None:
+def test_echo_times_say_whether_a_hot_column_is_fahrenheit(
+    as_recorded: bool, random: np.random.Generator
+) -> None:
     """A warm chamber and a room logged in Fahrenheit have the same numbers, and other echoes."""
-    random = np.random.default_rng()
     numbers = random.uniform(46.0, 59.5, 200)
     celsius_there = numbers if as_recorded else celsius(numbers)
     echo = 2.0 / (331.4 + 0.6 * celsius_there) + random.normal(0.0, 1e-6, 200)
@@ -265,15 +266,13 @@ def test_facts_are_complete() -> None:
     assert {facts.id for facts in FAULTS} <= set(ids)
 
 
-def test_a_sensor_that_was_bumped_loses_no_rows() -> None:
+@pytest.mark.slow
+def test_a_sensor_that_was_bumped_loses_no_rows(random: np.random.Generator) -> None:
     """Rows before the bump are far from those after it, and none of them is another echo.
 
     In 9 of 328 tables drawn some rows are lost, in all of them 800 or more rows come before the bump: that
     is a known fault. Four of 12 are no chance (1 in 4,000).
     """
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    random = np.random.default_rng(seed)
     lost = 0
     for _ in range(12):
         distance = random.uniform(0.3, 4.0, 3000)

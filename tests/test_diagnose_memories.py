@@ -23,8 +23,9 @@ def log(noise: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]
 
 
 @pytest.mark.parametrize("keep", [0.0, 0.9])
-def test_a_long_table_is_judged_as_if_every_memory_were_summed(keep: float) -> None:
-    random = np.random.default_rng()
+def test_a_long_table_is_judged_as_if_every_memory_were_summed(
+    keep: float, random: np.random.Generator
+) -> None:
     white, cells = random.normal(0, 1e-3, ROWS), remembering(ROWS, keep, random)
     table = log(white + (1e-3 * cells if keep else 0.0), random)
     quick = echocal.diagnose(table)
@@ -37,8 +38,7 @@ def test_a_long_table_is_judged_as_if_every_memory_were_summed(keep: float) -> N
     assert quick.noise == pytest.approx(whole.noise, rel=1e-6)
 
 
-def test_cells_of_warm_air_are_told_by_how_they_grow() -> None:
-    random = np.random.default_rng()
+def test_cells_of_warm_air_are_told_by_how_they_grow(random: np.random.Generator) -> None:
     cells = 1.5e-3 * remembering(ROWS, 0.9, random)
     table = log(cells, random)
     table["echo_us"] += random.normal(0, 6.0, ROWS)  # 1 mm

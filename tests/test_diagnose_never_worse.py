@@ -1,7 +1,6 @@
 """No model is written that is worse than the base on rows that no fit saw, and no answer says it is."""
 
 import json
-import secrets
 import subprocess
 import sys
 from pathlib import Path
@@ -21,6 +20,7 @@ Table = dict[str, np.ndarray]
 Random = np.random.Generator
 
 FIRMWARE = {"fixed_speed", "double_correction", "pressure_sqrt_law"}
+FIRST_TAKEN_BACK = 3
 
 
 def course(kind: str, low: float, high: float, n: int, random: Random) -> np.ndarray:
@@ -101,24 +101,26 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
         assert not any(refuted.id in member.ids for member in diagnosis.members), say
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
-def test_no_model_is_worse_than_the_base(wide: bool) -> None:
-    for seed in (secrets.randbits(32) for _ in range(12)):
-        check(echocal.diagnose(humid(np.random.default_rng(seed), wide=wide)), f"{seed=} {wide=}")
+def test_no_model_is_worse_than_the_base(wide: bool, random: np.random.Generator) -> None:
+    for table in range(12):
+        check(echocal.diagnose(humid(random, wide=wide)), f"{table=} {wide=}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
-def test_nor_on_rows_that_we_hold_out_ourselves(wide: bool) -> None:
+def test_nor_on_rows_that_we_hold_out_ourselves(wide: bool, random: np.random.Generator) -> None:
     """The last third is held out from everything: its error is computed here, from its echo times."""
-    for seed in (secrets.randbits(32) for _ in range(6)):
-        table = humid(np.random.default_rng(seed), wide=wide)
+    for case in range(6):
+        table = humid(random, wide=wide)
         n = len(table["echo_us"])
         table["time_s"] = 60.0 * np.arange(n)
         if n < 30:  # too few rows to fit and to judge by
             continue
         first = 60.0 * (2 * n // 3)
         diagnosis = echocal.diagnose(table, hold_out_after=first)
-        say = f"{seed=} {wide=}"
+        say = f"{case=} {wide=}"
         check(diagnosis, say)
         rows = diagnosis.traces.row[diagnosis.traces.held_out]
         assert rows.min() == 2 * n // 3, say
@@ -140,9 +142,11 @@ def conditions(table: Table) -> Table:
 
 @pytest.fixture(scope="module")
 def taken_back() -> tuple[Table, echocal.Diagnosis, str]:
-    """A table where causes that undo each other fit, and all of them are taken back together."""
-    for _ in range(150):  # about one in ten such tables
-        seed = secrets.randbits(32)
+    """A table where causes that undo each other fit, and all of them are taken back together.
+
+    About one in ten tables is such a table: the first of these fixed draws is, as the engine is today.
+    """
+    for seed in range(FIRST_TAKEN_BACK, FIRST_TAKEN_BACK + 150):
         table = humid(np.random.default_rng(seed), wide=True)
         diagnosis = echocal.diagnose(table)
         together = [refuted for refuted in diagnosis.refuted if refuted.together]
@@ -192,6 +196,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_base_and_correct_applies_it(
     taken_back: tuple[Table, echocal.Diagnosis, str], tmp_path: Path
 ) -> None:
@@ -211,22 +216,20 @@ def test_the_command_writes_the_base_and_correct_applies_it(
     np.testing.assert_allclose(corrected, base, rtol=1e-9, err_msg=say)
 
 
-def test_echo_times_know_no_firmware_whatever_the_readings_beside_them() -> None:
-    seed = secrets.randbits(32)
-    random = np.random.default_rng(seed)
+def test_echo_times_know_no_firmware_whatever_the_readings_beside_them(random: np.random.Generator) -> None:
     celsius = random.uniform(0.0, 40.0, 200)
     echo = 2 * 1.5 / (331.4 + 0.6 * celsius) + random.normal(0.0, 3e-6, 200)
     table = {"echo_us": 1e6 * echo, "temperature_C": celsius, "distance_m": np.full(200, 1.5)}
     both = {**table, "reading_m": 343.0 * echo / 2}
     for given in (table, both):
         diagnosis = echocal.diagnose(given)
-        check(diagnosis, f"{seed=} {diagnosis.explain()}")
+        check(diagnosis, diagnosis.explain())
     (note,) = [note for note in diagnosis.notes if "both recorded" in note]
     assert '--column "echo_us=ignore"' in note
     readings = echocal.diagnose(both, columns={"echo_us": "ignore"})
-    assert "fixed_speed" in readings.model.effects, f"{seed=}"
+    assert "fixed_speed" in readings.model.effects
     asked = echocal.diagnose(table, base=343.0)  # a simulation of a device that knows no temperature
-    assert "fixed_speed" in asked.model.effects, f"{seed=}"
+    assert "fixed_speed" in asked.model.effects
 
 
 def waved(random: Random, later: float) -> Table:
@@ -240,11 +243,11 @@ def waved(random: Random, later: float) -> Table:
 
 
 @pytest.mark.parametrize("later", [6e-3, -18e-3])
-def test_a_shape_that_does_not_carry_over_extends_no_model(later: float, tmp_path: Path) -> None:
+def test_a_shape_that_does_not_carry_over_extends_no_model(
+    later: float, tmp_path: Path, random: np.random.Generator
+) -> None:
     """Beyond what was seen a shape is held flat, at 6 mm: held-out rows say whether that is so."""
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    table = waved(np.random.default_rng(seed), later)
+    table = waved(random, later)
     diagnosis = echocal.diagnose(table, hold_out_after=24_000.0)
     found = diagnosis.unexplained
     assert found is not None, diagnosis.explain()

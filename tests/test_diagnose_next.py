@@ -1,5 +1,6 @@
 """What to measure next, and predicting with everything that is possible."""
 
+from collections.abc import Callable
 from itertools import product
 from typing import Any
 
@@ -18,16 +19,17 @@ from echocal.diagnose.inference.noise import Noise
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
 
 
-def one_distance(shift: float = 6e-3) -> echocal.Diagnosis:
+def one_distance(random: np.random.Generator, shift: float = 6e-3) -> echocal.Diagnosis:
     """Twenty-six rows at two meters: many causes look the same."""
-    random = np.random.default_rng()
     data = {"temperature_C": np.linspace(0, 50, 26), "reading_m": 2.0 + shift + random.normal(0, 1e-3, 26)}
     return echocal.diagnose(data, reference_distance=2.0, can_vary=RANGES)
 
 
 @pytest.fixture(scope="module")
-def open_case() -> echocal.Diagnosis:
-    return one_distance()
+def open_case(
+    request: pytest.FixtureRequest, seeded: Callable[..., np.random.Generator]
+) -> echocal.Diagnosis:
+    return one_distance(seeded(request))
 
 
 def test_rows_lie_within_what_can_be_varied(open_case: echocal.Diagnosis) -> None:
@@ -52,8 +54,9 @@ def test_another_distance_tells_an_offset_from_a_scale(open_case: echocal.Diagno
     assert max(abs(distance - 2.0) for distance in plan.conditions["distance"]) > 0.5
 
 
-def test_without_another_distance_less_can_be_told(open_case: echocal.Diagnosis) -> None:
-    random = np.random.default_rng()
+def test_without_another_distance_less_can_be_told(
+    open_case: echocal.Diagnosis, random: np.random.Generator
+) -> None:
     data = {"temperature_C": np.linspace(0, 50, 26), "reading_m": 2.006 + random.normal(0, 1e-3, 26)}
     fixed = echocal.diagnose(data, reference_distance=2.0, can_vary={"temperature": (5.0, 40.0)})
     plans = [p for p in fixed.next_measurements if p.expected_probability is not None]
@@ -128,9 +131,8 @@ def test_a_promise_counts_what_is_outside_the_members_as_lost() -> None:
     assert plan.expected == pytest.approx(0.8, abs=1e-3)
 
 
-def test_a_promise_is_kept_by_its_own_members() -> None:
+def test_a_promise_is_kept_by_its_own_members(random: np.random.Generator) -> None:
     """Draw the truth and readings of the plan's places, weigh the members by hand, count."""
-    random = np.random.default_rng()
     effects = [{}, {"zero_error": {"offset": 2e-3}}, {"reference_scale": {"scale": 1e-3}}]
     seen, rows = prospect(effects, NINE, 9e-6), 6
     probability = np.array([0.5, 0.3, 0.2])
@@ -158,10 +160,10 @@ def test_the_guards_are_the_corners_and_the_middle(names: tuple[str, ...]) -> No
     assert [places[name][middle] for name in names] == pytest.approx([center[name] for name in names])
 
 
-def test_the_average_warns_where_causes_part() -> None:
+def test_the_average_warns_where_causes_part(random: np.random.Generator) -> None:
     closer = 0
     for _ in range(3):
-        case = one_distance()
+        case = one_distance(random)
         with pytest.warns(echocal.DisagreementWarning, match="at [12] of 2 points"):
             reading = case.predict([2.0, 0.3], temperature=25.0)
         assert not reading.agreed[1]
@@ -174,8 +176,7 @@ def test_the_average_warns_where_causes_part() -> None:
     assert closer >= 1
 
 
-def test_the_average_corrects_what_it_predicts() -> None:
-    random = np.random.default_rng()
+def test_the_average_corrects_what_it_predicts(random: np.random.Generator) -> None:
     rows = bench(random)
     data = table(rows, EFFECTS["fixed_delay"](rows, 2.0) + noise(rows, random))
     diagnosis = echocal.diagnose(data)
@@ -186,9 +187,9 @@ def test_the_average_corrects_what_it_predicts() -> None:
 
 
 @pytest.mark.parametrize("seed", [489751801, None])
-def test_every_proposal_says_what_it_is_for(seed: int | None) -> None:
+def test_every_proposal_says_what_it_is_for(seed: int | None, random: np.random.Generator) -> None:
     """Also where rows help and yet tell nothing apart for sure, as in the table of this seed."""
-    random = np.random.default_rng(seed)
+    random = random if seed is None else np.random.default_rng(seed)
     distance = random.uniform(0.5, 3.5, 400)
     reading = distance + 8e-3 + random.normal(0.0, 1e-3, 400)
     data = {

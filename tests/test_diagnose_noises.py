@@ -1,6 +1,5 @@
 """Noises and steps: planted by hand, named with their parameters, and not where they are not."""
 
-import secrets
 from collections.abc import Callable
 
 import numpy as np
@@ -94,12 +93,10 @@ def test_a_noise_is_named_with_its_parameter(
     assert sum(dict(diagnosis.posterior).values()) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tail", [2.6, 4.0, 1e3])
-def test_heavy_tails_are_no_cause(tail: float) -> None:
+def test_heavy_tails_are_no_cause(tail: float, random: np.random.Generator) -> None:
     """A cause is told in 5 of 740 tables drawn with tail 2.6, 3 of 740 with 4: three of 12 are no chance."""
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    random = np.random.default_rng(seed)
     wrong = []
     for _ in range(12):
         table = clean(random)
@@ -131,11 +128,9 @@ def test_noise_that_remembers_is_named_but_no_verdict() -> None:
     assert not found.indistinguishable_from
 
 
-def test_a_long_memory_may_be_something_unknown() -> None:
+@pytest.mark.slow
+def test_a_long_memory_may_be_something_unknown(random: np.random.Generator) -> None:
     """In 1 of 240 tables drawn the noise is told alone: three of 12 are no chance (1 in 60,000)."""
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    random = np.random.default_rng(seed)
     alone = 0
     for _ in range(12):
         diagnosis = echocal.diagnose(remembering(0.99, random))

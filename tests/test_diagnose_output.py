@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib.image
@@ -20,8 +21,10 @@ TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
 
 
 @pytest.fixture(scope="module")
-def diagnosis() -> echocal.Diagnosis:
-    random = np.random.default_rng()
+def diagnosis(
+    request: pytest.FixtureRequest, seeded: Callable[..., np.random.Generator]
+) -> echocal.Diagnosis:
+    random = seeded(request)
     rows = bench(random)
     return echocal.diagnose(table(rows, EFFECTS["humidity"](rows, 1.0) + noise(rows, random)))
 
@@ -94,8 +97,7 @@ def test_the_model_assumes_the_air_that_was_seen(diagnosis: echocal.Diagnosis) -
     assert diagnosis.model.air == {"relative_humidity": pytest.approx(np.median(seen), rel=1e-5)}
 
 
-def test_recorded_air_replaces_the_base_air_and_only_it() -> None:
-    random = np.random.default_rng()
+def test_recorded_air_replaces_the_base_air_and_only_it(random: np.random.Generator) -> None:
     table = {
         "reading_m": 1.5 + random.normal(0, 1e-3, 40),
         "temperature_C": np.linspace(0, 30, 40),
@@ -122,6 +124,7 @@ def test_command_line_writes_what_it_is_asked_for(tmp_path: Path) -> None:
     assert json.loads(out.read_text())["causes"][0]["id"] == "fixed_speed"
 
 
+@pytest.mark.slow
 def test_command_line_can_be_quiet_and_pipe() -> None:
     quiet = run(str(TABLE), "--quiet")
     assert (quiet.returncode, quiet.stdout) == (0, "")
@@ -177,8 +180,7 @@ def test_far_rows_are_left_out_and_counted() -> None:
     assert len(diagnosis.traces.row) == 198
 
 
-def test_rows_outside_a_domain_are_rows_of_the_table() -> None:
-    random = np.random.default_rng()
+def test_rows_outside_a_domain_are_rows_of_the_table(random: np.random.Generator) -> None:
     temperature = np.linspace(0, 30, 60)
     temperature[[1, 49]] = np.nan, 65.0
     table = {"reading_m": 1.5 + random.normal(0, 1e-3, 60), "temperature_C": temperature}
@@ -202,14 +204,14 @@ def test_a_jump_of_the_level_is_a_step() -> None:
     assert diagnosis.verdict == "nothing"
 
 
-def test_reference_distances_that_are_not_used_are_told() -> None:
-    random = np.random.default_rng()
+def test_reference_distances_that_are_not_used_are_told(random: np.random.Generator) -> None:
     table = {"reading_m": 1.5 + random.normal(0, 1e-3, 80), "temperature_C": np.linspace(5, 30, 80)}
     table["distance_m"] = np.repeat([1.5, 1.6], 40)
     diagnosis = echocal.diagnose(table, constant_distance=True)
     assert any("1.5 to 1.6 m, were not used" in note for note in diagnosis.notes)
 
 
+@pytest.mark.slow
 def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
     model = tmp_path / "model.json"
     assert run(str(TABLE), "--model", str(model), "--quiet").returncode == 0
@@ -221,8 +223,7 @@ def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
     assert json.loads(again.stdout)["verdict"] == "nothing", again.stderr
 
 
-def test_each_of_a_few_distances_has_its_own_mean() -> None:
-    random = np.random.default_rng()
+def test_each_of_a_few_distances_has_its_own_mean(random: np.random.Generator) -> None:
     distance = np.repeat([0.4, 1.0, 1.8, 3.0], 15)
     table = {"reading_m": distance + random.normal(0, 1e-3, 60), "distance_m": distance}
     diagnosis = echocal.diagnose({**table, "temperature_C": np.tile(np.linspace(5, 30, 15), 4)})

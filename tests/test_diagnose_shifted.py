@@ -22,8 +22,8 @@ def diagnosed(given: dict[str, np.ndarray]) -> echocal.Diagnosis:
     return echocal.diagnose(given, base="linear")
 
 
-def test_the_fit_sees_the_middle_only() -> None:
-    given = table(np.random.default_rng(), near_and_far=5e-4)
+def test_the_fit_sees_the_middle_only(random: np.random.Generator) -> None:
+    given = table(random, near_and_far=5e-4)
     diagnosis = diagnosed(given)
     assert diagnosis.gain is not None
     (one,) = [s for s in diagnosis.gain.shifted if s.against == "distance"]
@@ -36,8 +36,8 @@ def test_the_fit_sees_the_middle_only() -> None:
         assert one.rms_after_m == pytest.approx(np.sqrt(np.mean(left**2)), rel=2e-3)
 
 
-def test_a_right_cause_holds_outside() -> None:
-    diagnosis = diagnosed(table(np.random.default_rng()))
+def test_a_right_cause_holds_outside(random: np.random.Generator) -> None:
+    diagnosis = diagnosed(table(random))
     assert diagnosis.gain is not None
     for one in diagnosis.gain.shifted:
         assert one.rms_after_m < 1.4e-3 < one.rms_before_m
@@ -45,8 +45,8 @@ def test_a_right_cause_holds_outside() -> None:
     assert diagnosis.to_dict()["gain"]["shifted"][0]["against"] == "distance"
 
 
-def test_what_does_not_vary_is_not_told() -> None:
-    given = table(np.random.default_rng())
+def test_what_does_not_vary_is_not_told(random: np.random.Generator) -> None:
+    given = table(random)
     given["distance_m"] = np.round(given["distance_m"])  # 0, 1, 2, 3, 4 less those without a reading
     given["reading_m"] = given["distance_m"] + 8e-3
     given = {name: column[given["distance_m"] > 1] for name, column in given.items()}

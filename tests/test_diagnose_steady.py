@@ -6,9 +6,8 @@ import pandas as pd
 import echocal
 
 
-def table(scale: np.ndarray, offset: float) -> pd.DataFrame:
+def table(scale: np.ndarray, offset: float, random: np.random.Generator) -> pd.DataFrame:
     """Stands from near to far, each at every temperature; readings with a scale and an offset."""
-    random = np.random.default_rng()
     distance = np.repeat(np.linspace(0.2, 3.0, len(scale)), 40)
     temperature = np.tile(np.linspace(5.0, 35.0, 40), len(scale))
     reading = distance * (1.0 + np.repeat(scale, 40)) + offset + random.normal(0.0, 1e-3, len(distance))
@@ -19,15 +18,14 @@ def sizes(diagnosis: echocal.Diagnosis) -> list[str]:
     return [note for note in diagnosis.notes if "no one size" in note]
 
 
-def test_an_offset_beside_a_scale_has_one_size() -> None:
+def test_an_offset_beside_a_scale_has_one_size(random: np.random.Generator) -> None:
     # near stands and far ones, each alone, would give an offset of its own: what the scale adds there
-    diagnosis = echocal.diagnose(table(np.full(20, -8e-3), -6e-3))
+    diagnosis = echocal.diagnose(table(np.full(20, -8e-3), -6e-3, random))
     assert not sizes(diagnosis)
     assert diagnosis.verdict == "named"
 
 
-def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named() -> None:
-    random = np.random.default_rng()
+def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named(random: np.random.Generator) -> None:
     temperature, gain = random.uniform(0.0, 40.0, 600), np.repeat([0.10, 0.03], 300)
     recorded, true = 331.4 + 0.6 * temperature, 331.4 + 0.6 * temperature * (1 + gain)
     reading = 2.0 * recorded / true + random.normal(0.0, 1e-3, 600)
@@ -40,9 +38,8 @@ def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named() -> No
         assert f"But {cause.doubt}" in diagnosis.explain()
 
 
-def test_sessions_that_differ_are_not_one_cause() -> None:
+def test_sessions_that_differ_are_not_one_cause(random: np.random.Generator) -> None:
     # the same stands twice: right in the first session; an offset and a scale in the second
-    random = np.random.default_rng()
     stands = np.tile(np.repeat(np.linspace(0.2, 1.5, 12), 30), 2)
     second = np.arange(len(stands)) >= len(stands) // 2
     reading = stands + second * (-0.012 * stands - 9e-3) + random.normal(0.0, 2e-3, len(stands))

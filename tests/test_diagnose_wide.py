@@ -1,7 +1,6 @@
 """Tables with very many columns: memory and time have a bound, and what is there is found."""
 
 import json
-import secrets
 import subprocess
 import sys
 from pathlib import Path
@@ -54,13 +53,15 @@ def wide(kind: str, beside: str, random: np.random.Generator, rows: int = 480) -
     return table | {f"x{i}": column for i, column in enumerate(columns)}, f"x{chosen}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beside", ["", "drift", "memory"])
 @pytest.mark.parametrize("kind", ["hump", "bend", "wave", "line"])
-def test_what_follows_one_of_many_columns_is_found(kind: str, beside: str) -> None:
-    seed = secrets.randbits(32)
-    table, name = wide(kind, beside, np.random.default_rng(seed))
+def test_what_follows_one_of_many_columns_is_found(
+    kind: str, beside: str, random: np.random.Generator
+) -> None:
+    table, name = wide(kind, beside, random)
     diagnosis = echocal.diagnose(table)
-    say = f"{seed=} {diagnosis.explain()}"
+    say = diagnosis.explain()
     assert diagnosis.unexplained is not None, say
     assert diagnosis.unexplained.against == name, say
     (note,) = [note for note in diagnosis.notes if "left aside" in note]
@@ -74,10 +75,8 @@ def test_what_follows_one_of_many_columns_is_found(kind: str, beside: str) -> No
     assert name not in note.partition("left aside: ")[2].partition(". To ")[0].split(", ")
 
 
-def test_few_columns_are_all_tried() -> None:
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    table, name = wide("hump", "", np.random.default_rng(seed))
+def test_few_columns_are_all_tried(random: np.random.Generator) -> None:
+    table, name = wide("hump", "", random)
     few = [f"x{i}" for i in range(4, 100, 10) if f"x{i}" != name]
     known = {key: column for key, column in table.items() if not key.startswith("x")}
     diagnosis = echocal.diagnose(known | {key: table[key] for key in (*few, name)})
@@ -85,10 +84,7 @@ def test_few_columns_are_all_tried() -> None:
 
 
 @pytest.mark.parametrize(("rows", "columns"), [(12, 400), (40, 1000)])
-def test_more_columns_than_rows(rows: int, columns: int) -> None:
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    random = np.random.default_rng(seed)
+def test_more_columns_than_rows(rows: int, columns: int, random: np.random.Generator) -> None:
     table = {
         "reading_m": 1.0 + random.normal(0.0, 1e-3, rows),
         "temperature_C": random.uniform(5.0, 30.0, rows),
@@ -99,16 +95,15 @@ def test_more_columns_than_rows(rows: int, columns: int) -> None:
     assert [note for note in diagnosis.notes if f"of the {columns} further columns" in note]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no /proc elsewhere")
-def test_memory_and_time_have_a_bound(tmp_path: Path) -> None:
+def test_memory_and_time_have_a_bound(tmp_path: Path, random: np.random.Generator) -> None:
     """The command, on 200 further columns, in a process whose largest memory is asked for at its end.
 
     ``VmHWM`` counts this program alone. ``ru_maxrss`` would not do: it keeps the size of the process that
     started the program, here the test runner.
     """
-    seed = secrets.randbits(32)
-    print(f"{seed=}")
-    table, name = wide("bend", "", np.random.default_rng(seed))
+    table, name = wide("bend", "", random)
     data, said = tmp_path / "wide.csv", tmp_path / "said.json"
     pd.DataFrame(table).to_csv(data, index=False)
     measured = (

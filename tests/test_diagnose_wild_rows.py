@@ -23,10 +23,10 @@ def bench(random: np.random.Generator) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("row", [0, 200, ROWS - 1])
-def test_one_wild_row_is_no_step(row: int) -> None:
+def test_one_wild_row_is_no_step(row: int, random: np.random.Generator) -> None:
     said = []
     for _ in range(3):
-        table = bench(np.random.default_rng())
+        table = bench(random)
         table["reading_m"][row] += 0.06
         diagnosis = echocal.diagnose(table)
         assert diagnosis.rows["unusable"] == {FAR: 1}
@@ -35,8 +35,8 @@ def test_one_wild_row_is_no_step(row: int) -> None:
     assert said.count("nothing") >= 2  # of a hundred tables one or two give a false alarm
 
 
-def test_rows_alike_vouch_for_each_other() -> None:
-    table = bench(np.random.default_rng())
+def test_rows_alike_vouch_for_each_other(random: np.random.Generator) -> None:
+    table = bench(random)
     reading, distance, celsius = (table[name] for name in ("reading_m", "distance_m", "temperature_C"))
 
     def far(rows: np.ndarray) -> list[int]:
@@ -60,15 +60,15 @@ def logged(random: np.random.Generator) -> dict[str, np.ndarray]:
     return table
 
 
-def test_nobody_mistyped_what_is_consistent_by_chance() -> None:
-    told = [cause.id for _ in range(5) for cause in echocal.diagnose(logged(np.random.default_rng())).causes]
+def test_nobody_mistyped_what_is_consistent_by_chance(random: np.random.Generator) -> None:
+    told = [cause.id for _ in range(5) for cause in echocal.diagnose(logged(random)).causes]
     assert told.count("mistyped_rows") <= 1  # as many rows are one edit away as chance brings
 
 
-def test_typed_rows_among_wild_ones_are_told() -> None:
+def test_typed_rows_among_wild_ones_are_told(random: np.random.Generator) -> None:
     told = 0
     for _ in range(3):
-        table = logged(np.random.default_rng())
+        table = logged(random)
         exact = [row for row in range(ROWS) if 0.0 < table["distance_m"][row] < 3.7][3::23]
         for row in exact:  # 1.350 becomes 3.150
             digits = f"{round(1e3 * table['reading_m'][row]):04d}"

@@ -24,11 +24,6 @@ COLUMNS = {
 }
 
 
-def drawn() -> tuple[np.random.Generator, int]:
-    seed = np.random.SeedSequence().generate_state(1)[0]
-    return np.random.default_rng(seed), int(seed)
-
-
 def test_each_file_is_an_entry_and_has_the_name_of_its_id() -> None:
     folder = Path(common.__file__).parents[1]
     files = {path.stem for path in folder.glob("*.py")} - {"__init__", "registry"}
@@ -59,27 +54,26 @@ def test_the_catalogue_of_causes_has_it(fault: Fault, shared: Path) -> None:
 
 
 @EVERY
-def test_planted_it_is_found_and_no_row_is_lost_or_moved(fault: Fault) -> None:
+def test_planted_it_is_found_and_no_row_is_lost_or_moved(fault: Fault, random: np.random.Generator) -> None:
     """Found in 60 of 60 tables drawn."""
-    random, seed = drawn()
     table = clean(random)
     fault.spoil(table, random)
     data, faults = search(table)
     found = {f.cause: f for f in faults.accepted}
-    assert fault.facts.id in found, f"{seed=}"
+    assert fault.facts.id in found
     finding = found[fault.facts.id]
     units = {p.name: p.unit for p in fault.facts.parameters}
-    assert all(units[p.name] == p.unit for p in finding.parameters), f"{seed=}"
+    assert all(units[p.name] == p.unit for p in finding.parameters)
     assert finding.rows is not None
     assert finding.rows.any()
     assert finding.repaired is not None
     for repaired in (finding.repaired, faults.observations):
-        assert len(repaired) == len(data), f"{seed=}"
+        assert len(repaired) == len(data)
         np.testing.assert_array_equal(repaired.conditions["elapsed_time"], data.conditions["elapsed_time"])
     others = ~finding.rows
     before = as_seen_by(data, fault, found)
-    np.testing.assert_array_equal(finding.repaired.echo_time[others], before.echo_time[others], f"{seed=}")
-    np.testing.assert_array_equal(finding.repaired.unusable[others], before.unusable[others], f"{seed=}")
+    np.testing.assert_array_equal(finding.repaired.echo_time[others], before.echo_time[others])
+    np.testing.assert_array_equal(finding.repaired.unusable[others], before.unusable[others])
 
 
 def as_seen_by(
@@ -95,32 +89,31 @@ def as_seen_by(
 
 
 @EVERY
-def test_without_a_column_that_it_needs_it_is_silent(fault: Fault) -> None:
-    random, seed = drawn()
+def test_without_a_column_that_it_needs_it_is_silent(fault: Fault, random: np.random.Generator) -> None:
     for name in fault.facts.needs:
         table = clean(random)
         fault.spoil(table, random)
         del table[COLUMNS[name]]
-        assert fault.facts.id not in accepted(table), f"{seed=}"
+        assert fault.facts.id not in accepted(table)
 
 
-def test_clean_tables_have_no_fault() -> None:
+def test_clean_tables_have_no_fault(random: np.random.Generator) -> None:
     """None of 300 tables drawn has one: two of 40 are no chance."""
-    random, seed = drawn()
     wrong = [ids for ids in (accepted(clean(random)) for _ in range(40)) if ids]
-    assert len(wrong) < 2, f"{seed=} {wrong}"
+    assert len(wrong) < 2, wrong
 
 
 @EVERY
-def test_without_its_line_it_is_nowhere(fault: Fault, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_its_line_it_is_nowhere(
+    fault: Fault, monkeypatch: pytest.MonkeyPatch, random: np.random.Generator
+) -> None:
     id_ = fault.facts.id
-    random, seed = drawn()
     table = clean(random)
     fault.spoil(table, random)
     assert f"## {id_}\n" in effects_page.page()
     monkeypatch.setattr(registry, "FAULTS", tuple(f for f in registry.FAULTS if f is not fault))
     assert fault.facts not in irregularities()
-    assert id_ not in accepted(table), f"{seed=}"
+    assert id_ not in accepted(table)
     assert f"## {id_}\n" not in effects_page.page()
     assert f" {id_} " not in CliRunner().invoke(app, ["effects"]).output
     assert not [each for each in registry.every_threshold(FaultSettings()) if each.name.startswith(f"{id_}.")]
@@ -136,23 +129,21 @@ def test_every_number_says_its_unit_and_where_it_comes_from() -> None:
 
 
 @EVERY
-def test_its_prior_can_be_set(fault: Fault) -> None:
-    random, seed = drawn()
+def test_its_prior_can_be_set(fault: Fault, random: np.random.Generator) -> None:
     table = clean(random)
     fault.spoil(table, random)
     impossible = FaultSettings(priors={fault.facts.id: 1e-300})
-    assert fault.facts.id in accepted(table), f"{seed=}"
-    assert fault.facts.id not in accepted(table, impossible), f"{seed=}"
+    assert fault.facts.id in accepted(table)
+    assert fault.facts.id not in accepted(table, impossible)
 
 
-def test_its_thresholds_can_be_set() -> None:
+def test_its_thresholds_can_be_set(random: np.random.Generator) -> None:
     (fault,) = (fault for fault in registry.FAULTS if fault.facts.id == "crosstalk")
-    random, seed = drawn()
     table = clean(random)
     fault.spoil(table, random)
-    assert "crosstalk" in accepted(table), f"{seed=}"
+    assert "crosstalk" in accepted(table)
     blind = replace(fault.thresholds, least=0.99)  # type: ignore[type-var]
-    assert "crosstalk" not in accepted(table, FaultSettings(thresholds={"crosstalk": blind})), f"{seed=}"
+    assert "crosstalk" not in accepted(table, FaultSettings(thresholds={"crosstalk": blind}))
 
 
 @pytest.mark.parametrize(

@@ -26,8 +26,14 @@ def test_every_table_is_frozen() -> None:
         assert len(NAMES) >= 300
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_no_answer_has_changed(group: str) -> None:
     changed = {name: list(differences(EXPECTED[name], diagnosed(name)))[:5] for name in GROUPS[group]}
     changed = {name: lines for name, lines in changed.items() if lines}
     assert not changed, f"{len(changed)} of {len(GROUPS[group])}: {changed}"
+
+
+def test_a_few_answers_have_not_changed() -> None:
+    changed = {name: list(differences(EXPECTED[name], diagnosed(name)))[:5] for name in NAMES[::20]}
+    assert not any(changed.values()), changed

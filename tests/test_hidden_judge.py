@@ -108,8 +108,7 @@ def test_noise_that_is_there_may_be_named() -> None:
     assert not _judged(remembering, answer([], 0.97))["alarm"]
 
 
-def test_perfect_probabilities_have_no_error_beyond_chance() -> None:
-    random = np.random.default_rng()
+def test_perfect_probabilities_have_no_error_beyond_chance(random: np.random.Generator) -> None:
     sure = random.uniform(0.3, 1.0, 4000)
     records = [{"top_probability": p, "strict": bool(random.random() < p)} for p in sure]
     # a bin's part has a standard deviation of at most 0.5 / sqrt(500): 0.05 is far outside
@@ -138,10 +137,10 @@ def test_the_page_is_fresh() -> None:
     assert shown == page(summary), "run python benches/diagnosis.py --docs"
 
 
-def test_densities_are_those_of_the_draws() -> None:
+def test_densities_are_those_of_the_draws(random: np.random.Generator) -> None:
     """Closed forms against the normal density of the whole covariance."""
     rows = hidden("zero_error", design="b").rows
-    left = np.random.default_rng().normal(0.0, 2e-3, (len(rows), 3))
+    left = random.normal(0.0, 2e-3, (len(rows), 3))
     same = rows.stand[:, None] == rows.stand
     covariance = 1.5e-3**2 * np.eye(len(rows)) + 0.5e-3**2 * same
     expected = multivariate_normal(cov=covariance).logpdf(left.T)

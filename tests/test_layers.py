@@ -3,6 +3,7 @@
 import ast
 import tomllib
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from statistics import median
 
@@ -13,7 +14,9 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "errors"},
-    {"conditions", "codes", "outputs", "checksums"},
+    {"codes", "outputs", "checksums"},
+    {"quantities"},
+    {"conditions"},
     {"domain", "air", "registry"},
     {"model"},
     {"observations"},
@@ -87,12 +90,40 @@ def test_rooms_of_the_diagnosis_stand_on_each_other(path: Path) -> None:
                 assert ROOMS_OF_DIAGNOSE.index(there) <= here, f"{path.name} must not import {module}"
 
 
+def imported_files(path: Path) -> Iterator[Path]:
+    """Files of the package that a file imports, also where only types or a function need them."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "echocal":
+            folder = PACKAGE.joinpath(*str(node.module).split(".")[1:])
+            for name in (
+                alias.name for alias in node.names if (node.module, alias.name) != ("echocal", "_core")
+            ):
+                places = (
+                    folder / f"{name}.py",
+                    folder / name / "__init__.py",
+                    folder.with_suffix(".py"),
+                    folder / "__init__.py",
+                )
+                yield from [place for place in places if place.is_file()][:1]
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    graph = {path: set(imported_files(path)) - {path} for path in sorted(PACKAGE.rglob("*.py"))}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        circle = " -> ".join(str(path.relative_to(PACKAGE)) for path in error.args[1])
+        pytest.fail(f"these import each other: {circle}")
+
+
 def dependencies(manifest: str) -> set[str]:
     return set(tomllib.loads((ROOT / manifest).read_text()).get("dependencies", {}))
 
 
 def test_crates_point_down() -> None:
     assert dependencies("rust/core/Cargo.toml") <= {"libm"}, "the core is pure: mathematics alone"
+    pure = dependencies("rust/infer/Cargo.toml")
+    assert pure <= {"libm", "echocal-core"}, "the inference is pure: the physics and mathematics alone"
     assert not dependencies("firmware_gen/Cargo.toml") & {"pyo3", "numpy", "echocal-py"}
 
 

@@ -9,7 +9,8 @@ from method_page import Method, every, informative, prior
 
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
-from echocal.diagnose.inference.case import Case, examine
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Stack, weigh
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.posterior import posterior

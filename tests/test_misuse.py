@@ -32,12 +32,12 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "the first argument is no array of numbers: .* inhomogeneous shape",
     ),
     "air in rows of several lengths": (
-        lambda: echocal.departures([20.0], [[0.1, 0.2], [0.3]]),  # type: ignore[list-item]
+        lambda: echocal.domain_violations([20.0], [[0.1, 0.2], [0.3]]),  # type: ignore[list-item]
         UsageError,
         "relative_humidity is no array of numbers: .* inhomogeneous shape",
     ),
     "air with an imaginary part": (
-        lambda: echocal.departures([20.0 + 1j]),
+        lambda: echocal.domain_violations([20.0 + 1j]),
         UsageError,
         "temperature must be real numbers, but has dtype complex128",
     ),
@@ -47,7 +47,7 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "the first argument must be real numbers, but has dtype object",
     ),
     "a law that is no text": (
-        lambda: echocal.departures([20.0], law="\ud800"),
+        lambda: echocal.domain_violations([20.0], law="\ud800"),
         ModelError,
         r"the law is '\\ud800'; give a name",
     ),

@@ -27,14 +27,15 @@ def test_round_trip_over_arrays(model: echocal.Model) -> None:
 
 @pytest.mark.parametrize("method", ["indicate", "time_of_flight", "correct", "distance", "jacobian"])
 @pytest.mark.parametrize("model", MODELS, ids=repr)
-def test_an_array_is_a_loop_over_scalars(model: echocal.Model, method: str) -> None:
-    generator = np.random.default_rng()
+def test_an_array_is_a_loop_over_scalars(
+    model: echocal.Model, method: str, random: np.random.Generator
+) -> None:
     rows = {
-        "temperature": generator.uniform(-20.0, 30.0, 40),
-        "relative_humidity": generator.uniform(0.0, 1.0, 40),
-        "pressure": generator.uniform(80e3, 105e3, 40),
+        "temperature": random.uniform(-20.0, 30.0, 40),
+        "relative_humidity": random.uniform(0.0, 1.0, 40),
+        "pressure": random.uniform(80e3, 105e3, 40),
     }
-    first = generator.uniform(0.02, 4.0, 40) * (6e-3 if method == "distance" else 1.0)
+    first = random.uniform(0.02, 4.0, 40) * (6e-3 if method == "distance" else 1.0)
     together = getattr(model, method)(first, **rows)
     each = [
         getattr(model, method)(float(x), **{name: float(column[i]) for name, column in rows.items()})

@@ -10,7 +10,7 @@ import polars as pl
 import pytest
 
 import echocal
-from echocal.conditions import QUANTITIES
+from echocal.quantities import QUANTITIES
 
 TABLE = {"echo_us": [11660.0, 11700.0, 11500.0], "temperature_C": [20.0, 18.5, 25.0]}
 

@@ -10,8 +10,8 @@ def read(**columns: object) -> dict[str, np.ndarray]:
     )
 
 
-def test_a_rate_is_that_of_a_ramp_in_every_row() -> None:
-    seconds = np.cumsum(np.random.default_rng().uniform(1.0, 300.0, 50)) - 1.0
+def test_a_rate_is_that_of_a_ramp_in_every_row(random: np.random.Generator) -> None:
+    seconds = np.cumsum(random.uniform(1.0, 300.0, 50)) - 1.0
     found = read(time_s=seconds, temperature_C=20 + 1e-3 * (seconds - seconds[0]))["temperature_rate"]
     np.testing.assert_allclose(found, 1e-3, rtol=1e-9)
 

@@ -102,8 +102,7 @@ def test_what_cannot_be_the_name_of_a_file(name: str, tmp_path: Path) -> None:
         echocal.Model.load(name)
 
 
-def wall(count: int = 60) -> dict[str, Any]:
-    random = np.random.default_rng()
+def wall(random: np.random.Generator, count: int = 60) -> dict[str, Any]:
     return {
         "echo_us": 11660.0 + random.normal(0.0, 5.0, count),
         "temperature_C": np.linspace(5.0, 30.0, count),
@@ -114,21 +113,21 @@ def wall(count: int = 60) -> dict[str, Any]:
 @pytest.mark.parametrize("reading", [{}, {"reading_m": np.full(60, 2.0)}])
 @pytest.mark.parametrize("distance", [np.full(60, 2000.0), np.linspace(300.0, 4000.0, 60)])
 def test_millimeters_for_meters_are_told_and_no_crash(
-    distance: NDArray[np.float64], reading: dict[str, Any]
+    distance: NDArray[np.float64], reading: dict[str, Any], random: np.random.Generator
 ) -> None:
-    table = {**wall(), **reading, "distance_m": distance}
+    table = {**wall(random), **reading, "distance_m": distance}
     with pytest.raises(DataError, match=r"'distance_m' has a median of .* as distance_mm .* Say which it is"):
         echocal.diagnose(table, reading_speed="linear")
 
 
-def test_distances_without_end_are_told_and_no_crash() -> None:
+def test_distances_without_end_are_told_and_no_crash(random: np.random.Generator) -> None:
     with pytest.raises(DataError, match="60 distance_m out of range"):
-        echocal.diagnose({**wall(), "distance_m": np.full(60, np.inf)})
+        echocal.diagnose({**wall(random), "distance_m": np.full(60, np.inf)})
 
 
 @pytest.mark.parametrize("count", [30, 60])
-def test_distances_that_a_constant_distance_leaves_aside(count: int) -> None:
-    diagnosis = echocal.diagnose(wall(count), constant_distance=True)
+def test_distances_that_a_constant_distance_leaves_aside(count: int, random: np.random.Generator) -> None:
+    diagnosis = echocal.diagnose(wall(random, count), constant_distance=True)
     assert any("1 to 2 m, were not used" in note for note in diagnosis.notes)
 
 

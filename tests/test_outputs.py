@@ -1,12 +1,9 @@
 """Outputs of the commands that cannot be written: told before anything is computed or written."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from echocal.cli import main
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TABLE, MODEL = str(EXAMPLES / "study_table2.csv"), str(EXAMPLES / "tank_model.json")
@@ -21,20 +18,6 @@ COMMANDS = {
     "sweep": ("sweep", "--temperature", "0:50:2", "-o", "sweep.csv", "--plot", "sweep.png"),
     "verify": ("verify", TABLE, "--maximum-permissible-error-mm", "3"),
 }
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
-    """Run a command line in an empty folder: exit code and stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def command(*words: str) -> tuple[int, str]:
-        monkeypatch.setattr(sys, "argv", ["echocal", *words])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        return int(caught.value.code or 0), capsys.readouterr().err
-
-    return command
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -17,7 +17,6 @@ import pandas as pd
 import pytest
 
 import echocal
-from echocal.cli import main
 from echocal.outputs import replacing
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -36,18 +35,10 @@ OUTPUTS = {
 
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+def run(run: Run) -> Run:
     """Run a command line beside a table w.csv: exit code and stderr."""
-    monkeypatch.chdir(tmp_path)
     shutil.copy(EXAMPLES / "study_table2.csv", "w.csv")
-
-    def command(*words: str) -> tuple[int, str]:
-        monkeypatch.setattr(sys, "argv", ["echocal", *words])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        return int(caught.value.code or 0), capsys.readouterr().err
-
-    return command
+    return run
 
 
 def words(name: str, out: str, *more: str) -> list[str]:

@@ -1,5 +1,6 @@
 """What nobody explains, as a term of a model."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,8 @@ def bump(celsius: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def table() -> pd.DataFrame:
-    random = np.random.default_rng()
+def table(request: pytest.FixtureRequest, seeded: Callable[..., np.random.Generator]) -> pd.DataFrame:
+    random = seeded(request)
     celsius, distance = random.uniform(0, 40, 600), random.choice([0.5, 1.0, 2.0], 600)
     reading = distance + bump(celsius) + random.normal(0, 5e-4, 600)
     return pd.DataFrame({"reading_m": reading, "temperature_C": celsius, "distance_m": distance})

@@ -4,10 +4,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 # PyO3 lists the public names at run time; in a stub they are public without a list.
 ALLOWED = "echocal._core.__all__\n"
 
 
+@pytest.mark.slow
 def test_the_stub_is_complete_and_true(tmp_path: Path) -> None:
     allowed = tmp_path / "allowed.txt"
     allowed.write_text(ALLOWED)

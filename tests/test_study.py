@@ -130,6 +130,7 @@ def changed(table: Table, column: str, edit: dict[float, str]) -> Table:
     return replace(table, columns={**table.columns, column: cells})
 
 
+@pytest.mark.slow
 def test_one_other_cell_changes_the_verdict() -> None:
     tables = Tables.load()
     first = changed(tables.table1, "measured_distance_m", {30.0: "1.966"})

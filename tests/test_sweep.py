@@ -91,7 +91,7 @@ def test_texts() -> None:
             {"temperature": []},
             "temperature: expected one value, (start, stop, step) or a list, got shape (0,)",
         ),
-        ({"temperature": "warm"}, "temperature: expected numbers, got 'warm'"),
+        ({"temperature": "warm"}, "temperature must be real numbers, but has dtype <U4"),
         ({"temperature": [0.0, np.nan]}, "temperature: expected finite numbers"),
         ({"temperature": [1.0, 1.0]}, "temperature: a value occurs more than once"),
         (

@@ -5,7 +5,7 @@ from echocal import firmware
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
 from echocal.diagnose import Diagnosis, diagnose, gross_faults, noises, row_faults
-from echocal.domain import DEPARTURES, departures
+from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
 from echocal.errors import (
     BoundError,
     DataError,
@@ -24,6 +24,7 @@ from echocal.verify import Verification, verify, verify_model
 
 __all__ = [
     "DEPARTURES",
+    "DOMAIN_VIOLATIONS",
     "BoundError",
     "Calibration",
     "DataError",
@@ -44,6 +45,7 @@ __all__ = [
     "departures",
     "diagnose",
     "distance",
+    "domain_violations",
     "effects",
     "error",
     "firmware",

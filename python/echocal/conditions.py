@@ -1,34 +1,16 @@
-"""Influence quantities: their names, units and defaults, and how arguments become columns."""
+"""How arguments become columns of influence quantities."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal import _core
 from echocal.errors import UsageError
+from echocal.quantities import QUANTITIES
 
-__all__ = ["QUANTITIES", "Quantity", "columns", "numbers", "refuse_unknown", "unmasked"]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """An influence quantity (VIM 2.52).
-
-    `derived_from` says what a table must hold for it to be derived; None where it is recorded.
-    """
-
-    name: str
-    unit: str
-    default: float | None
-    derived_from: str | None
-
-
-QUANTITIES: dict[str, Quantity] = {facts["name"]: Quantity(**facts) for facts in _core.quantities()}
-"""Every influence quantity by name, in the order in which the core takes them."""
+__all__ = ["columns", "numbers", "refuse_unknown", "unmasked"]
 
 
 def refuse_unknown(names: Iterable[str]) -> None:

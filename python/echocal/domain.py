@@ -8,25 +8,26 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.conditions import numbers
 from echocal.errors import DomainWarning, UsageError
+from echocal.quantities import AIR, DEFAULTS
 
-__all__ = ["DEPARTURES", "departures", "describe", "warn_outside"]
+__all__ = ["DOMAIN_VIOLATIONS", "describe", "domain_violations", "warn_outside"]
 
-DEPARTURES: tuple[str, ...] = tuple(_core.departure_names())
-"""What each code of `departures` says lies outside; empty for inside."""
+DOMAIN_VIOLATIONS: tuple[str, ...] = tuple(_core.departure_names())
+"""What each code of `domain_violations` says lies outside; empty for inside."""
 
 
-_NAMES = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction", "frequency")
+_NAMES = (*AIR, "frequency")
 
 
 def _arrays(*values: ArrayLike) -> list[NDArray[np.float64]]:
     return [numbers(name, value) for name, value in zip(_NAMES, values, strict=True)]
 
 
-def departures(
+def domain_violations(
     temperature: ArrayLike,
-    relative_humidity: ArrayLike = 0.0,
-    pressure: ArrayLike = 101325.0,
-    co2_mole_fraction: ArrayLike = 4e-4,
+    relative_humidity: ArrayLike = DEFAULTS["relative_humidity"],
+    pressure: ArrayLike = DEFAULTS["pressure"],
+    co2_mole_fraction: ArrayLike = DEFAULTS["co2_mole_fraction"],
     *,
     law: str | None = "cramer",
     frequency: ArrayLike = 0.0,
@@ -52,7 +53,7 @@ def departures(
     -------
     ndarray of uint8
         For every row, of the broadcast shape, 0 where the law holds, else the position in
-        `DEPARTURES` of the first quantity that lies outside.
+        `DOMAIN_VIOLATIONS` of the first quantity that lies outside.
 
     Raises
     ------
@@ -68,8 +69,8 @@ def departures(
     Examples
     --------
     >>> import echocal
-    >>> codes = echocal.departures([20.0, 45.0, 70.0], 0.9, law="cramer")
-    >>> [echocal.DEPARTURES[code] for code in codes]
+    >>> codes = echocal.domain_violations([20.0, 45.0, 70.0], 0.9, law="cramer")
+    >>> [echocal.DOMAIN_VIOLATIONS[code] for code in codes]
     ['', 'water_vapor_mole_fraction', 'temperature']
     """
     values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
@@ -83,11 +84,15 @@ def departures(
     return _core.departures(law, flat).reshape(broadcast[0].shape)
 
 
+departures, DEPARTURES = domain_violations, DOMAIN_VIOLATIONS
+"""Former names of both, kept for one version."""
+
+
 def warn_outside(
     temperature: ArrayLike,
-    relative_humidity: ArrayLike = 0.0,
-    pressure: ArrayLike = 101325.0,
-    co2_mole_fraction: ArrayLike = 4e-4,
+    relative_humidity: ArrayLike = DEFAULTS["relative_humidity"],
+    pressure: ArrayLike = DEFAULTS["pressure"],
+    co2_mole_fraction: ArrayLike = DEFAULTS["co2_mole_fraction"],
     *,
     law: str | None = "cramer",
     frequency: ArrayLike = 0.0,
@@ -95,7 +100,7 @@ def warn_outside(
 ) -> None:
     """Warn once if any row lies outside the law's domain; rows that are NaN are not counted.
 
-    Parameters are those of `departures`; `stacklevel` 1 names the caller, 2 its caller. Rows count
+    Parameters are those of `domain_violations`; `stacklevel` 1 names the caller, 2 its caller. Rows count
     from 1 in C order of the broadcast shape, as rows of tables do in every message. Every
     limit is monotone in each input, so two corners clear columns of any length without a pass over
     all combinations.
@@ -118,14 +123,14 @@ def warn_outside(
     lowest[2], highest[2] = highest[2], lowest[2]
     if _core.departure(law, lowest) is None and _core.departure(law, highest) is None:
         return
-    codes = departures(*values[:4], law=law, frequency=values[4])
-    outside = np.flatnonzero(codes > DEPARTURES.index("not_a_number"))
+    codes = domain_violations(*values[:4], law=law, frequency=values[4])
+    outside = np.flatnonzero(codes > DOMAIN_VIOLATIONS.index("not_a_number"))
     if outside.size == 0:
         return
     first = int(outside[0])
     row = [float(value.flat[first]) for value in np.broadcast_arrays(*values)]
     where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
-    message = f"{describe(law, row, where)} (echocal.departures gives every row)"
+    message = f"{describe(law, row, where)} (echocal.domain_violations gives every row)"
     warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
 
 

@@ -12,7 +12,7 @@ from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.correction import base_indication, corrected_distance
-from echocal.observations.table import demand
+from echocal.observations.table import require_observations
 from echocal.sweep import Range, sweep
 
 __all__ = ["Verification", "verify", "verify_model"]
@@ -108,7 +108,7 @@ def verify(
     >>> result.passed, result.worst, round(result.maximum_error * 1e3, 2)
     (False, {'row': 2}, 8.89)
     """
-    demand(observations, "verify")
+    require_observations(observations, "verify")
     observations.require("verification", reference_distance=True)
     assert observations.reference_distance is not None  # required above
     usable = np.flatnonzero(observations.usable)

@@ -41,6 +41,7 @@ def check(packed: Firmware, lines: list[str], echoes: list[int], *codes: int) ->
         assert rest == [*map(str, codes), told]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("package", "sketch"), [("arduino", SKETCH), ("platformio", "src/main.cpp")])
 def test_the_example_prints_the_twins_distance(package: str, sketch: str, core: Path, tmp_path: Path) -> None:
     packed = thermometer(package)

@@ -22,6 +22,7 @@ def packed(core: str, package: str = "arduino") -> Firmware:
     return firmware.generate(MODEL, core, temperature=(0.0625, -20.0, 60.0), package=package)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", CLOCKS)
 @pytest.mark.parametrize("package", SKETCHES)
 def test_the_example_measures(package: str, core: str, tmp_path: Path) -> None:
@@ -34,6 +35,7 @@ def test_the_example_measures(package: str, core: str, tmp_path: Path) -> None:
         assert distance == made.distance_um(echo, warm)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", CLOCKS)
 def test_without_an_echo_there_is_no_distance(core: str, tmp_path: Path) -> None:
     lines = play(packed(core), SKETCHES["arduino"], core, tmp_path, MILLIVOLTS, [*NO_ECHO, 11_690])

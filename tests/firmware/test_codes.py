@@ -51,6 +51,7 @@ def truth(model: Model, report: dict[str, Any], *codes: np.ndarray) -> np.ndarra
     return np.asarray(model.distance(time, pressure=101_325.0, **dict(zip(names, conditions, strict=True))))
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(
     tick=st.sampled_from([0.125, 0.5, 1.0, 4.0, 10.0]),
@@ -111,6 +112,7 @@ def test_cores_give_the_bits_of_the_twin(name: str, core: str) -> None:
     assert silicon.measure(found, core) is not None
 
 
+@pytest.mark.slow
 def test_the_selftest_holds_for_every_kind(tmp_path: Path) -> None:
     for name in ODD:
         folder = tmp_path / name

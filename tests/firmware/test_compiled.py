@@ -26,6 +26,7 @@ def test_all_32_million_inputs_of_a_ds18b20(compiler: str, tmp_path: Path) -> No
     assert hash_of_all(build(made, tmp_path, compiler)) == made.report["output_hash"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", C_COMPILERS)
 def test_no_undefined_behavior_on_any_input(case: Firmware, compiler: str, tmp_path: Path) -> None:
     flags = ("-O1", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
@@ -42,6 +43,7 @@ def test_golden_vectors_are_what_the_c_returns(case: Firmware, tmp_path: Path) -
     assert OUT_OF_RANGE in expected
 
 
+@pytest.mark.slow
 def test_codes_out_of_range_never_give_a_distance(case: Firmware, tmp_path: Path) -> None:
     echo = case.report["device"]["echo"]["codes"]
     (temperature,) = (axis["codes"] for axis in case.report["device"]["conditions"])

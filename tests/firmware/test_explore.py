@@ -27,6 +27,7 @@ def choices() -> list[Choice]:
     return explore(Model("cramer"), "avr", **CODES)
 
 
+@pytest.mark.slow
 def test_the_front_has_no_dominated_choice(choices: list[Choice]) -> None:
     assert len(choices) > 3
     for axis in ("flash", "steps", "error"):
@@ -60,6 +61,7 @@ def test_a_bound_beyond_every_form_is_refused_as_ever() -> None:
         explore(Model("cramer"), "avr", max_error=1e-9, **CODES)
 
 
+@pytest.mark.slow
 def test_the_command_writes_what_it_shows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -42,4 +42,6 @@ def test_files_are_fresh(name: str) -> None:
 
 if __name__ == "__main__":
     for case in CASES:
-        make(case).save(GOLDEN / case)
+        for file, text in make(case).files.items():
+            (GOLDEN / case / file).parent.mkdir(parents=True, exist_ok=True)
+            (GOLDEN / case / file).write_text(text, encoding="utf-8")

@@ -14,6 +14,7 @@ MODEL = Model("cramer")
 CODES: dict[str, Any] = {"temperature": (1.0, -20.0, 60.0), "echo": 10_000}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", silicon.CORES)
 def test_report_and_header_state_what_was_measured(core: str) -> None:
     target = {"cortex-m4f": "c99", "rv32e": "c99"}.get(core, core)

@@ -42,6 +42,7 @@ for echo in %s:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*(name for name in CASES if name != "full_table"), "humid"])
 def test_micropython_gives_the_bits_of_the_twin(name: str) -> None:
     """On the core of a micro:bit; a table of every code is too much for its 16 KB."""

@@ -36,6 +36,7 @@ def firmware_of(name: str) -> Firmware:
     return with_humidity("c", name.partition(" ")[2]) if name.startswith("humid") else made(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*CASES, "humid avr", "humid c99", "humid cortex-m0"])
 def test_every_form_is_clean_but_for_the_deviations_told(name: str, tmp_path: Path) -> None:
     packed = firmware_of(name)

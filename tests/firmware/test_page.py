@@ -34,6 +34,7 @@ def test_the_page_is_fresh() -> None:
     assert text == page.fresh(text, json.loads(page.RESULTS.read_text()))
 
 
+@pytest.mark.slow
 def test_rows_measured_again_are_as_stated(bench: ModuleType) -> None:
     """The quickest of theirs and of ours, on a core each; a change of the generator shows here."""
     stated = json.loads((BENCHES / "firmware.json").read_text())

@@ -25,11 +25,13 @@ def build(made: Firmware, folder: Path, compiler: str = "gcc", *flags: str) -> P
     return folder / "selftest.out"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", C_COMPILERS)
 def test_it_passes(case: Firmware, compiler: str, tmp_path: Path) -> None:
     assert run(build(case, tmp_path, compiler)) == PASSED
 
 
+@pytest.mark.slow
 def test_it_passes_over_every_input(case: Firmware, tmp_path: Path) -> None:
     assert run(build(case, tmp_path, "gcc", "-DECHOCAL_EVERY_INPUT")) == PASSED
 
@@ -46,6 +48,7 @@ def constants(source: str, made: Firmware) -> list[re.Match[str]]:
     return list(re.finditer(rf"\b(?!{width}\b)\d{{4,}}(?=U?L?\b)", code))
 
 
+@pytest.mark.slow
 def test_it_tells_a_wrong_constant(case: Firmware, tmp_path: Path) -> None:
     """The first by the vectors; one in the middle, of a table perhaps, by the hash over all inputs."""
     case.save(tmp_path)
@@ -68,6 +71,7 @@ def test_without_a_standard_library_it_speaks_by_its_exit_code(tmp_path: Path) -
     assert run(tmp_path / "selftest.out") == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", [name for name, board in silicon.CORES.items() if isinstance(board, Qemu)])
 @pytest.mark.parametrize("name", ["product_of_64_bits", "full_table", "humid"])
 def test_it_passes_on_every_core(core: str, name: str, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from echocal.diagnose.catalogue import irregularities
 from echocal.diagnose.findings.facts import CauseFacts
-from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
+from echocal.model.summary import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, Parameter, effects
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "effects.md"

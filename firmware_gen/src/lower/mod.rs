@@ -11,7 +11,6 @@ use crate::error::Error;
 use echocal_core::effects::{self, Firmware};
 use echocal_core::model::Term;
 use echocal_core::{Conditions, Model, Quantity};
-use omission::FIELD;
 
 /// Steps over the range of a quantity, and over that of the temperature. Set by hand: the effects are smooth.
 const STEPS: usize = 16;
@@ -217,14 +216,9 @@ impl Lowered {
 
 /// Conditions with one quantity at a step of its range in the field.
 fn in_field(at: Conditions<f64>, quantity: Quantity, step: usize) -> Conditions<f64> {
-    let (_, low, high) = FIELD[quantity as usize];
-    let later = (Quantity::TemperatureLater1 as usize..=Quantity::TemperatureLater5 as usize)
-        .contains(&(quantity as usize));
-    let from = if later {
-        at.get(Quantity::Temperature)
-    } else {
-        0.0
-    };
+    let facts = quantity.facts();
+    let (low, high) = facts.field;
+    let from = facts.field_from.map_or(0.0, |origin| at.get(origin));
     let value = (high - low).mul_add(step as f64 / STEPS as f64, low);
     at.with(quantity, from + value)
 }

@@ -3,35 +3,6 @@
 use echocal_core::Quantity;
 use std::fmt;
 
-/// Range of each influence quantity in the field \[unit of the quantity\]. The error of not measuring it is stated
-/// over this range. Set by hand: pressures from 2,000 m altitude to a high; CO2 from outdoor air to a crowded room; supply
-/// 5 V +- 10 %; tilt to 15 degrees. Later temperatures are relative to the temperature.
-pub(super) const FIELD: [(Quantity, f64, f64); Quantity::COUNT] = [
-    (Quantity::Temperature, -20.0, 60.0),
-    (Quantity::RelativeHumidity, 0.0, 1.0),
-    (Quantity::Pressure, 80e3, 106e3),
-    (Quantity::Co2MoleFraction, 3e-4, 2e-3),
-    (Quantity::ElapsedTime, 0.0, 86_400.0),
-    (Quantity::SupplyVoltage, 4.5, 5.5),
-    (Quantity::Angle, 0.0, 0.26),
-    (Quantity::WindSpeed, 0.0, 10.0),
-    (Quantity::Radiation, 0.0, 1000.0),
-    (Quantity::Amplitude, 0.05, 1.0),
-    (Quantity::TemperatureRate, -0.01, 0.01),
-    (Quantity::TemperatureLater1, -1.0, 1.0),
-    (Quantity::TemperatureLater2, -1.0, 1.0),
-    (Quantity::TemperatureLater3, -1.0, 1.0),
-    (Quantity::TemperatureLater4, -1.0, 1.0),
-    (Quantity::TemperatureLater5, -1.0, 1.0),
-    (Quantity::RadiationRate, -0.5, 0.5),
-    (Quantity::PositionInGroup, 0.0, 10.0),
-    (
-        Quantity::HourAngle,
-        -core::f64::consts::PI,
-        core::f64::consts::PI,
-    ),
-];
-
 /// An effect or a condition that a firmware leaves out, and the error that results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Omission {
@@ -65,8 +36,8 @@ impl fmt::Display for Omission {
         let left = self.left * 1e3;
         match (self.effect, self.quantity, self.reason) {
             (Some(effect), Some(quantity), _) => {
-                let name = quantity.facts().name;
-                let (_, low, high) = FIELD[quantity as usize];
+                let facts = quantity.facts();
+                let (name, (low, high)) = (facts.name, facts.field);
                 write!(
                     f,
                     "effect {effect} needs {name}, which the device does not measure: \
@@ -82,7 +53,7 @@ impl fmt::Display for Omission {
             }
             (None, Some(quantity), _) => {
                 let facts = quantity.facts();
-                let (_, low, high) = FIELD[quantity as usize];
+                let (low, high) = facts.field;
                 let assumed = self.assumed.unwrap_or(f64::NAN);
                 let unit = if facts.unit == "1" {
                     String::new()

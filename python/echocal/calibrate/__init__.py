@@ -19,7 +19,7 @@ from echocal.calibrate.solve import solve
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.table import demand
+from echocal.observations.table import require_observations
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
 
@@ -88,7 +88,7 @@ def calibrate(
     >>> round(found["fixed_delay.delay"].value * 1e6, 6)
     30.0
     """
-    demand(observations, "calibrate")
+    require_observations(observations, "calibrate")
     form = _form(model, fit)
     if loss not in LOSSES:
         message = f"unknown loss '{loss}'; known: {', '.join(LOSSES)}"

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.calibrate.form import Column, Columns, Parameter
-from echocal.conditions import QUANTITIES
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.quantities import QUANTITIES
 
 __all__ = ["Regression", "indication"]
 

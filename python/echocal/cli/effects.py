@@ -15,7 +15,7 @@ from echocal.cli import _made_by
 from echocal.cli._outputs import Force, Output, check_outputs, pass_on
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
 from echocal.diagnose.findings.facts import CauseFacts
-from echocal.model.portrait import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
+from echocal.model.summary import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, effects
 
 command = typer.Typer(
@@ -58,7 +58,7 @@ def show(
     found = find_cause(cause)
     _write(found.to_dict(), json_, force=force)
     if not quiet and json_ != "-":
-        Console().print(_portrait(found) if isinstance(found, Effect) else _irregularity(found))
+        Console().print(_summary(found) if isinstance(found, Effect) else _irregularity(found))
 
 
 def _write(content: Any, target: str | None, *, force: bool) -> None:
@@ -91,7 +91,7 @@ def _others() -> Table:
     return table
 
 
-def _portrait(effect: Effect) -> Group:
+def _summary(effect: Effect) -> Group:
     title = Text.assemble((effect.id, "bold cyan"), (f"  {effect.stage}", "dim"))
     formula = Padding(Text(effect.formula, style="green"), (0, 2))
     parts: list[RenderableType] = [title, Text(effect.sentence), Text(), formula]

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
-from echocal.conditions import QUANTITIES, columns, numbers, refuse_unknown
+from echocal.conditions import columns, numbers, refuse_unknown
 from echocal.errors import ModelError
 from echocal.model import covariance as covariances
 from echocal.model import document, needs
 from echocal.model.shape import DISTANCE, Shape
+from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = ["Model"]
@@ -68,7 +69,7 @@ class Model:
     ``temperature`` [degC], ``relative_humidity`` [1], ``pressure`` [Pa], ``co2_mole_fraction``
     [1], ``elapsed_time`` [s], ``supply_voltage`` [V], ``angle`` [rad], ``wind_speed`` [m/s],
     ``radiation`` [W/m^2], ``amplitude`` [1], and what `read_observations` derives from a table's rows
-    (`echocal.conditions.QUANTITIES` has all). They broadcast against the first argument; scalars
+    (`echocal.quantities.QUANTITIES` has all). They broadcast against the first argument; scalars
     alone give a float; pandas, xarray and dask come back as their own type, and the keywords `out`
     and `n_threads` act as in `echocal.distance`. Without their keyword, humidity is 0, pressure
     101325 Pa and CO2 0.04 %; NaN in gives NaN out, and `DomainWarning` tells once where a law is

@@ -3,14 +3,15 @@
 import hashlib
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from echocal.errors import ModelError, UsageError
+from echocal.model.shape import Shape
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
-
-if TYPE_CHECKING:
-    from echocal.model.composition import Model
 
 __all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "write"]
 
@@ -18,7 +19,22 @@ NEWEST = 1
 SCHEMA = f"echocal.model/{NEWEST}"
 
 
-def content(model: "Model") -> dict[str, Any]:
+class Described(Protocol):
+    """What a file holds of a model."""
+
+    air: dict[str, float]
+    effects: dict[str, dict[str, float]]
+    shape: Shape | None
+    covariance: NDArray[np.float64] | None
+    provenance: dict[str, Any]
+
+    @property
+    def law(self) -> str: ...
+    @property
+    def standard_uncertainties(self) -> dict[str, float | None]: ...
+
+
+def content(model: Described) -> dict[str, Any]:
     """Return what the hash covers: all that the model computes with."""
     uncertainties = model.standard_uncertainties
 
@@ -60,7 +76,7 @@ def sha256(data: Any) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
-def write(model: "Model", path: Path) -> None:
+def write(model: Described, path: Path) -> None:
     """Write a model's file."""
     document = content(model)
     complete = {**document, "hash": digest(document), "data": model.provenance}

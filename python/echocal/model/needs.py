@@ -2,29 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import isfinite
 from numbers import Real
 
 from numpy.typing import ArrayLike
 
 from echocal import _core
-from echocal.conditions import QUANTITIES
 from echocal.domain import warn_outside
 from echocal.errors import DataError, ModelError
+from echocal.quantities import AIR, DEFAULTS, QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = ["Needs", "assumed", "of"]
-
-_POSSIBLE = {
-    "temperature": (-273.15, inf),
-    "relative_humidity": (0.0, 1.0),
-    "pressure": (1.0, inf),
-    "co2_mole_fraction": (0.0, 1.0),
-}
-"""Values outside are none that air can have; where a law holds is another matter."""
-
-AIR = ("temperature", "relative_humidity", "pressure", "co2_mole_fraction")
-DEFAULTS = {name: quantity.default for name, quantity in QUANTITIES.items() if quantity.default is not None}
 
 
 @dataclass(frozen=True)
@@ -88,7 +77,7 @@ def assumed(air: Mapping[str, float]) -> dict[str, float]:
         if not isinstance(value, Real) or not isfinite(value):
             message = f"air.{name} is {value!r}; give a finite number [{unit}]"
             raise ModelError(message)
-        low, high = _POSSIBLE.get(name, (-inf, inf))
+        low, high = QUANTITIES[name].possible
         if not low <= value <= high:
             message = f"air.{name} is {value:g}, outside {low:g} .. {high:g} [{unit}]"
             raise ModelError(message)

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.conditions import QUANTITIES
 from echocal.errors import DataError, ModelError
+from echocal.quantities import QUANTITIES
 
 __all__ = ["DISTANCE", "Shape"]
 

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import checks, clock, labels
@@ -21,6 +20,7 @@ from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
+from echocal.quantities import QUANTITIES
 
 __all__ = ["Assembly"]
 

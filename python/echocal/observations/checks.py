@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.conditions import QUANTITIES
 from echocal.errors import DataError
 from echocal.observations.clock import YEARS
 from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
 from echocal.observations.units import NAMES, Form, Unit
+from echocal.quantities import QUANTITIES
 
 __all__ = ["ends", "impossible", "newest_first", "outside_years", "refuse_other_unit", "refuse_truth"]
 __all__ += ["refuse_without_values", "si_unit", "suspected_codes"]
@@ -169,7 +169,7 @@ def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask
 
 def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[str]:
     """A sentence on each value that loggers write where they have none."""
-    codes = (85.0, *_CODES) if assignment.name == "temperature_C" else _CODES  # 85: DS18B20 at power-on
+    codes = (*assignment.form.error_codes.get(assignment.unit_name, ()), *_CODES)
     least, most = seen
     found = {code: int((values == code).sum()) for code in codes if least <= code <= most}
     column = assignment.column

@@ -4,37 +4,13 @@ import re
 from difflib import get_close_matches
 
 from echocal.errors import DataError, UsageError
-from echocal.observations.units import FORMS, NAMES, Form
+from echocal.observations.units import FORMS, NAMES, UNIT_WORDS, Form
 
 __all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
 EXTRA = "extra"
 IGNORE = "ignore"
 
-_UNIT_WORDS = {
-    "": ("1", "fraction", "iso 8601"),
-    "C": ("degc", "°c", "celsius"),
-    "F": ("degf", "°f", "fahrenheit"),
-    "K": ("kelvin",),
-    "cm": ("centimeter", "centimeters", "centimetres"),
-    "deg": ("degree", "degrees", "°"),
-    "h": ("hour", "hours"),
-    "hPa": ("hectopascal",),
-    "inch": ("in", "inches"),
-    "kPa": ("kilopascal",),
-    "km_h": ("km/h",),
-    "m": ("meter", "meters", "metres"),
-    "m_s": ("m/s",),
-    "min": ("minute", "minutes"),
-    "mm": ("millimeter", "millimeters", "millimetres"),
-    "ms": ("millisecond", "milliseconds"),
-    "Pa": ("pascal",),
-    "percent": ("%",),
-    "s": ("second", "seconds"),
-    "us": ("µs", "μs", "microsecond", "microseconds"),
-    "V": ("volt", "volts"),
-    "W_m2": ("w/m2", "w/m^2", "w/m²"),
-}
 _ROLES = sorted((form.role for form in FORMS), key=len, reverse=True)
 _FORM_BY_ROLE = {form.role: form for form in FORMS}
 _FORM_BY_WORDS = {words: form for form in FORMS for words in (*form.words, form.role.replace("_", " "))}
@@ -122,5 +98,5 @@ def unit_of(request: str) -> str:
     """Unit that a name or a phrase ends with, in brackets or after "in"; empty without one."""
     match = _PHRASE.fullmatch(request)
     written = ((match["unit"] or match["bracket"] or "") if match else "").strip()
-    known = (unit for unit, words in _UNIT_WORDS.items() if written.lower() in words)
+    known = (unit for unit, words in UNIT_WORDS.items() if written.lower() in words)
     return next(known, written)

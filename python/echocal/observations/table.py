@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Observations", "demand"]
+__all__ = ["Observations", "require_observations"]
 
 Column = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Observations:
         Recorded echo time, out and back [s]. Where the source has readings instead, this is
         ``2 reading / c`` with the speed that the firmware used.
     conditions : mapping of str to ndarray, shape (n,)
-        Recorded influence quantities by name (see `echocal.conditions.QUANTITIES`), only those
+        Recorded influence quantities by name (see `echocal.quantities.QUANTITIES`), only those
         that the source has, and those that are derived from its rows, such as rates of change.
     reference_distance : ndarray, shape (n,), or None
         Reference distance [m]; None where the source has none.
@@ -126,7 +126,7 @@ class Observations:
             raise DataError(message)
 
 
-def demand(given: object, who: str) -> None:
+def require_observations(given: object, who: str) -> None:
     """Raise `UsageError` where a function got anything but observations."""
     if not isinstance(given, Observations):
         message = (

@@ -13,6 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from echocal.quantities import QUANTITIES
+from echocal.quantities.units import printed
+
 __all__ = ["plot_sweep", "sweep_figure"]
 
 # what a person reads: unit on paper, and its size in the unit of the grid
@@ -23,7 +26,6 @@ _SHOWN = {
     "indication": ("m", 1.0),
 }
 _NAMES = {name: name.replace("_", " ") for name in _SHOWN} | {"time_of_flight": "echo time"}
-_UNITS = {"degC": "°C", "m s-1": "m/s", "W m-2": "W/m²", "1": ""}
 _LEGEND = 6  # more lines than this are read from a color bar
 _ROUNDING = 1e-9  # a nanosecond, a nanometer: less is nothing to see
 _DASHES = ("-", "--", ":", "-.")
@@ -159,13 +161,18 @@ def _varies(values: NDArray[np.float64]) -> bool:
 
 def _label(grid: xr.Dataset, name: str) -> str:
     attributes = grid[name].attrs
-    unit = _UNITS.get(attributes["units"], attributes["units"])
+    unit = _unit(grid, name)
     return f"{attributes['long_name']} [{unit}]" if unit else str(attributes["long_name"])
 
 
 def _value(grid: xr.Dataset, name: str, value: Any) -> str:
-    unit = _UNITS.get(grid[name].attrs["units"], grid[name].attrs["units"])
+    unit = _unit(grid, name)
     return f"{grid[name].attrs['long_name']} {float(value):g} {unit}".rstrip()
+
+
+def _unit(grid: xr.Dataset, name: str) -> str:
+    facts = QUANTITIES.get(name)
+    return str(grid[name].attrs["units"]) if facts is None else printed(facts.unit)
 
 
 def _color_bar(grid: xr.Dataset, name: str, ax: Axes) -> None:

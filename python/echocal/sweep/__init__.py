@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._core import __version__
-from echocal.conditions import QUANTITIES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
+from echocal.quantities import QUANTITIES
+from echocal.quantities.units import in_cf
 from echocal.sweep.grid import Range, axis, parse, parse_named
 
 if TYPE_CHECKING:
@@ -19,14 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["Range", "parse", "parse_named", "sweep"]
 
 _LARGEST = 100_000_000
-_CF_UNITS = {"degC": "degC", "m/s": "m s-1", "W/m^2": "W m-2"}
-_STANDARD_NAMES = {
-    "temperature": "air_temperature",
-    "relative_humidity": "relative_humidity",
-    "pressure": "air_pressure",
-    "co2_mole_fraction": "mole_fraction_of_carbon_dioxide_in_air",
-    "wind_speed": "wind_speed",
-}
 _RESULTS = {
     "speed_of_sound": ("m s-1", "speed of sound on the path"),
     "time_of_flight": ("s", "recorded echo time, out and back"),
@@ -132,10 +125,9 @@ def _placed(values: NDArray[np.float64], name: str, dimensions: list[str]) -> ND
 def _attributes(name: str) -> dict[str, str]:
     if name == "distance":
         return {"units": "m", "long_name": "true distance"}
-    unit = QUANTITIES[name].unit
-    long_name = name.replace("_", " ").replace("co2", "CO2")
-    attributes = {"units": _CF_UNITS.get(unit, unit), "long_name": long_name}
-    return attributes | ({"standard_name": _STANDARD_NAMES[name]} if name in _STANDARD_NAMES else {})
+    facts = QUANTITIES[name]
+    attributes = {"units": in_cf(facts.unit), "long_name": facts.words}
+    return attributes | ({"standard_name": facts.standard_name} if facts.standard_name else {})
 
 
 def _result_attributes(name: str) -> dict[str, str]:

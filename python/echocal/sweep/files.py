@@ -8,18 +8,12 @@ import xarray as xr
 
 from echocal.errors import UsageError
 from echocal.outputs import replacing
+from echocal.quantities import QUANTITIES
 
 __all__ = ["table", "write"]
 
-_COLUMNS = {
-    "temperature": "temperature_C",
+_COLUMNS = {name: facts.si_column for name, facts in QUANTITIES.items()} | {
     "distance": "distance_m",
-    "pressure": "pressure_Pa",
-    "elapsed_time": "time_s",
-    "supply_voltage": "supply_V",
-    "angle": "angle_rad",
-    "wind_speed": "wind_m_s",
-    "radiation": "radiation_W_m2",
     "speed_of_sound": "speed_of_sound_m_s",
     "time_of_flight": "echo_s",
     "indication": "reading_m",

@@ -6,9 +6,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.conditions import QUANTITIES
+from echocal.conditions import numbers
 from echocal.errors import UsageError
 from echocal.observations.units import NAMES
+from echocal.quantities import QUANTITIES
 
 __all__ = ["Range", "axis", "parse", "parse_named"]
 
@@ -16,7 +17,7 @@ Range: TypeAlias = "float | tuple[float, float, float] | Sequence[float] | NDArr
 """One value; (start, stop, step), stop included; or values one by one."""
 
 _LARGEST = 10_000_000
-_LEAST = {"temperature": -273.15, "distance": 0.0, "relative_humidity": 0.0, "pressure": 1.0}  # SI
+_LEAST = {name: facts.possible[0] for name, facts in QUANTITIES.items()} | {"distance": 0.0}  # SI
 
 
 def axis(name: str, given: Range) -> NDArray[np.float64]:
@@ -27,7 +28,7 @@ def axis(name: str, given: Range) -> NDArray[np.float64]:
     UsageError
         If the range is empty or holds anything but finite, possible numbers.
     """
-    values = _stepped(name, given) if isinstance(given, tuple) else _numbers(name, given)
+    values = _stepped(name, given) if isinstance(given, tuple) else _finite(name, given)
     if values.ndim > 1 or values.size == 0:
         message = f"{name}: expected one value, (start, stop, step) or a list, got shape {values.shape}"
         raise UsageError(message)
@@ -51,16 +52,16 @@ def parse(name: str, text: str) -> Range:
     """
     separator = ":" if ":" in text else ","
     try:
-        numbers = [float(part) for part in text.split(separator)]
+        parts = [float(part) for part in text.split(separator)]
     except ValueError:
-        numbers = []
-    match separator, numbers:
+        parts = []
+    match separator, parts:
         case _, [value]:
             return value
         case ":", [start, stop, step]:
             return start, stop, step
         case ",", [_, *_]:
-            return numbers
+            return parts
     message = f"{name}: '{text}' is no range; write 20, or 0:50:2 (start:stop:step), or 0.5,1,2"
     raise UsageError(message)
 
@@ -83,14 +84,8 @@ def parse_named(text: str) -> tuple[str, NDArray[np.float64]]:
     return quantity, form.units[unit].to_si(axis(name, parse(name, range_)))
 
 
-def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
-    try:
-        if np.asarray(given).dtype.kind in "mM":
-            raise TypeError  # NumPy would take a date for a number
-        values = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        message = f"{name}: expected numbers, got {given!r}"
-        raise UsageError(message) from None
+def _finite(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    values = numbers(name, given)
     if not np.isfinite(values).all():
         message = f"{name}: expected finite numbers, got {given!r}"
         raise UsageError(message)
@@ -98,7 +93,7 @@ def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
 
 
 def _stepped(name: str, given: tuple[float, ...]) -> NDArray[np.float64]:
-    limits = _numbers(name, given)
+    limits = _finite(name, given)
     if limits.shape != (3,):
         message = f"{name}: a tuple is (start, stop, step), got {given!r}; write values one by one as a list"
         raise UsageError(message)

@@ -52,14 +52,17 @@ fn distance_on_threads(bencher: Bencher<'_, '_>, threads: usize) {
 }
 
 fn run(bencher: Bencher<'_, '_>, kernel: &dyn Kernel, threads: usize) {
-    let (data, output, carbon_dioxide) = (inputs(), vec![0.0; ROWS], [4e-4]);
+    let (data, mut output, carbon_dioxide) = (inputs(), vec![0.0; ROWS], [4e-4]);
     let column = |values: &[f64]| Column {
         start: values.as_ptr().cast_mut().cast(),
         stride: if values.len() == 1 { 0 } else { 8 },
     };
     let mut columns: Vec<_> = data.iter().map(|values| column(values)).collect();
     columns.push(column(&carbon_dioxide));
-    let target = column(&output);
+    let target = Column {
+        start: output.as_mut_ptr().cast(),
+        stride: 8,
+    };
     bencher.counter(ItemsCount::new(ROWS)).bench_local(|| {
         // SAFETY: all columns have `ROWS` rows or are constant; nothing else uses the output.
         unsafe { kernel.run_f64(&columns, target, ROWS, threads) };

@@ -1,48 +1,6 @@
 //! Influence quantities: what a row of a table tells about the circumstances of an echo.
 
-/// An influence quantity (VIM 2.52) that laws and effects may read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(usize)]
-pub enum Quantity {
-    /// Recorded air temperature \[degC\].
-    Temperature,
-    /// Recorded relative humidity over liquid water \[1\].
-    RelativeHumidity,
-    /// Recorded air pressure \[Pa\].
-    Pressure,
-    /// CO2 mole fraction \[1\].
-    Co2MoleFraction,
-    /// Time since the first row \[s\].
-    ElapsedTime,
-    /// Supply voltage of the sensor \[V\].
-    SupplyVoltage,
-    /// Angle of incidence on the target \[rad\].
-    Angle,
-    /// Wind speed \[m/s\].
-    WindSpeed,
-    /// Irradiance on the thermometer's shield \[W/m^2\].
-    Radiation,
-    /// Echo amplitude relative to full scale \[1\].
-    Amplitude,
-    /// Rate of change of the recorded temperature \[K/s\].
-    TemperatureRate,
-    /// Temperature recorded one row later \[degC\].
-    TemperatureLater1,
-    /// Temperature recorded two rows later \[degC\].
-    TemperatureLater2,
-    /// Temperature recorded three rows later \[degC\].
-    TemperatureLater3,
-    /// Temperature recorded four rows later \[degC\].
-    TemperatureLater4,
-    /// Temperature recorded five rows later \[degC\].
-    TemperatureLater5,
-    /// Rate of change of the irradiance \[W/(m^2 s)\].
-    RadiationRate,
-    /// Position of a row in its burst, 0 for the first \[1\].
-    PositionInGroup,
-    /// Hour angle of the local clock, 0 at noon \[rad\].
-    HourAngle,
-}
+use core::f64::consts::PI;
 
 /// Name, unit and default of an influence quantity.
 #[derive(Clone, Copy, Debug)]
@@ -57,51 +15,80 @@ pub struct QuantityFacts {
     pub default: Option<f64>,
     /// What a table must hold for it to be derived row by row; `None`: it is recorded itself.
     pub derived_from: Option<&'static str>,
+    /// Range in the field \[unit\]; a firmware states the error of not measuring it over this range. Set by hand:
+    /// pressures from 2,000 m altitude to a high, CO2 from outdoor air to a crowded room, a supply of 5 V +- 10 %.
+    pub field: (f64, f64),
+    /// The quantity that `field` is counted from; `None`: `field` is absolute.
+    pub field_from: Option<Quantity>,
+}
+
+/// Makes the enum and the table of facts of one list, so that neither can lack an entry of the other.
+macro_rules! quantities {
+    ($($(#[$documentation:meta])* $id:ident: $kind:ident($($fact:expr),*),)*) => {
+        /// An influence quantity (VIM 2.52) that laws and effects may read.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(usize)]
+        pub enum Quantity {
+            $($(#[$documentation])* $id,)*
+        }
+
+        impl Quantity {
+            /// How many quantities there are.
+            pub const COUNT: usize = [$(Self::$id),*].len();
+
+            /// All quantities, in the order of [`Conditions`].
+            pub const ALL: [QuantityFacts; Self::COUNT] = [$($kind(Self::$id, $($fact),*)),*];
+        }
+    };
+}
+
+// One entry per quantity: name, unit, then
+//   recorded: the default and the range in the field
+//   derived:  what a table must hold, and the range in the field
+// What people call it, its columns and its units stand in python/echocal/quantities/NAME.py.
+quantities! {
+    /// Recorded air temperature \[degC\].
+    Temperature: recorded("temperature", "degC", None, (-20.0, 60.0)),
+    /// Recorded relative humidity over liquid water \[1\].
+    RelativeHumidity: recorded("relative_humidity", "1", Some(0.0), (0.0, 1.0)),
+    /// Recorded air pressure \[Pa\].
+    Pressure: recorded("pressure", "Pa", Some(101_325.0), (80e3, 106e3)),
+    /// CO2 mole fraction \[1\].
+    Co2MoleFraction: recorded("co2_mole_fraction", "1", Some(4e-4), (3e-4, 2e-3)),
+    /// Time since the first row \[s\].
+    ElapsedTime: recorded("elapsed_time", "s", None, (0.0, 86_400.0)),
+    /// Supply voltage of the sensor \[V\].
+    SupplyVoltage: recorded("supply_voltage", "V", None, (4.5, 5.5)),
+    /// Angle of incidence on the target \[rad\].
+    Angle: recorded("angle", "rad", None, (0.0, 0.26)),
+    /// Wind speed \[m/s\].
+    WindSpeed: recorded("wind_speed", "m/s", None, (0.0, 10.0)),
+    /// Irradiance on the thermometer's shield \[W/m^2\].
+    Radiation: recorded("radiation", "W/m^2", None, (0.0, 1000.0)),
+    /// Echo amplitude relative to full scale \[1\].
+    Amplitude: recorded("amplitude", "1", None, (0.05, 1.0)),
+    /// Rate of change of the recorded temperature \[K/s\].
+    TemperatureRate: derived("temperature_rate", "K/s", "time and temperature", (-0.01, 0.01)),
+    /// Temperature recorded one row later \[degC\].
+    TemperatureLater1: later("temperature_later_1"),
+    /// Temperature recorded two rows later \[degC\].
+    TemperatureLater2: later("temperature_later_2"),
+    /// Temperature recorded three rows later \[degC\].
+    TemperatureLater3: later("temperature_later_3"),
+    /// Temperature recorded four rows later \[degC\].
+    TemperatureLater4: later("temperature_later_4"),
+    /// Temperature recorded five rows later \[degC\].
+    TemperatureLater5: later("temperature_later_5"),
+    /// Rate of change of the irradiance \[W/(m^2 s)\].
+    RadiationRate: derived("radiation_rate", "W/(m^2 s)", "time and radiation", (-0.5, 0.5)),
+    /// Position of a row in its burst, 0 for the first \[1\].
+    PositionInGroup: derived("position_in_group", "1", "group or order", (0.0, 10.0)),
+    /// Hour angle of the local clock, 0 at noon \[rad\].
+    HourAngle: derived("hour_angle", "rad", "times of day", (-PI, PI)),
 }
 
 impl Quantity {
-    /// How many quantities there are.
-    pub const COUNT: usize = 19;
-
-    /// All quantities, in the order of [`Conditions`].
-    pub const ALL: [QuantityFacts; Self::COUNT] = [
-        facts(Self::Temperature, "temperature", "degC", None),
-        facts(Self::RelativeHumidity, "relative_humidity", "1", Some(0.0)),
-        facts(Self::Pressure, "pressure", "Pa", Some(101_325.0)),
-        facts(Self::Co2MoleFraction, "co2_mole_fraction", "1", Some(4e-4)),
-        facts(Self::ElapsedTime, "elapsed_time", "s", None),
-        facts(Self::SupplyVoltage, "supply_voltage", "V", None),
-        facts(Self::Angle, "angle", "rad", None),
-        facts(Self::WindSpeed, "wind_speed", "m/s", None),
-        facts(Self::Radiation, "radiation", "W/m^2", None),
-        facts(Self::Amplitude, "amplitude", "1", None),
-        derived(
-            Self::TemperatureRate,
-            "temperature_rate",
-            "K/s",
-            "time and temperature",
-        ),
-        later(Self::TemperatureLater1, "temperature_later_1"),
-        later(Self::TemperatureLater2, "temperature_later_2"),
-        later(Self::TemperatureLater3, "temperature_later_3"),
-        later(Self::TemperatureLater4, "temperature_later_4"),
-        later(Self::TemperatureLater5, "temperature_later_5"),
-        derived(
-            Self::RadiationRate,
-            "radiation_rate",
-            "W/(m^2 s)",
-            "time and radiation",
-        ),
-        derived(
-            Self::PositionInGroup,
-            "position_in_group",
-            "1",
-            "group or order",
-        ),
-        derived(Self::HourAngle, "hour_angle", "rad", "times of day"),
-    ];
-
-    /// Name, unit and default.
+    /// Name, unit, default and range.
     #[must_use]
     pub fn facts(self) -> QuantityFacts {
         Self::ALL[self as usize]
@@ -115,11 +102,12 @@ impl Quantity {
     }
 }
 
-const fn facts(
+const fn recorded(
     quantity: Quantity,
     name: &'static str,
     unit: &'static str,
     default: Option<f64>,
+    field: (f64, f64),
 ) -> QuantityFacts {
     QuantityFacts {
         quantity,
@@ -127,6 +115,8 @@ const fn facts(
         unit,
         default,
         derived_from: None,
+        field,
+        field_from: None,
     }
 }
 
@@ -135,15 +125,19 @@ const fn derived(
     name: &'static str,
     unit: &'static str,
     from: &'static str,
+    field: (f64, f64),
 ) -> QuantityFacts {
     QuantityFacts {
         derived_from: Some(from),
-        ..facts(quantity, name, unit, None)
+        ..recorded(quantity, name, unit, None, field)
     }
 }
 
 const fn later(quantity: Quantity, name: &'static str) -> QuantityFacts {
-    derived(quantity, name, "degC", "time and temperature")
+    QuantityFacts {
+        field_from: Some(Quantity::Temperature),
+        ..derived(quantity, name, "degC", "time and temperature", (-1.0, 1.0))
+    }
 }
 
 /// The value of every influence quantity for one echo, as recorded.

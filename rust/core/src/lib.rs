@@ -17,7 +17,6 @@ pub mod dual;
 pub mod echo;
 pub mod effects;
 pub mod error;
-pub mod evidence;
 pub mod model;
 pub mod scalar;
 pub mod simd;

@@ -1,12 +1,13 @@
 //! Columns of candidate causes, over arrays.
 
-use echocal_core::batch::available_threads;
-use echocal_core::evidence::{
-    Columns, Distinct, Level, Memory, Numbers, Recipe, Shape, Sums, gram, legendre_lines,
-    wave_means,
-};
+use echocal_core::batch::{Numbers, available_threads};
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
+use echocal_infer::columns::{
+    BasisFunction, Columns, Distinct, Level, Recipe, legendre_lines, wave_means,
+};
+use echocal_infer::gram::gram;
+use echocal_infer::noise::{NoiseCorrelation, TableSums};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -16,16 +17,16 @@ use crate::border::{
     Column, ascending, at_most, labels, same_length, same_length_not_empty, within,
 };
 use crate::errors::to_python;
-use crate::evidence::layout;
+use crate::infer::layout;
 use crate::model::CoreModel;
-use crate::sums::{CoreSums, Remembered, memory};
+use crate::sums::{CoreSums, Remembered, correlation};
 
 /// A column that Python holds: read anew each time.
 type Held = Py<PyArray1<f64>>;
 
 /// Polynomials of one column, or waves. The diagnosis asks for 16 degrees and 2 waves at most; time and
 /// memory grow with them, so that a wrong number must not ask for any number of them.
-const MOST_SHAPES: usize = 1000;
+const MOST_FUNCTIONS: usize = 1000;
 
 /// A recorded quantity: one number, or a column.
 #[derive(FromPyObject)]
@@ -134,19 +135,19 @@ impl CoreColumns {
     ) -> PyResult<Vec<usize>> {
         let between = (low, high);
         let last = first.saturating_add(scales.len());
-        at_most("degrees from 0 on", last, MOST_SHAPES)?;
+        at_most("degrees from 0 on", last, MOST_FUNCTIONS)?;
         let of = self.hold(py, column)?;
         let recipes: Vec<Recipe> = self.using(py, |columns| {
             let degrees = first..first + scales.len();
             let lines = legendre_lines(degrees.clone(), columns.stored[of], between, first > 1);
             let each = scales.into_iter().zip(degrees).zip(lines);
             each.map(|((scale, degree), line)| {
-                let shape = Shape::Legendre {
+                let function = BasisFunction::Legendre {
                     degree,
                     between,
                     line,
                 };
-                Recipe::Of(of, shape, scale)
+                Recipe::Of(of, function, scale)
             })
             .collect()
         })?;
@@ -165,7 +166,7 @@ impl CoreColumns {
         period: f64,
         scales: Vec<f64>,
     ) -> PyResult<Vec<usize>> {
-        at_most("multiples of a wave", scales.len(), MOST_SHAPES)?;
+        at_most("multiples of a wave", scales.len(), MOST_FUNCTIONS)?;
         let of = self.hold(py, column)?;
         let means = self.using(py, |columns| {
             wave_means(scales.len(), columns.stored[of], period)
@@ -173,13 +174,13 @@ impl CoreColumns {
         let mut kept = Vec::new();
         for (k, (scale, means)) in scales.into_iter().zip(means).enumerate() {
             for (mean, cosine) in [(means.0, false), (means.1, true)] {
-                let shape = Shape::Wave {
+                let function = BasisFunction::Wave {
                     period,
                     multiple: 1 + k,
                     cosine,
                     mean,
                 };
-                kept.push(self.keep(Recipe::Of(of, shape, scale)));
+                kept.push(self.keep(Recipe::Of(of, function, scale)));
             }
         }
         Ok(kept)
@@ -252,13 +253,14 @@ impl CoreColumns {
         let (rows, count) = (self.distance.bind(py).len(), series.len());
         let (layout, places) = layout(&starts, &blocks, &cells, &distance, rows, &places, count)?;
         let threads = available_threads();
-        let memories: Vec<Memory> = memories.into_iter().map(memory).collect();
+        let models: Vec<NoiseCorrelation> = memories.into_iter().map(correlation).collect();
         let products = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
-            let sums = Memory::gather(&distinct.among(columns), &layout, &memories, threads);
+            let sums =
+                NoiseCorrelation::gather(&distinct.among(columns), &layout, &models, threads);
             sums.iter().map(|sums| distinct.spread(sums)).collect()
         })?;
-        let sums = Sums {
+        let sums = TableSums {
             products,
             width: self.recipes.len(),
             cells: places,

@@ -1,4 +1,4 @@
-//! Python binding of echocal: conversion only.
+//! Python binding of echocal: arguments are converted and checked here, and kernels become NumPy ufuncs.
 
 use pyo3::prelude::*;
 
@@ -7,8 +7,8 @@ mod border;
 mod columns;
 mod domain;
 mod errors;
-mod evidence;
 mod firmware;
+mod infer;
 mod laws;
 mod model;
 mod noise;
@@ -33,9 +33,9 @@ mod _core {
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
-    use super::evidence::{left_over, posterior, weigh};
-    #[pymodule_export]
     use super::firmware::{CoreFirmware, design_firmware, echo_times};
+    #[pymodule_export]
+    use super::infer::{left_over, posterior, weigh};
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]

@@ -22,7 +22,7 @@ pub struct CoreModel {
 }
 
 /// One value or column per influence quantity; None where it was not recorded.
-type Given<'py> = [Option<Bound<'py, PyAny>>; Quantity::COUNT];
+type RecordedQuantities<'py> = [Option<Bound<'py, PyAny>>; Quantity::COUNT];
 
 #[pymethods]
 impl CoreModel {
@@ -68,7 +68,7 @@ impl CoreModel {
     fn indicate<'py>(
         &self,
         distance: &Bound<'py, PyAny>,
-        conditions: Given<'py>,
+        conditions: RecordedQuantities<'py>,
         out: Option<&Bound<'py, PyAny>>,
         n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -86,7 +86,7 @@ impl CoreModel {
     fn speed_of_sound<'py>(
         &self,
         distance: &Bound<'py, PyAny>,
-        conditions: Given<'py>,
+        conditions: RecordedQuantities<'py>,
         out: Option<&Bound<'py, PyAny>>,
         n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -104,7 +104,7 @@ impl CoreModel {
     fn time_of_flight<'py>(
         &self,
         distance: &Bound<'py, PyAny>,
-        conditions: Given<'py>,
+        conditions: RecordedQuantities<'py>,
         out: Option<&Bound<'py, PyAny>>,
         n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -122,7 +122,7 @@ impl CoreModel {
     fn correct<'py>(
         &self,
         indication: &Bound<'py, PyAny>,
-        conditions: Given<'py>,
+        conditions: RecordedQuantities<'py>,
         out: Option<&Bound<'py, PyAny>>,
         n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -140,7 +140,7 @@ impl CoreModel {
     fn distance<'py>(
         &self,
         time: &Bound<'py, PyAny>,
-        conditions: Given<'py>,
+        conditions: RecordedQuantities<'py>,
         out: Option<&Bound<'py, PyAny>>,
         n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -178,7 +178,7 @@ impl CoreModel {
         &self,
         output: ModelOutput,
         (name, first): (&'static str, &Bound<'py, PyAny>),
-        conditions: &Given<'py>,
+        conditions: &RecordedQuantities<'py>,
         out: Option<&Bound<'py, PyAny>>,
         n_threads: Option<Threads>,
     ) -> PyResult<Bound<'py, PyAny>> {

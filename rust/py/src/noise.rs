@@ -1,6 +1,6 @@
 //! Likelihoods of noises, over arrays.
 
-use echocal_core::evidence::{Kernel, Slips};
+use echocal_infer::noise::{CycleSlips, NoiseDensity};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -23,7 +23,7 @@ pub fn log_density<'py>(
     values: Column<'py, f64>,
     freedom: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let found = Kernel::of(freedom).log_densities(&values);
+    let found = NoiseDensity::of(freedom).log_densities(&values);
     Ok(PyArray1::from_vec(py, found))
 }
 
@@ -44,22 +44,22 @@ pub fn slips<'py>(
 ) -> PyResult<Fitted<'py>> {
     let (left, step) = (&*left, &*step);
     let (cells, _) = labels("cells", &cells)?;
-    let (stretches, _) = labels("stretches", &stretches)?;
+    let (segments, _) = labels("stretches", &stretches)?;
     same_length_not_empty(&[
         ("left", left.len()),
         ("step", step.len()),
         ("cells", cells.len()),
-        ("stretches", stretches.len()),
+        ("stretches", segments.len()),
         ("level", level.len()),
     ])?;
     if orders.is_empty() {
         return Err(PyValueError::new_err("there are no orders"));
     }
-    let slips = Slips {
+    let slips = CycleSlips {
         left,
         step,
         cells: &cells,
-        stretches: &stretches,
+        segments: &segments,
         orders: &orders,
         freedom,
         spread,

@@ -98,6 +98,8 @@ pub fn quantities(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         dict.set_item("unit", facts.unit)?;
         dict.set_item("default", facts.default)?;
         dict.set_item("derived_from", facts.derived_from)?;
+        dict.set_item("field_range", facts.field)?;
+        dict.set_item("field_from", facts.field_from.map(|q| q.facts().name))?;
         Ok(dict)
     });
     all.collect()

@@ -1,7 +1,9 @@
 //! What one pass over a table leaves, and its whitening.
 
 use echocal_core::batch::available_threads;
-use echocal_core::evidence::{Convection, Memory, Noise, Sums};
+use echocal_infer::noise::{
+    Autoregression, Convection, MovingAverage, NoiseCorrelation, NoiseModel, TableSums, White,
+};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray3};
 use pyo3::exceptions::PyValueError;
@@ -9,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::border::{Column, ascending, same_length, within};
 
-/// Memory (by position), autoregression, variance ratio of stands, weight of first rows, log prior.
+/// Correlation (by position), autoregression, variance ratio of stations, weight of first rows, log prior.
 type Given = (usize, f64, f64, f64, f64);
 
 /// A moving-average coefficient, or autoregression and growth of a convection; None is white.
@@ -19,17 +21,19 @@ pub enum Remembered {
     Fading(f64),
 }
 
-pub fn memory(remembered: Option<Remembered>) -> Memory {
+pub fn correlation(remembered: Option<Remembered>) -> NoiseCorrelation {
     match remembered {
-        None => Memory::White,
+        None => NoiseCorrelation::White(White),
         Some(Remembered::Convection((rho, growth))) => {
-            Memory::Convection(Convection { rho, growth })
+            NoiseCorrelation::Convection(Convection { rho, growth })
         }
-        Some(Remembered::Fading(factor)) => Memory::Fading(factor),
+        Some(Remembered::Fading(coefficient)) => {
+            NoiseCorrelation::MovingAverage(MovingAverage { coefficient })
+        }
     }
 }
 
-/// A series whitened for a memory, and the sum of the log variances of its rows.
+/// A series whitened for a correlation, and the sum of the log variances of its rows.
 #[pyfunction]
 pub fn whitened<'py>(
     py: Python<'py>,
@@ -46,15 +50,16 @@ pub fn whitened<'py>(
         ("starts", starts.len()),
         ("distance", distance.len()),
     ])?;
-    let memory = memory(remembered);
-    let (white, log) = py.detach(|| memory.whitened(rho, first_weight, values, starts, distance));
+    let model = correlation(remembered);
+    let own = Autoregression { rho, first_weight };
+    let (white, log) = py.detach(|| model.whitened(own, values, starts, distance));
     Ok((PyArray1::from_vec(py, white), log))
 }
 
 /// Lag-0 and lag-1 products of columns, block by block.
 #[pyclass(name = "Sums", module = "echocal._core")]
 pub struct CoreSums {
-    pub(crate) sums: Sums,
+    pub(crate) sums: TableSums,
 }
 
 /// Matrices of some columns as matrices of all, zero elsewhere.
@@ -90,14 +95,14 @@ impl CoreSums {
         let memories = noises.iter().map(|noise| noise.0);
         within("memory", memories, self.sums.products.len())?;
         same_length(&[("used", used.len()), ("series", self.sums.series.len())])?;
-        let noise = |(memory, rho, stand_ratio, first_weight, log_prior)| Noise {
-            memory,
+        let noise = |(correlation, rho, station_ratio, first_weight, log_prior)| NoiseModel {
+            correlation,
             rho,
-            stand_ratio,
+            station_ratio,
             first_weight,
             log_prior,
         };
-        let noises: Vec<Noise> = noises.into_iter().map(noise).collect();
+        let noises: Vec<NoiseModel> = noises.into_iter().map(noise).collect();
         let (threads, width) = (available_threads(), self.sums.width);
         if let Some(chosen) = &chosen {
             within("column", chosen.iter().copied(), width)?;

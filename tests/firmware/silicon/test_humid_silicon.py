@@ -10,6 +10,8 @@ from test_silicon import DRY
 import echocal
 from echocal import Model, firmware, silicon
 
+pytestmark = pytest.mark.slow
+
 COARSE = {"temperature": (4.0, -20.0, 60.0), "humidity": (0.25, 0.0, 1.0), "echo": 24_000}
 FINE = {"temperature": (0.0625, -20.0, 60.0), "humidity": (0.01, 0.0, 1.0)}
 

@@ -53,6 +53,7 @@ def dry_air(target: str, wish: str = "size") -> Firmware:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", silicon.CORES)
 def test_all_32_million_inputs(name: str) -> None:
     made = dry_air(name)
@@ -74,11 +75,13 @@ def test_a_delay_costs_a_subtraction(core: str, prefer: str) -> None:
     check(made, core, "-Os", DELAYED[core, prefer])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in silicon.CORES if name != "avr"])
 def test_every_form_on_every_core(name: str, case: Firmware) -> None:
     assert silicon.output_hash(case, name) == case.report["output_hash"]
 
 
+@pytest.mark.slow
 def test_every_form_on_avr(case: Firmware, tmp_path: Path) -> None:
     """Three rows of each: the first, one in the middle, the last."""
     board = silicon.CORES["avr"]

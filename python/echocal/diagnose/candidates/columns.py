@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.conditions import QUANTITIES
 from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
+from echocal.quantities import QUANTITIES
 
 __all__ = ["Columns"]
 

@@ -15,12 +15,13 @@ from echocal.diagnose.findings.parts import NextMeasurement
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.refute import Validation
+from echocal.quantities import QUANTITIES
 
 __all__ = ["propose"]
 
 Column = NDArray[np.float64]
 
-_WORKSHOP = {"distance": (0.3, 3.0), "temperature": (5.0, 35.0)}
+_WORKSHOP = {"distance": (0.3, 3.0)} | {q.id: q.workshop for q in QUANTITIES.values() if q.workshop}
 """Default ranges, in m and degC: a tape, a fridge and a warm box are enough for them."""
 
 _ROWS = 10  # rows proposed
@@ -77,7 +78,7 @@ def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
     """Conditions of each place: the varied ones, else the median; the time is that of the last row."""
     places = len(next(iter(varied.values())))
     recorded = {
-        name: np.full(places, column.max() if name == "elapsed_time" else np.median(column))
+        name: np.full(places, column.max() if QUANTITIES[name].runs_on else np.median(column))
         for name, column in case.table.conditions.items()
     }
     level = float(np.median(case.table.distance(case.base.plain)))

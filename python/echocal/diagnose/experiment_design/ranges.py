@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.conditions import QUANTITIES
 from echocal.errors import UsageError
 from echocal.observations.units import FORMS
+from echocal.quantities import QUANTITIES
 
 __all__ = ["Ranges", "checked_ranges", "corners_and_middle", "grid", "parsed_ranges"]
 
@@ -68,7 +68,7 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
     if not isinstance(can_vary, Mapping):
         message = f"can_vary maps conditions to two ends, {{'distance': (0.2, 4.0)}}; got {can_vary!r}"
         raise UsageError(message)
-    names = ["distance", *(name for name in recorded if name in _UNITS and name != "elapsed_time")]
+    names = ["distance", *(name for name in recorded if name in _UNITS and not QUANTITIES[name].runs_on)]
     for name, ends in can_vary.items():
         if name not in names:
             known = ", ".join(f"{name} (in{_UNITS[name]})" if _UNITS[name] else name for name in names)

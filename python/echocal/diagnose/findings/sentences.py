@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.conditions import QUANTITIES
 from echocal.diagnose.findings.parts import Shifted
 from echocal.observations.quantiles import median, quantiles
+from echocal.quantities import BY_COLUMN, QUANTITIES
 
 __all__ = [
     "Recorded",
@@ -25,20 +25,10 @@ __all__ = [
 
 Column = NDArray[np.float64]
 
-_SHOWN = {  # unit and factor in which people read a quantity
-    "temperature": ("degC", 1.0),
-    "relative_humidity": ("%", 100.0),
-    "pressure": ("hPa", 0.01),
-    "co2_mole_fraction": ("ppm", 1e6),
-    "elapsed_time": ("days", 1 / 86400),
-    "time": ("days", 1 / 86400),
-    "distance": ("m", 1.0),
-    "supply_voltage": ("V", 1.0),
-    "angle": ("deg", 180 / np.pi),
-    "wind_speed": ("m/s", 1.0),
-    "radiation": ("W/m2", 1.0),
-    "hour of day": ("h", 1.0),
-}
+_SHOWN = {name: (facts.shown.unit, facts.shown.factor) for name, facts in QUANTITIES.items()}
+_SHOWN |= {name: _SHOWN[facts.id] for name, facts in BY_COLUMN.items()}
+_SHOWN |= {"distance": ("m", 1.0), "hour of day": ("h", 1.0)}  # columns that are no influence quantities
+"""Unit and factor in which people read a column."""
 
 _READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
 
@@ -87,7 +77,7 @@ def shown(name: str, values: Column) -> tuple[Column, str]:
 
 def spoken(name: str) -> str:
     """Name of a column in a sentence: a quantity of echocal in words, any other name unchanged."""
-    return name.replace("_", " ") if name in QUANTITIES or name in _SHOWN else name
+    return QUANTITIES[name].words if name in QUANTITIES else name
 
 
 @dataclass(frozen=True, eq=False)

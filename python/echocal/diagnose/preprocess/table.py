@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.conditions import QUANTITIES
 from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
 from echocal.observations.quantiles import median
+from echocal.quantities import AIR, QUANTITIES
 
 __all__ = ["Table", "levels"]
 
@@ -105,7 +105,7 @@ class Table:
 
     def air(self) -> dict[str, float]:
         """Median of the recorded humidity, pressure and CO2."""
-        recorded = self.conditions.keys() & {"relative_humidity", "pressure", "co2_mole_fraction"}
+        recorded = self.conditions.keys() & {*AIR} - {"temperature"}
         medians = {name: median(self.conditions[name]) for name in sorted(recorded)}
         return {name: float(f"{value:.6g}") for name, value in medians.items()}  # 63.4 % is 0.634
 
@@ -116,7 +116,7 @@ class Table:
     def known(self) -> dict[str, Column]:
         """Those with a known meaning: influence quantities, distance, and time or row."""
         recorded = {n: c for n, c in self.conditions.items() if QUANTITIES[n].derived_from is None}
-        columns = {"time" if name == "elapsed_time" else name: c for name, c in recorded.items()}
+        columns = {QUANTITIES[name].column: c for name, c in recorded.items()}
         if "time" not in columns:
             columns["row"] = (self.row + 1).astype(float)  # as messages count
         if self.reference is not None:

@@ -1,27 +1,21 @@
-"""The diagnosis as data."""
+"""The diagnosis that a user gets: its data and its methods."""
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.diagnose.experiment_design.average import Estimate, Member, averaged
+from echocal.diagnose.experiment_design.average import Estimate, averaged
 from echocal.diagnose.findings.parts import (
     OF_THIS_TABLE,
-    Cause,
-    Gain,
-    NextMeasurement,
-    Refuted,
-    Traces,
-    Unexplained,
-    Verdict,
 )
-from echocal.diagnose.settings import Settings
+from echocal.diagnose.results.explain import explain
+from echocal.diagnose.results.outcome import Outcome
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
@@ -33,41 +27,13 @@ Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Outcome):
     """What the base simulation gets wrong, with probabilities.
 
-    Attributes
-    ----------
-    verdict : str
-        ``named``: one class of causes that these data cannot separate has a probability of at least
-        0.9. ``ambiguous``: several causes can explain the data. ``unknown``: an effect outside the
-        catalogue is detected. ``nothing``: no effect is detected.
-    causes : tuple of Cause
-    posterior : tuple of (tuple of str, float)
-        Probability of sets of causes. The empty set is "no effect"; ``unknown`` is an effect
-        outside the catalogue.
-    credible_set : tuple of tuple of str
-        The fewest sets whose probabilities add up to at least 0.95.
-    unexplained : Unexplained or None
-    refuted : tuple of Refuted
-        Causes that fit, but make the error on cross-validated or held-out rows larger.
-    gain : Gain or None
-    next_measurements : tuple of NextMeasurement
-    rows, base, noise : mapping
-        Rows used and left out; the base simulation; the most probable noise.
-    notes : tuple of str
-        What a user should know besides the verdict.
-    settings : Settings
-        Every number that decided the verdict.
-    model : Model
-        The base extended by the claimed causes. Its ``air`` holds the median of the recorded
-        humidity, pressure and CO2, which the model assumes where they are not given.
-    traces : Traces
-        Columns for plots.
-    members : tuple of Member
-        The possible sets of causes, each with its model. `predict` and `correct` average over them.
-    seconds : float
-        Time that the diagnosis took [s].
+    Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
+    ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
+    ``next_measurements``, ``rows``, ``base``, ``noise``, ``notes``, ``settings``, ``model``, ``traces``,
+    ``members`` and ``seconds``.
 
     Examples
     --------
@@ -81,24 +47,6 @@ class Diagnosis:
     >>> diagnosis.to_dict()["schema"]
     'echocal.diagnosis/1'
     """
-
-    verdict: Verdict
-    causes: tuple[Cause, ...]
-    posterior: tuple[tuple[tuple[str, ...], float], ...]
-    credible_set: tuple[tuple[str, ...], ...]
-    unexplained: Unexplained | None
-    refuted: tuple[Refuted, ...]
-    gain: Gain | None
-    next_measurements: tuple[NextMeasurement, ...]
-    rows: Mapping[str, Any]
-    base: Mapping[str, Any]
-    noise: Mapping[str, float]
-    notes: tuple[str, ...]
-    settings: Settings = field(repr=False)
-    model: Model = field(repr=False)
-    traces: Traces = field(repr=False)
-    members: tuple[Member, ...] = field(repr=False, default=())
-    seconds: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
@@ -220,8 +168,6 @@ class Diagnosis:
 
     def explain(self) -> str:
         """The diagnosis in sentences that a user can check in the data."""
-        from echocal.diagnose.results.explain import explain
-
         return explain(self)
 
 

@@ -5,7 +5,7 @@ from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, quantity_text, shifted_text
 from echocal.diagnose.noises.registry import listed_only
-from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 
@@ -14,7 +14,7 @@ _OUTSIDE = "an effect outside the catalogue"
 _NO_SHIFT = "no cause that shifts the readings"
 
 
-def explain(diagnosis: Diagnosis) -> str:
+def explain(diagnosis: Outcome) -> str:
     """Sentences, a line for each fact, that a user can check in the data."""
     lines = [f"{lead(diagnosis)}.", _rows(diagnosis)]
     for cause in diagnosis.causes:
@@ -27,7 +27,7 @@ def explain(diagnosis: Diagnosis) -> str:
     return "\n".join(lines)
 
 
-def lead(diagnosis: Diagnosis) -> str:
+def lead(diagnosis: Outcome) -> str:
     """The verdict in one to three sentences, without the last period."""
     if diagnosis.verdict == "nothing":
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
@@ -50,7 +50,7 @@ def lead(diagnosis: Diagnosis) -> str:
     return ". ".join([*said, *([f"They also show {_OUTSIDE}"] if diagnosis.unexplained else [])])
 
 
-def _left_open(diagnosis: Diagnosis) -> str:
+def _left_open(diagnosis: Outcome) -> str:
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
         return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"
@@ -69,7 +69,7 @@ def _class(cause: Cause) -> str:
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} similar causes'})"
 
 
-def _rows(diagnosis: Diagnosis) -> str:
+def _rows(diagnosis: Outcome) -> str:
     rows = diagnosis.rows
     text = f"{rows['used']} of {rows['total']} rows are used."
     reasons = "; ".join(f"{count} ({reason})" for reason, count in rows["unusable"].items())
@@ -121,7 +121,7 @@ def _gain(gain: Gain | None) -> list[str]:
     return lines + [f"Under other conditions: {shifted_text(one)}." for one in gain.shifted]
 
 
-def further_notes(diagnosis: Diagnosis) -> list[str]:
+def further_notes(diagnosis: Outcome) -> list[str]:
     """Notes that repeat neither a cause nor the count of rows."""
     stated = {cause.doubt for cause in diagnosis.causes}
     stated |= {f"{cause.id}: {cause.because}" for cause in diagnosis.causes}

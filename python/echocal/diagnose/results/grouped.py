@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.parts import Cause, Refuted
-from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["LEAST", "Group", "grouped", "in_common"]
 
@@ -47,7 +47,7 @@ class Group:
         return " + ".join(own) or ("no further cause" if common else "no effect")
 
 
-def grouped(diagnosis: Diagnosis) -> list[Group]:
+def grouped(diagnosis: Outcome) -> list[Group]:
     """Join the sets of the posterior that the data cannot separate, most probable first."""
     claimed: list[Cause | Refuted] = [*diagnosis.causes, *diagnosis.refuted]
     leader: dict[str, str] = {}

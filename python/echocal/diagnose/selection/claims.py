@@ -13,6 +13,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, we
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.parsimony import Ids, shown
 from echocal.diagnose.settings import ClaimSettings, Settings
+from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = [
@@ -102,7 +103,8 @@ class Ranking:
 def _out_of_reach(ids: Sequence[str]) -> int:
     """Number of effects that devices cannot compensate from what they measure."""
     effects = [find_effect(id_) for id_ in ids]
-    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail != "relative_humidity"]
+    measured = {name for name, facts in QUANTITIES.items() if facts.codes is not None}
+    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail not in measured]
     return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 

@@ -21,7 +21,7 @@ __all__ = ["Ids", "shown"]
 
 Ids = tuple[str, ...]
 
-_WIDTHS = (1 / 3, 1.0, 3.0)  # of the prior, in a mixture: rust/core/src/evidence/widths.rs
+_WIDTHS = (1 / 3, 1.0, 3.0)  # of the prior, in a mixture: rust/infer/src/solve/prior_widths.rs
 _USUAL = sum(width**2 for width in _WIDTHS) / len(_WIDTHS)  # variance of the mixture
 _VISIBLE = 1.0  # signal over noise, summed over rows
 

@@ -6,21 +6,15 @@ from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
 from echocal.diagnose.selection.claims import free_sizes, without
+from echocal.quantities import BY_COLUMN
 
 __all__ = ["reconciled"]
 
 _MOVED = 0.5  # standard uncertainties that an unexplained term must move the size by, to be listed
 _NAMED = 3  # columns listed in one sentence
 
-_WHY = {
-    "radiation": "the sun on the thermometer or the hygrometer",
-    "hour of day": "an effect of the time of day, such as a lagging thermometer",
-    "wind_speed": "the wind, or the ventilation of the instruments",
-    "temperature": "an error of the thermometer or of the law's slope",
-    "relative_humidity": "an error of the hygrometer that grows with humidity",
-    "time": "a slow drift",
-    "supply_voltage": "the supply voltage",
-}
+_WHY = {column: facts.suspect for column, facts in BY_COLUMN.items() if facts.suspect}
+_WHY["hour of day"] = "an effect of the time of day, such as a lagging thermometer"
 """What an unexplained term against a column would mean."""
 
 

@@ -17,13 +17,14 @@ from echocal.diagnose.selection.claims import effects_of, without
 from echocal.diagnose.validation.gain import errors
 from echocal.model import Model
 from echocal.observations.quantiles import quantiles
+from echocal.quantities import QUANTITIES
 
 __all__ = ["shifted"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-_ALONG = ("distance", "temperature", "relative_humidity")
+_ALONG = ("distance", *(name for name, facts in QUANTITIES.items() if facts.judged_outside))
 _MOST, _RUN = 100_000, 1000  # most rows that are used, and rows of a run
 
 

@@ -17,6 +17,7 @@ from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.validation.gain import errors, measure
 from echocal.diagnose.validation.refute import Validation
 from echocal.model import Model, Shape
+from echocal.quantities import BY_COLUMN
 
 __all__ = ["with_its_function"]
 
@@ -90,4 +91,4 @@ def described(found: Unexplained, rows: str) -> str:
 
 
 def _quantity(name: str) -> str:
-    return "elapsed_time" if name == "time" else name
+    return BY_COLUMN[name].id if name in BY_COLUMN else name

@@ -2,10 +2,10 @@
 
 use super::Air;
 use super::saturation::saturation_pressure_of_rows;
-use crate::scalar::{Rows, Scalar, polynomial};
+use crate::scalar::{Rows, Scalar};
 
-/// 0 degC \[K\].
-pub const ZERO_CELSIUS: f64 = 273.15;
+pub use super::vapor_pressure::{ZERO_CELSIUS, saturation_pressure, saturation_pressure_giacomo};
+
 /// Molar gas constant \[J/(mol K)\], SI brochure 9th edition (exact).
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 /// Molar mass of dry air with 400 ppm CO2 \[kg/mol\], CIPM-2007 (Picard et al. 2008,
@@ -17,32 +17,6 @@ const CO2_FOR_OXYGEN: f64 = 12.011e-3;
 const WATER: f64 = 18.015_28e-3;
 /// CO2 mole fraction that [`DRY_AIR`] stands for \[1\].
 const CO2: f64 = 4e-4;
-
-/// CIPM vapor pressure, `exp(A T^2 + B T + C + D/T)` with T in K; `tail` is `[C, B, A]`.
-#[inline(always)]
-fn vapor_pressure<S: Scalar>(temperature: S, tail: [f64; 3], over_kelvin: f64) -> S {
-    let kelvin = temperature + S::constant(ZERO_CELSIUS);
-    (S::constant(over_kelvin) / kelvin + polynomial(kelvin, tail)).exp()
-}
-
-/// Saturation pressure of water vapor over liquid water, also supercooled \[Pa\]; t in degC.
-///
-/// Davis 1992 (CIPM-81/91), Metrologia 29, 67, eq. (A1.1), doi:10.1088/0026-1394/29/1/008.
-#[inline(always)]
-pub fn saturation_pressure<S: Scalar>(temperature: S) -> S {
-    const TAIL: [f64; 3] = [33.937_110_47, -1.912_131_6e-2, 1.237_884_7e-5];
-    vapor_pressure(temperature, TAIL, -6_343.164_5)
-}
-
-/// Saturation pressure \[Pa\] of the older CIPM-81, which Cramer's appendix (eq. A3) prints.
-///
-/// Giacomo 1982, Metrologia 18, 33, doi:10.1088/0026-1394/18/1/006. Not used by any law here:
-/// tables older than 1992 were computed with it.
-#[inline(always)]
-pub fn saturation_pressure_giacomo<S: Scalar>(temperature: S) -> S {
-    const TAIL: [f64; 3] = [34.049_260_34, -1.950_987_4e-2, 1.281_180_5e-5];
-    vapor_pressure(temperature, TAIL, -6_353.631_1)
-}
 
 /// Enhancement factor of moist air against pure water vapor \[1\].
 ///

@@ -9,6 +9,8 @@ pub mod ideal_gas;
 pub mod linear;
 mod relaxation;
 mod saturation;
+mod state;
+mod vapor_pressure;
 pub mod virial;
 mod virial_coefficients;
 
@@ -19,47 +21,12 @@ pub use dispersion::dispersed;
 pub use domain::{Departure, Finding, Limits};
 pub use ideal_gas::IdealGas;
 pub use linear::Linear;
+pub use state::Air;
 pub use virial::Virial;
 
-use crate::conditions::{Conditions, Quantity};
+use crate::conditions::Quantity;
 use crate::error::Error;
 use crate::scalar::{Rows, Scalar};
-
-/// The state of the air that a law reads.
-#[derive(Clone, Copy, Debug)]
-pub struct Air<S> {
-    /// Temperature \[degC\].
-    pub temperature: S,
-    /// Relative humidity over liquid water \[1\].
-    pub relative_humidity: S,
-    /// Pressure \[Pa\].
-    pub pressure: S,
-    /// CO2 mole fraction \[1\].
-    pub co2_mole_fraction: S,
-}
-
-impl<S: Scalar> Air<S> {
-    /// The air as recorded.
-    #[inline(always)]
-    pub fn recorded(conditions: &Conditions<S>) -> Self {
-        Self {
-            temperature: conditions.get(Quantity::Temperature),
-            relative_humidity: conditions.get(Quantity::RelativeHumidity),
-            pressure: conditions.get(Quantity::Pressure),
-            co2_mole_fraction: conditions.get(Quantity::Co2MoleFraction),
-        }
-    }
-
-    /// The same air without water.
-    #[inline(always)]
-    #[must_use]
-    pub fn dry(self) -> Self {
-        Self {
-            relative_humidity: S::constant(0.0),
-            ..self
-        }
-    }
-}
 
 /// What is known about a law, for documentation, checks and messages.
 #[derive(Clone, Copy, Debug)]

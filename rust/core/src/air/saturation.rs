@@ -1,6 +1,6 @@
 //! Saturation pressure of water vapor for many rows: a polynomial in place of an exponential.
 
-use super::composition::saturation_pressure;
+use super::vapor_pressure::saturation_pressure;
 use crate::scalar::{Rows, Scalar, polynomial};
 
 /// Middle and half width of the polynomial's range, -40..85 degC.

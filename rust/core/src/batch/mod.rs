@@ -12,6 +12,7 @@ mod block;
 mod formulas;
 mod models;
 mod overlap;
+mod sensitivity;
 pub(crate) mod staged;
 #[cfg(test)]
 mod tests;
@@ -21,6 +22,8 @@ mod widened;
 pub use formulas::{Output, absorption, echo, speed_of_sound};
 pub use models::{ModelOutput, jacobian, of_model};
 pub use overlap::is_row_by_row;
+pub use sensitivity::{ExpansionPoint, Numbers, Sensitivities, SensitivityBlock};
+pub use staged::{BLOCK, Line};
 pub use threads::available as available_threads;
 
 use crate::scalar::Rows;

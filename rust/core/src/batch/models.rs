@@ -2,11 +2,11 @@
 
 #![allow(unsafe_code)]
 
-use super::staged::{BLOCK, Given as Block, Line, Newton, Pass, Reading, settle};
+use super::staged::{BLOCK, BlockReader, Line, Pass, Reading};
 use super::{Column, Formula, Kernel, kernel, threads};
 use crate::chain::Stage;
 use crate::conditions::{Conditions, Quantity};
-use crate::model::{ENOUGH, Given, Model, Term};
+use crate::model::{DeviceOutput, Model, Term};
 use crate::scalar::Rows;
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
@@ -61,7 +61,7 @@ impl Kernel for OfModel {
         }
         let span = |first: usize, count: usize| {
             let columns = core::array::from_fn(|q| inputs[1 + q].skip(first));
-            let mut given = Block::new(inputs[0].skip(first), columns);
+            let mut given = BlockReader::new(inputs[0].skip(first), columns);
             let (mut pass, mut found) = (Pass::new(), Line::of(0.0));
             for from in (0..count).step_by(BLOCK) {
                 let some = BLOCK.min(count - from);
@@ -82,34 +82,20 @@ impl Kernel for OfModel {
 }
 
 impl OfModel {
-    fn block(&self, pass: &mut Pass, block: Reading, found: &mut Line) {
+    fn block(&self, pass: &mut Pass, block: Reading<'_>, found: &mut Line) {
+        let (model, law) = (&self.model, self.model.law());
         let last = match self.output {
-            ModelOutput::Correction | ModelOutput::Distance => {
-                return self.invert(pass, block, found);
+            ModelOutput::Correction => {
+                return pass.invert(model, &block, Stage::Indication, None, found);
+            }
+            ModelOutput::Distance => {
+                return pass.invert(model, &block, Stage::Timer, Some(law), found);
             }
             ModelOutput::Indication => Stage::Indication,
             ModelOutput::TimeOfFlight => Stage::Timer,
             ModelOutput::SpeedOfSound => Stage::Speed,
         };
-        pass.run(&self.model, block, last).values(last, found);
-    }
-
-    /// As [`Model::invert`], a block at once.
-    fn invert(&self, pass: &mut Pass, block: Reading, found: &mut Line) {
-        let (last, guess) = match self.output {
-            ModelOutput::Correction => (Stage::Indication, None),
-            _ => (Stage::Timer, Some(self.model.law())),
-        };
-        let mut newton = Newton::new(&block, guess);
-        let here = block.to_distance(true).at(&newton.distance);
-        let mut here = pass.run(&self.model, here, last);
-        for _ in 0..ENOUGH {
-            if settle(&mut newton, here.of(last), block.rows) {
-                break;
-            }
-            here = pass.again(&self.model, here, last);
-        }
-        newton.found(found);
+        pass.run(model, block, last).values(last, found);
     }
 }
 
@@ -131,7 +117,7 @@ pub fn jacobian(model: &Model, inputs: &[&[f64]], threads: usize) -> Vec<f64> {
     let columns: [Column; INPUTS] = core::array::from_fn(|k| Column::of(inputs[k]));
     let span = |first: usize, count: usize| {
         let recorded = core::array::from_fn(|q| columns[1 + q].skip(first));
-        let mut given = Block::new(columns[0].skip(first), recorded);
+        let mut given = BlockReader::new(columns[0].skip(first), recorded);
         let (mut pass, mut line) = (Pass::new(), Line::of(0.0));
         for from in (0..count).step_by(BLOCK) {
             let some = BLOCK.min(count - from);
@@ -191,8 +177,8 @@ impl Formula<INPUTS> for Simulation {
         let last = match self.output {
             ModelOutput::Correction | ModelOutput::Distance => {
                 let given = match self.output {
-                    ModelOutput::Correction => Given::Indication(first),
-                    _ => Given::Time(first),
+                    ModelOutput::Correction => DeviceOutput::Indication(first),
+                    _ => DeviceOutput::Time(first),
                 };
                 return self.model.invert(given, &recorded, parameters);
             }

@@ -28,6 +28,7 @@ fn columns(inputs: Inputs, rows: usize) -> Vec<Vec<f64>> {
     inputs.iter().map(pick).collect()
 }
 
+/// A column to read from.
 fn pointer<T>(values: &[T]) -> Column {
     let start = values.as_ptr().cast_mut().cast();
     Column {
@@ -36,21 +37,31 @@ fn pointer<T>(values: &[T]) -> Column {
     }
 }
 
+/// A column to write to.
+fn target<T>(values: &mut [T]) -> Column {
+    Column {
+        start: values.as_mut_ptr().cast(),
+        stride: size_of::<T>().cast_signed(),
+    }
+}
+
 fn run_f64(kernel: &dyn Kernel, inputs: &[Vec<f64>], threads: usize) -> Vec<f64> {
-    let output = vec![0.0; inputs[0].len()];
+    let rows = inputs[0].len();
+    let mut output = vec![0.0; rows];
     let inputs: Vec<_> = inputs.iter().map(|column| pointer(column)).collect();
     // SAFETY: columns of equal length; the output is written through its own pointer only.
-    unsafe { kernel.run_f64(&inputs, pointer(&output), output.len(), threads) };
+    unsafe { kernel.run_f64(&inputs, target(&mut output), rows, threads) };
     output
 }
 
 fn run_f32(kernel: &dyn Kernel, inputs: &[Vec<f64>]) -> Vec<f32> {
     let narrow = |column: &Vec<f64>| column.iter().map(|&x| x as f32).collect::<Vec<_>>();
     let columns: Vec<_> = inputs.iter().map(narrow).collect();
-    let output = vec![0.0; inputs[0].len()];
+    let rows = inputs[0].len();
+    let mut output = vec![0.0; rows];
     let inputs: Vec<_> = columns.iter().map(|column| pointer(column)).collect();
     // SAFETY: columns of equal length; the output is written through its own pointer only.
-    unsafe { kernel.run_f32(&inputs, pointer(&output), output.len(), 1) };
+    unsafe { kernel.run_f32(&inputs, target(&mut output), rows, 1) };
     output
 }
 
@@ -130,7 +141,7 @@ fn strides_constants_and_output_in_place() {
     let mut views: Vec<_> = inputs.iter().map(|column| pointer(column)).collect();
     views[0] = Column {
         stride: 24,
-        ..pointer(&every_third)
+        ..target(&mut every_third)
     };
     views[2] = Column {
         stride: 0,

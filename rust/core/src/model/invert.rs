@@ -8,9 +8,9 @@ use crate::dual::Dual;
 use crate::echo;
 use crate::scalar::{Rows, Scalar};
 
-/// What a device recorded, for one row or several.
+/// What a device gave, for one row or several.
 #[derive(Clone, Copy)]
-pub(crate) enum Given<S> {
+pub(crate) enum DeviceOutput<S> {
     /// What it indicated \[m\].
     Indication(S),
     /// Its echo time \[s\].
@@ -23,7 +23,7 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn correct(&self, indication: f64, recorded: &Conditions<f64>) -> f64 {
-        self.invert_row(Given::Indication(indication), recorded)
+        self.invert_row(DeviceOutput::Indication(indication), recorded)
     }
 
     /// The true distance \[m\] of a recorded echo time \[s\]: the inverse of
@@ -32,12 +32,12 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn distance(&self, time: f64, recorded: &Conditions<f64>) -> f64 {
-        self.invert_row(Given::Time(time), recorded)
+        self.invert_row(DeviceOutput::Time(time), recorded)
     }
 
     /// [`Model::invert`] for one row, compiled once.
     #[inline(never)]
-    fn invert_row(&self, given: Given<f64>, recorded: &Conditions<f64>) -> f64 {
+    fn invert_row(&self, given: DeviceOutput<f64>, recorded: &Conditions<f64>) -> f64 {
         self.invert(given, recorded, &self.parameters())
     }
 
@@ -50,13 +50,13 @@ impl Model {
     #[inline(always)]
     pub(crate) fn invert<S: Rows>(
         &self,
-        given: Given<S>,
+        given: DeviceOutput<S>,
         recorded: &Conditions<S>,
         parameters: &[S],
     ) -> S {
         let (last, target, guess) = match given {
-            Given::Indication(indication) => (Stage::Indication, indication, indication),
-            Given::Time(time) => {
+            DeviceOutput::Indication(indication) => (Stage::Indication, indication, indication),
+            DeviceOutput::Time(time) => {
                 let speed = self.law().speed(&Air::recorded(recorded));
                 (Stage::Timer, time, echo::distance(time, speed))
             }

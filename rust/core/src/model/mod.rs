@@ -4,7 +4,7 @@ mod invert;
 mod jacobian;
 mod term;
 
-pub(crate) use invert::{ENOUGH, Given, approach};
+pub(crate) use invert::{DeviceOutput, ENOUGH, approach};
 pub use term::Term;
 
 use crate::air::{Air, Law};

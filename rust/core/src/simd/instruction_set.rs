@@ -54,7 +54,7 @@ impl InstructionSet {
 
 /// The level in use: the widest available unless one was forced.
 #[inline]
-pub(crate) fn active() -> InstructionSet {
+pub fn active() -> InstructionSet {
     match CHOSEN.load(Ordering::Relaxed) {
         1 => InstructionSet::Baseline,
         2 => InstructionSet::Avx2,
@@ -75,7 +75,8 @@ fn choose() -> InstructionSet {
 
 /// Uses this level from now on, in the whole process; `None`: the widest available.
 ///
-/// For tests and benches: results do not depend on it. Returns whether the level is available;
+/// For tests and benches: results of the physics do not depend on it; the sums of products in
+/// `echocal-infer` differ by rounding, because they are fused on vectors alone. Returns whether the level is available;
 /// nothing changes where it is not.
 pub fn force(set: Option<InstructionSet>) -> bool {
     let available = set.is_none_or(InstructionSet::is_available);

@@ -13,14 +13,17 @@
 
 mod exponential;
 mod instruction_set;
+mod interleave;
 mod lanes;
+mod widest;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
 pub(crate) use exponential::{exp32, exp64};
-pub(crate) use instruction_set::active;
-pub use instruction_set::{InstructionSet, force};
+pub use instruction_set::{InstructionSet, active, force};
+pub use interleave::{Eight, interleave};
 pub(crate) use lanes::Lanes;
+pub use widest::{OnVectors, on_vectors};
 
 use crate::scalar::{Rows, Scalar};
 
@@ -34,7 +37,7 @@ pub(crate) trait Float: Scalar {
 }
 
 /// A [`Scalar`] of `WIDTH` numbers side by side in memory.
-pub(crate) trait Vector: Rows {
+pub trait Vector: Rows {
     /// The number type in memory.
     type Element: Copy;
 

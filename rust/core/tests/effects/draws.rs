@@ -13,10 +13,10 @@ pub fn laws() -> Vec<Law> {
     names.iter().map(|name| Law::parse(name).unwrap()).collect()
 }
 
-/// The range in which a quantity is tried.
+/// The range in which a quantity is tried: its range in the field, or a wider or narrower one where an
+/// effect would otherwise react too seldom.
 pub fn range(quantity: Quantity) -> (f64, f64) {
     match quantity {
-        Quantity::Temperature => (-20.0, 60.0),
         Quantity::RelativeHumidity => (0.05, 0.95),
         Quantity::Pressure => (60e3, 110e3),
         Quantity::Co2MoleFraction => (0.0, 0.01),
@@ -24,17 +24,14 @@ pub fn range(quantity: Quantity) -> (f64, f64) {
         Quantity::SupplyVoltage => (3.0, 5.5),
         Quantity::Angle => (-0.5, 0.5),
         Quantity::WindSpeed => (0.0, 20.0),
-        Quantity::Radiation => (0.0, 1000.0),
-        Quantity::Amplitude => (0.05, 1.0),
         Quantity::TemperatureRate => (-0.05, 0.05),
-        Quantity::TemperatureLater1
-        | Quantity::TemperatureLater2
-        | Quantity::TemperatureLater3
-        | Quantity::TemperatureLater4
-        | Quantity::TemperatureLater5 => (-20.0, 60.0),
         Quantity::RadiationRate => (-1.0, 1.0),
         Quantity::PositionInGroup => (0.0, 2.0),
         Quantity::HourAngle => (-3.0, 3.0),
+        _ => {
+            let origin = quantity.facts().field_from.unwrap_or(quantity);
+            origin.facts().field
+        }
     }
 }
 

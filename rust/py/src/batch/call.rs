@@ -4,58 +4,15 @@ use std::sync::OnceLock;
 
 use echocal_core::batch::available_threads;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyTuple};
+use pyo3::types::{PyDict, PyFloat, PyTuple};
 
+use super::arguments::{Input, Label, Options, Threads};
 use super::cache::Entry;
 use super::direct::direct;
 use super::explain::{check_condition, common_shape, explained};
 use super::output;
 use super::ufunc::{MOST_INPUTS, with_threads};
 use crate::errors::raise;
-
-/// An input as given, and the value that it has when it is not.
-pub struct Input<'a, 'py> {
-    pub name: &'static str,
-    pub given: Option<&'a Bound<'py, PyAny>>,
-    pub default: f64,
-}
-
-/// What a function returns, for results that carry labels.
-#[derive(Clone, Copy)]
-pub struct Label {
-    pub name: &'static str,
-    pub unit: &'static str,
-}
-
-/// The arguments that every batch function has beside its inputs.
-pub struct Options<'a, 'py> {
-    pub out: Option<&'a Bound<'py, PyAny>>,
-    pub condition: Option<&'a Bound<'py, PyAny>>,
-    pub n_threads: Option<Threads>,
-}
-
-/// Threads that a caller allows: at least one.
-#[derive(Clone, Copy)]
-pub struct Threads(usize);
-
-impl<'py> FromPyObject<'_, 'py> for Threads {
-    type Error = PyErr;
-
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let truth = given.is_instance_of::<PyBool>(); // a number to Python, and no count
-        let count = given.extract::<i64>().ok().filter(|_| !truth);
-        let count = count.map(usize::try_from);
-        match count {
-            Some(Ok(count)) if count > 0 => Ok(Self(count)),
-            _ => {
-                let told = given.repr()?;
-                let message =
-                    format!("n_threads is {told}; give 1 or more, or None for every processor");
-                Err(raise("UsageError", message))
-            }
-        }
-    }
-}
 
 /// The function's value: a float for plain numbers, else whatever the ufunc makes of the inputs.
 pub fn call<'py>(

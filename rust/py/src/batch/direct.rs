@@ -10,9 +10,8 @@ use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::prelude::*;
 use numpy::{IxDyn, PyArray, PyArrayDescr, PyUntypedArray, dtype};
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyInt};
 
-use super::call::Input;
+use super::arguments::Input;
 use super::precision::Precision;
 use super::ufunc::MOST_INPUTS;
 
@@ -91,18 +90,6 @@ fn run<'py, T: Precision>(
         py.detach(compute)
     }
     Some(result)
-}
-
-impl Input<'_, '_> {
-    /// The value where it is a plain Python number.
-    pub fn number(&self) -> Option<f64> {
-        match self.given {
-            None => Some(self.default),
-            Some(given) if given.is_exact_instance_of::<PyFloat>() => given.extract().ok(),
-            Some(given) if given.is_exact_instance_of::<PyInt>() => given.extract().ok(),
-            Some(_) => None,
-        }
-    }
 }
 
 fn constant<T>(number: &T) -> Column {

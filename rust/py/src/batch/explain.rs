@@ -4,7 +4,7 @@ use pyo3::exceptions::{PyNotImplementedError, PyOverflowError, PyTypeError, PyVa
 use pyo3::prelude::*;
 use pyo3::types::{PyModule, PyTuple};
 
-use super::call::Options;
+use super::arguments::Options;
 use crate::errors::raise;
 
 /// An input and its name.

@@ -1,10 +1,12 @@
 //! The functions themselves: signatures and documentation.
 
+use echocal_core::Quantity;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 
+use super::arguments::{Input, Options, Threads};
 use super::cache::{DEFAULT_LAW, Function, entry};
-use super::call::{Input, Options, Threads, call};
+use super::call::call;
 use super::documentation::{air, law, options};
 use crate::laws::{LawText, speed_text};
 
@@ -51,9 +53,9 @@ pub fn speed_of_sound<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("temperature", temperature),
-        or("relative_humidity", relative_humidity, 0.0),
-        or("pressure", pressure, 101_325.0),
-        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        recorded(Quantity::RelativeHumidity, relative_humidity),
+        recorded(Quantity::Pressure, pressure),
+        recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
         or("frequency", frequency, 0.0),
     ];
     let options = Options {
@@ -106,9 +108,9 @@ pub fn time_of_flight<'py>(
     let inputs = [
         given("distance", distance),
         given("temperature", temperature),
-        or("relative_humidity", relative_humidity, 0.0),
-        or("pressure", pressure, 101_325.0),
-        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        recorded(Quantity::RelativeHumidity, relative_humidity),
+        recorded(Quantity::Pressure, pressure),
+        recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
         or("frequency", frequency, 0.0),
     ];
     let options = Options {
@@ -164,9 +166,9 @@ pub fn distance<'py>(
     let inputs = [
         given("time_of_flight", time_of_flight),
         given("temperature", temperature),
-        or("relative_humidity", relative_humidity, 0.0),
-        or("pressure", pressure, 101_325.0),
-        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        recorded(Quantity::RelativeHumidity, relative_humidity),
+        recorded(Quantity::Pressure, pressure),
+        recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
         or("frequency", frequency, 0.0),
     ];
     let options = Options {
@@ -224,9 +226,9 @@ pub fn error<'py>(
     let inputs = [
         given("distance", distance),
         given("temperature", temperature),
-        or("relative_humidity", relative_humidity, 0.0),
-        or("pressure", pressure, 101_325.0),
-        or("co2_mole_fraction", co2_mole_fraction, 4e-4),
+        recorded(Quantity::RelativeHumidity, relative_humidity),
+        recorded(Quantity::Pressure, pressure),
+        recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
         or("frequency", frequency, 0.0),
     ];
     let options = Options {
@@ -296,17 +298,18 @@ pub fn absorption<'py>(
         n_threads,
     };
     let function = Function::Absorption;
-    call(
-        py,
-        entry(function, "", false)?,
-        function.label(),
-        &inputs,
-        &options,
-    )
+    let entry = entry(py, function, "", false)?;
+    call(py, &entry, function.label(), &inputs, &options)
 }
 
 fn given<'a, 'py>(name: &'static str, value: &'a Bound<'py, PyAny>) -> Input<'a, 'py> {
     or(name, Some(value), f64::NAN)
+}
+
+/// A quantity of the air, by default as everywhere.
+fn recorded<'a, 'py>(quantity: Quantity, given: Argument<'a, 'py>) -> Input<'a, 'py> {
+    let facts = quantity.facts();
+    or(facts.name, given, facts.default.unwrap_or(f64::NAN))
 }
 
 fn or<'a, 'py>(name: &'static str, given: Argument<'a, 'py>, default: f64) -> Input<'a, 'py> {
@@ -331,11 +334,6 @@ fn of_law<'py>(
     };
     let plain = frequency.given.is_none_or(zero);
     let inputs = if plain { others } else { inputs };
-    call(
-        py,
-        entry(function, laws, !plain)?,
-        function.label(),
-        inputs,
-        options,
-    )
+    let entry = entry(py, function, laws, !plain)?;
+    call(py, &entry, function.label(), inputs, options)
 }

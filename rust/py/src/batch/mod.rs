@@ -1,5 +1,6 @@
 //! The batch functions of `echocal`: arguments in, result out.
 
+mod arguments;
 mod cache;
 mod call;
 mod direct;
@@ -11,7 +12,8 @@ mod output;
 mod precision;
 mod ufunc;
 
+pub use arguments::{Input, Label, Options, Threads};
 pub use cache::Entry;
-pub use call::{Input, Label, Options, Threads, call};
+pub use call::call;
 pub use functions::{absorption, distance, error, speed_of_sound, time_of_flight};
 pub use module::{instruction_sets, module_attribute, set_instruction_set};

@@ -1,6 +1,6 @@
 //! What is done to the rows of a block, one function for each effect and stage.
 
-use super::tracks::{Line, Reading, Track, tracks_of};
+use super::tracks::{BLOCK, Line, LineRef, Reading, SharedLine, Track};
 use crate::air::{Air, Law};
 use crate::chain::{Chain, Stage};
 use crate::dual::Dual;
@@ -10,6 +10,7 @@ use crate::model::{approach, enter as entered};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::x86::{F64x4, F64x8};
 use crate::simd::{InstructionSet, Vector, active};
+use core::cell::Cell;
 
 /// Something done to every row of a block, several at a time.
 pub(super) trait Work {
@@ -63,28 +64,31 @@ unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
 /// Writes the variables of a stage.
 ///
 /// # Safety
-/// `target` holds as many tracks as the stage has variables, `row..row + V::WIDTH` long.
+/// A block has rows `row..row + V::WIDTH`.
+///
+/// # Panics
+/// If `target` is not as many tracks as the stage has variables.
 #[inline(always)]
 unsafe fn keep<V: Vector<Element = f64>>(
     stage: Stage,
     chain: &Chain<Dual<1, V>>,
-    target: *mut Track,
+    target: &[Track],
     row: usize,
 ) {
     // SAFETY: the caller's.
     unsafe {
         match stage {
             Stage::Air => {
-                put(chain.air.temperature, target, row);
-                put(chain.air.relative_humidity, target.add(1), row);
-                put(chain.air.pressure, target.add(2), row);
-                put(chain.air.co2_mole_fraction, target.add(3), row);
+                put(chain.air.temperature, &target[0], row);
+                put(chain.air.relative_humidity, &target[1], row);
+                put(chain.air.pressure, &target[2], row);
+                put(chain.air.co2_mole_fraction, &target[3], row);
             }
-            Stage::Speed => put(chain.speed, target, row),
-            Stage::Path => put(chain.path, target, row),
-            Stage::Flight | Stage::Transducer | Stage::Timer => put(chain.time, target, row),
-            Stage::Firmware => put(chain.firmware_speed, target, row),
-            Stage::Indication => put(chain.indication, target, row),
+            Stage::Speed => put(chain.speed, &target[0], row),
+            Stage::Path => put(chain.path, &target[0], row),
+            Stage::Flight | Stage::Transducer | Stage::Timer => put(chain.time, &target[0], row),
+            Stage::Firmware => put(chain.firmware_speed, &target[0], row),
+            Stage::Indication => put(chain.indication, &target[0], row),
         }
     }
 }
@@ -92,34 +96,44 @@ unsafe fn keep<V: Vector<Element = f64>>(
 /// Writes values and derivatives of some rows.
 ///
 /// # Safety
-/// The track has rows `row..row + V::WIDTH`.
+/// A block has rows `row..row + V::WIDTH`.
 #[inline(always)]
-unsafe fn put<V: Vector<Element = f64>>(dual: Dual<1, V>, track: *mut Track, row: usize) {
+unsafe fn put<V: Vector<Element = f64>>(dual: Dual<1, V>, track: &Track, row: usize) {
     // SAFETY: the caller's.
     unsafe {
-        dual.value
-            .store((&raw mut (*track).value).cast::<f64>().add(row));
-        dual.derivatives[0].store((&raw mut (*track).slope).cast::<f64>().add(row));
+        store(dual.value, track.value.cell(), row);
+        store(dual.derivatives[0], track.slope.cell(), row);
     }
+}
+
+/// Writes some rows of a line.
+///
+/// # Safety
+/// A block has rows `row..row + V::WIDTH`.
+#[inline(always)]
+unsafe fn store<V: Vector<Element = f64>>(rows: V, line: &Cell<[f64; BLOCK]>, row: usize) {
+    // SAFETY: the caller's; a cell may be written to through a shared reference.
+    unsafe { rows.store(line.as_ptr().cast::<f64>().add(row)) };
 }
 
 /// An effect with its parameters, the derivative to one of which is wanted.
 pub(super) struct Apply<'a> {
-    pub reading: &'a Reading,
+    pub reading: &'a Reading<'a>,
     pub parameters: &'a [f64],
     pub seed: Option<usize>,
-    pub target: *mut Track,
+    /// As many tracks as the effect's stage has variables.
+    pub target: &'a [Track],
     /// What the effect prepared for this block, see [`Prepare`].
-    pub prepared: Option<*const f64>,
+    pub prepared: Option<&'a Line>,
 }
 
 impl Visitor for Apply<'_> {
     type Output = ();
 
     fn visit<E: Effect>(self) {
-        let rows = self.reading.rows;
+        let rows = self.reading.rows();
         let work = Applied::<E>(self, core::marker::PhantomData);
-        // SAFETY: a reading has its rows, and a track a block of them.
+        // SAFETY: a reading has its rows, at most a block, and so have the tracks.
         unsafe { each(&work, rows) }
     }
 }
@@ -153,7 +167,7 @@ impl<E: Effect> Work for Applied<'_, E> {
             let own = &own[..E::FACTS.parameters.len()];
             match prepared {
                 Some(prepared) if E::PREPARES => {
-                    let prepared = Dual::fixed(V::load(prepared.add(row)));
+                    let prepared = Dual::fixed(LineRef::fixed(prepared).load(row));
                     E::apply_prepared(&mut chain, own, prepared);
                 }
                 _ => E::apply(&mut chain, own),
@@ -165,8 +179,8 @@ impl<E: Effect> Work for Applied<'_, E> {
 
 /// What an effect can prepare for a block whatever its parameters are; whether that is anything.
 pub(super) struct Prepare<'a> {
-    pub reading: &'a Reading,
-    pub target: *mut f64,
+    pub reading: &'a Reading<'a>,
+    pub target: &'a Cell<[f64; BLOCK]>,
 }
 
 impl Visitor for Prepare<'_> {
@@ -174,9 +188,9 @@ impl Visitor for Prepare<'_> {
 
     fn visit<E: Effect>(self) -> bool {
         if E::PREPARES {
-            let rows = self.reading.rows;
+            let rows = self.reading.rows();
             let work = Prepared::<E>(self, core::marker::PhantomData);
-            // SAFETY: a reading has its rows, and the target is a line.
+            // SAFETY: a reading has its rows, at most a block, and so has the target.
             unsafe { each(&work, rows) }
         }
         E::PREPARES
@@ -191,59 +205,43 @@ impl<E: Effect> Work for Prepared<'_, E> {
         // SAFETY: the caller's.
         unsafe {
             let chain = self.0.reading.chain::<V>(E::FACTS.stage, row);
-            E::prepare(&chain).value.store(self.0.target.add(row));
+            store(E::prepare(&chain).value, self.0.target, row);
         }
     }
 }
 
-/// What a stage does without any effect; stages that do nothing are not asked to.
-pub(super) fn enter(law: Law, stage: Stage, reading: &mut Reading, target: *mut Track) {
-    let rows = reading.rows;
-    // SAFETY: a reading has its rows, and a track a block of them.
-    unsafe {
-        match stage {
-            Stage::Speed => each(
-                &Entered::<{ Stage::Speed as usize }> {
-                    law,
-                    reading,
-                    target,
-                },
-                rows,
-            ),
-            Stage::Flight => each(
-                &Entered::<{ Stage::Flight as usize }> {
-                    law,
-                    reading,
-                    target,
-                },
-                rows,
-            ),
-            Stage::Firmware => each(
-                &Entered::<{ Stage::Firmware as usize }> {
-                    law,
-                    reading,
-                    target,
-                },
-                rows,
-            ),
-            Stage::Indication => each(
-                &Entered::<{ Stage::Indication as usize }> {
-                    law,
-                    reading,
-                    target,
-                },
-                rows,
-            ),
-            Stage::Air | Stage::Path | Stage::Transducer | Stage::Timer => return,
-        }
+/// What a stage does without any effect, where it does anything; whether it does.
+pub(super) fn enter(law: Law, stage: Stage, reading: &Reading<'_>, target: &Track) -> bool {
+    const SPEED: usize = Stage::Speed as usize;
+    const FLIGHT: usize = Stage::Flight as usize;
+    const FIRMWARE: usize = Stage::Firmware as usize;
+    const INDICATION: usize = Stage::Indication as usize;
+    match stage {
+        Stage::Speed => Entered::<SPEED>::run(law, reading, target),
+        Stage::Flight => Entered::<FLIGHT>::run(law, reading, target),
+        Stage::Firmware => Entered::<FIRMWARE>::run(law, reading, target),
+        Stage::Indication => Entered::<INDICATION>::run(law, reading, target),
+        Stage::Air | Stage::Path | Stage::Transducer | Stage::Timer => return false,
     }
-    reading.place(tracks_of(stage).start, target);
+    true
 }
 
 struct Entered<'a, const STAGE: usize> {
     law: Law,
-    reading: &'a Reading,
-    target: *mut Track,
+    reading: &'a Reading<'a>,
+    target: &'a Track,
+}
+
+impl<'a, const STAGE: usize> Entered<'a, STAGE> {
+    fn run(law: Law, reading: &'a Reading<'a>, target: &'a Track) {
+        let work = Self {
+            law,
+            reading,
+            target,
+        };
+        // SAFETY: a reading has its rows, at most a block, and so has the track.
+        unsafe { each(&work, reading.rows()) }
+    }
 }
 
 impl<const STAGE: usize> Work for Entered<'_, STAGE> {
@@ -254,51 +252,70 @@ impl<const STAGE: usize> Work for Entered<'_, STAGE> {
         unsafe {
             let mut chain = self.reading.chain::<V>(stage, row);
             entered(self.law, stage, &mut chain);
-            keep(stage, &chain, self.target, row);
+            keep(stage, &chain, core::slice::from_ref(self.target), row);
         }
     }
 }
 
 /// The state of Newton's method over a block.
-pub(crate) struct Newton {
-    target: *const f64,
-    pub(crate) distance: Line,
-    settled: Line,
+pub(super) struct Newton<'a> {
+    target: LineRef<'a>,
+    distance: SharedLine,
+    settled: SharedLine,
 }
 
-impl Newton {
+impl<'a> Newton<'a> {
     /// Starts at the values of a block, or, where these are times, at the distances that a law
     /// gives them in the recorded air.
-    pub(crate) fn new(block: &Reading, law: Option<Law>) -> Self {
+    pub(super) fn new(block: &Reading<'a>, law: Option<Law>) -> Self {
         let [target, _] = block.distance;
-        let mut newton = Self {
+        let newton = Self {
             target,
-            distance: Line::of(0.0),
-            settled: Line::of(-1.0),
+            distance: SharedLine::of(0.0),
+            settled: SharedLine::of(-1.0),
         };
         let guess = Guess {
             block,
             law,
-            into: (&raw mut newton.distance).cast(),
+            into: newton.distance.cell(),
         };
-        // SAFETY: a reading has its rows, and a line a block of them.
-        unsafe { each(&guess, block.rows) };
+        // SAFETY: a reading has its rows, at most a block, and so has a line.
+        unsafe { each(&guess, block.rows()) };
         newton
     }
 
+    /// The present distances.
+    pub(super) fn distance(&self) -> LineRef<'_> {
+        LineRef::shared(&self.distance)
+    }
+
+    /// One step for every row, given what the present distances reach in a stage; whether all have
+    /// settled.
+    pub(super) fn settle(&self, reached: &Reading<'_>, stage: Stage) -> bool {
+        let step = Step {
+            newton: self,
+            reached: reached.of(stage),
+        };
+        // SAFETY: a reading has its rows, at most a block, and so have the lines.
+        unsafe { each(&step, reached.rows()) };
+        let settled = &self.settled.cells()[..reached.rows()];
+        settled.iter().all(|settled| settled.get() >= 0.0)
+    }
+
     /// The distance of each row; NaN where it did not settle.
-    pub(crate) fn found(&self, into: &mut Line) {
-        let rows = self.distance.0.iter().zip(&self.settled.0);
-        for (found, (&distance, &settled)) in into.0.iter_mut().zip(rows) {
-            *found = if settled >= 0.0 { distance } else { f64::NAN };
+    pub(super) fn found(&self, into: &mut Line) {
+        let rows = self.distance.cells().iter().zip(self.settled.cells());
+        for (found, (distance, settled)) in into.0.iter_mut().zip(rows) {
+            let settled = settled.get() >= 0.0;
+            *found = if settled { distance.get() } else { f64::NAN };
         }
     }
 }
 
 struct Guess<'a> {
-    block: &'a Reading,
+    block: &'a Reading<'a>,
     law: Option<Law>,
-    into: *mut f64,
+    into: &'a Cell<[f64; BLOCK]>,
 }
 
 impl Work for Guess<'_> {
@@ -314,46 +331,35 @@ impl Work for Guess<'_> {
                     echo::distance(given.distance, speed)
                 }
             };
-            guess.value.store(self.into.add(row));
+            store(guess.value, self.into, row);
         }
     }
 }
 
-struct Step {
-    newton: *mut Newton,
-    target: *const f64,
-    reached: (*const f64, *const f64),
+struct Step<'a> {
+    newton: &'a Newton<'a>,
+    reached: (LineRef<'a>, LineRef<'a>),
 }
 
-impl Work for Step {
+impl Work for Step<'_> {
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
-        // SAFETY: the caller's; the lines are those of `settle`'s own borrow.
+        let Newton {
+            target,
+            distance,
+            settled,
+        } = self.newton;
+        // SAFETY: the caller's.
         unsafe {
             let reached = Dual {
-                value: V::load(self.reached.0.add(row)),
-                derivatives: [V::load(self.reached.1.add(row))],
+                value: self.reached.0.load(row),
+                derivatives: [self.reached.1.load(row)],
             };
-            let distance = (&raw mut (*self.newton).distance).cast::<f64>().add(row);
-            let settled = (&raw mut (*self.newton).settled).cast::<f64>().add(row);
-            let target = V::load(self.target.add(row));
-            let (next, done) = approach(target, reached, V::load(distance), V::load(settled));
-            next.store(distance);
-            done.store(settled);
+            let present: V = LineRef::shared(distance).load(row);
+            let before: V = LineRef::shared(settled).load(row);
+            let (next, done) = approach(target.load(row), reached, present, before);
+            store(next, distance.cell(), row);
+            store(done, settled.cell(), row);
         }
     }
-}
-
-/// One step for every row, given what the present distances reach; whether all have settled.
-pub(crate) fn settle(newton: &mut Newton, reached: (*const f64, *const f64), rows: usize) -> bool {
-    let step = Step {
-        target: newton.target,
-        newton,
-        reached,
-    };
-    // SAFETY: the lines have a block of rows, and so has what was reached.
-    unsafe { each(&step, rows) };
-    newton.settled.0[..rows]
-        .iter()
-        .all(|&settled| settled >= 0.0)
 }

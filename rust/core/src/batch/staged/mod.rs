@@ -10,6 +10,6 @@ mod kernels;
 mod pass;
 mod tracks;
 
-pub(crate) use kernels::{Newton, settle};
 pub(crate) use pass::{Pass, is_alone, prepare};
-pub(crate) use tracks::{BLOCK, Given, Line, Reading, TRACKS, tracks_of};
+pub use tracks::{BLOCK, Line};
+pub(crate) use tracks::{BlockReader, Reading, TRACKS, tracks_of};

@@ -6,14 +6,16 @@ use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
 use crate::simd::Vector;
+use core::cell::Cell;
+use core::marker::PhantomData;
 use core::ops::Range;
 use core::slice::from_raw_parts;
 
 /// Rows at once: a multiple of every vector width; what is in use of a block stays near.
-pub(crate) const BLOCK: usize = 240;
+pub const BLOCK: usize = 240;
 
 /// One number per row of a block.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Line(pub [f64; BLOCK]);
 
@@ -27,19 +29,86 @@ impl Line {
 static ZEROS: Line = Line::of(0.0);
 static ONES: Line = Line::of(1.0);
 
+/// Memory for one number per row that is read and written by turns, through shared references.
+#[repr(align(64))]
+pub(super) struct SharedLine(Cell<[f64; BLOCK]>);
+
+impl SharedLine {
+    /// The same number in every row.
+    pub(super) const fn of(value: f64) -> Self {
+        Self(Cell::new([value; BLOCK]))
+    }
+
+    /// The memory.
+    pub(super) fn cell(&self) -> &Cell<[f64; BLOCK]> {
+        &self.0
+    }
+
+    /// The rows one by one.
+    pub(super) fn cells(&self) -> &[Cell<f64>] {
+        let all: &Cell<[f64]> = &self.0;
+        all.as_slice_of_cells()
+    }
+}
+
 /// A variable of the chain with its derivative.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub(crate) struct Track {
-    pub value: Line,
-    pub slope: Line,
+pub(super) struct Track {
+    pub(super) value: SharedLine,
+    pub(super) slope: SharedLine,
 }
 
 impl Track {
-    pub const NEW: Self = Self {
-        value: Line::of(0.0),
-        slope: Line::of(0.0),
-    };
+    pub(super) const fn new() -> Self {
+        Self {
+            value: SharedLine::of(0.0),
+            slope: SharedLine::of(0.0),
+        }
+    }
+}
+
+/// Where one number per row of a block is read.
+///
+/// The memory lives as long as `'a`, which the compiler checks. It is a constant line, rows of a column, or
+/// a [`SharedLine`], which may be written between two readings.
+#[derive(Clone, Copy)]
+pub(super) struct LineRef<'a> {
+    start: *const f64,
+    memory: PhantomData<&'a Cell<[f64; BLOCK]>>,
+}
+
+impl<'a> LineRef<'a> {
+    /// A line that nobody writes to.
+    pub(super) fn fixed(line: &'a Line) -> Self {
+        // SAFETY: a line has a block of rows and is borrowed for `'a`.
+        unsafe { Self::new(line.0.as_ptr()) }
+    }
+
+    /// A line that may be written to between two readings.
+    pub(super) fn shared(line: &'a SharedLine) -> Self {
+        // SAFETY: as above.
+        unsafe { Self::new(line.cell().as_ptr().cast()) }
+    }
+
+    /// Numbers side by side.
+    ///
+    /// # Safety
+    /// The rows of every block that is read from here are valid for reading during `'a`.
+    unsafe fn new(start: *const f64) -> Self {
+        Self {
+            start,
+            memory: PhantomData,
+        }
+    }
+
+    /// Some rows.
+    ///
+    /// # Safety
+    /// There are rows `row..row + V::WIDTH`.
+    #[inline(always)]
+    pub(super) unsafe fn load<V: Vector<Element = f64>>(self, row: usize) -> V {
+        // SAFETY: the caller's.
+        unsafe { V::load(self.start.add(row)) }
+    }
 }
 
 /// How many variables there are; each stage that changes the time has its own.
@@ -60,81 +129,93 @@ pub(crate) const fn tracks_of(stage: Stage) -> Range<usize> {
 }
 
 /// Where each number of a block is read: recorded quantities, the distance, and the variables.
+///
+/// What it reads lives as long as `'a`. A reading that a [`Pass`](super::Pass) made holds the pass
+/// borrowed, so that nothing writes to the variables while it is in use.
 #[derive(Clone, Copy)]
-pub(crate) struct Reading {
-    pub(super) recorded: [*const f64; Quantity::COUNT],
-    pub(super) distance: [*const f64; 2],
-    pub(super) value: [*const f64; TRACKS],
-    pub(super) slope: [*const f64; TRACKS],
-    /// Rows, rounded up to whole vectors: what follows the last row may be read.
-    pub(crate) rows: usize,
+pub(crate) struct Reading<'a> {
+    recorded: [LineRef<'a>; Quantity::COUNT],
+    /// The distance with its derivative.
+    pub(super) distance: [LineRef<'a>; 2],
+    value: [LineRef<'a>; TRACKS],
+    slope: [LineRef<'a>; TRACKS],
+    /// Rows, rounded up to whole vectors, at most a block: what follows the last row may be read.
+    rows: usize,
 }
 
-impl Reading {
+impl<'a> Reading<'a> {
+    /// Rows, rounded up to whole vectors.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// The same block with derivatives to the distance (`true`) or to something else.
     pub(crate) fn to_distance(mut self, yes: bool) -> Self {
-        self.distance[1] = if yes {
-            ONES.0.as_ptr()
-        } else {
-            ZEROS.0.as_ptr()
-        };
-        self.slope = [ZEROS.0.as_ptr(); TRACKS];
+        self.distance[1] = LineRef::fixed(if yes { &ONES } else { &ZEROS });
+        self.slope = [LineRef::fixed(&ZEROS); TRACKS];
         self
     }
 
     /// The same block with derivatives to one variable.
     pub(super) fn seeded(mut self, track: usize) -> Self {
-        self.slope[track] = ONES.0.as_ptr();
+        self.slope[track] = LineRef::fixed(&ONES);
         self
     }
 
-    /// Derivatives of a variable.
-    pub(crate) fn slope(&self, track: usize) -> &[f64] {
-        // SAFETY: a reading has its rows, at most a block of them.
-        unsafe { from_raw_parts(self.slope[track], self.rows) }
+    /// The same block at other distances.
+    pub(crate) fn at(self, distance: &'a Line) -> Self {
+        self.at_line(LineRef::fixed(distance))
     }
 
-    /// The same block at other distances.
-    pub(crate) fn at(mut self, distance: &Line) -> Self {
-        self.distance[0] = distance.0.as_ptr();
+    /// The same block at distances that may change between two readings.
+    pub(super) fn at_line(mut self, distance: LineRef<'a>) -> Self {
+        self.distance[0] = distance;
         self
     }
 
     /// Values and derivatives of the last stage up to and with this one that changed a variable.
-    pub(crate) fn of(&self, stage: Stage) -> (*const f64, *const f64) {
+    pub(super) fn of(&self, stage: Stage) -> (LineRef<'a>, LineRef<'a>) {
         let track = tracks_of(stage).start;
         (self.value[track], self.slope[track])
     }
 
+    /// The rows of one of this block's lines.
+    fn numbers(&self, line: LineRef<'a>) -> &[f64] {
+        // SAFETY: the line has the rows of the block. While a reading is in use outside of this module,
+        // nothing writes to them; see above.
+        unsafe { from_raw_parts(line.start, self.rows) }
+    }
+
+    /// Derivatives of a variable.
+    pub(crate) fn slope(&self, track: usize) -> &[f64] {
+        self.numbers(self.slope[track])
+    }
+
     /// Copies the values of a stage's variable.
     pub(crate) fn values(&self, stage: Stage, into: &mut Line) {
-        let (values, _) = self.of(stage);
-        // SAFETY: a reading has its rows, at most a block of them.
-        into.0[..self.rows].copy_from_slice(unsafe { from_raw_parts(values, self.rows) });
+        into.0[..self.rows].copy_from_slice(self.numbers(self.of(stage).0));
     }
 
     /// Copies the derivatives of a stage's variable.
     pub(crate) fn slopes(&self, stage: Stage, into: &mut Line) {
-        let (_, slopes) = self.of(stage);
-        // SAFETY: as above.
-        into.0[..self.rows].copy_from_slice(unsafe { from_raw_parts(slopes, self.rows) });
+        into.0[..self.rows].copy_from_slice(self.numbers(self.of(stage).1));
     }
 
     /// A variable is read from here on.
-    pub(super) fn place(&mut self, track: usize, from: *const Track) {
-        self.value[track] = from.cast();
-        self.slope[track] = self.value[track].wrapping_add(BLOCK);
+    pub(super) fn place(&mut self, track: usize, from: &'a Track) {
+        let lines = (LineRef::shared(&from.value), LineRef::shared(&from.slope));
+        self.copy(track, lines);
     }
 
     /// Variables are what was recorded, or what other variables are.
-    pub(super) fn copy(&mut self, track: usize, (value, slope): (*const f64, *const f64)) {
+    pub(super) fn copy(&mut self, track: usize, (value, slope): (LineRef<'a>, LineRef<'a>)) {
         self.value[track] = value;
         self.slope[track] = slope;
     }
 
     /// A recorded quantity, which depends on nothing.
-    pub(super) fn constant(&self, quantity: Quantity) -> (*const f64, *const f64) {
-        (self.recorded[quantity as usize], ZEROS.0.as_ptr())
+    pub(super) fn constant(&self, quantity: Quantity) -> (LineRef<'a>, LineRef<'a>) {
+        (self.recorded[quantity as usize], LineRef::fixed(&ZEROS))
     }
 
     /// Some rows as an effect of a stage finds them.
@@ -156,7 +237,7 @@ impl Reading {
         // SAFETY: the caller's, for every line.
         unsafe {
             for (value, recorded) in values.iter_mut().zip(self.recorded) {
-                *value = Dual::fixed(V::load(recorded.add(row)));
+                *value = Dual::fixed(recorded.load(row));
             }
             Chain {
                 recorded: Conditions::new(values),
@@ -183,34 +264,33 @@ impl Reading {
 /// Both lines have rows `row..row + V::WIDTH`.
 #[inline(always)]
 unsafe fn dual<V: Vector<Element = f64>>(
-    value: *const f64,
-    slope: *const f64,
+    value: LineRef<'_>,
+    slope: LineRef<'_>,
     row: usize,
 ) -> Dual<1, V> {
     // SAFETY: the caller's.
     unsafe {
         Dual {
-            value: V::load(value.add(row)),
-            derivatives: [V::load(slope.add(row))],
+            value: value.load(row),
+            derivatives: [slope.load(row)],
         }
     }
 }
 
 /// Columns of a batch, of which blocks are read where they lie if they can be.
-pub(crate) struct Given {
-    first: Column,
-    recorded: [Column; Quantity::COUNT],
+pub(crate) struct BlockReader {
+    columns: [Column; 1 + Quantity::COUNT],
     buffers: Box<[Line; 1 + Quantity::COUNT]>,
     filled: [bool; 1 + Quantity::COUNT],
 }
 
-impl Given {
+impl BlockReader {
     /// Columns of double precision: the quantity that a model is applied to, then every recorded
     /// one.
     pub(crate) fn new(first: Column, recorded: [Column; Quantity::COUNT]) -> Self {
+        let column = |k: usize| if k == 0 { first } else { recorded[k - 1] };
         Self {
-            first,
-            recorded,
+            columns: core::array::from_fn(column),
             buffers: Box::new([Line::of(0.0); 1 + Quantity::COUNT]),
             filled: [false; 1 + Quantity::COUNT],
         }
@@ -219,46 +299,57 @@ impl Given {
     /// Some rows, with no derivative yet; the first column stands for the distance.
     ///
     /// # Safety
-    /// The columns have `first + count` rows of double precision, `count` at most [`BLOCK`].
-    pub(crate) unsafe fn block(&mut self, first: usize, count: usize) -> Reading {
+    /// The columns have `first + count` rows of double precision, `count` from 1 to [`BLOCK`]; nobody
+    /// writes to these rows while the result is in use.
+    pub(crate) unsafe fn block(&mut self, first: usize, count: usize) -> Reading<'_> {
         const WIDEST: usize = 16;
         let padded = count.next_multiple_of(WIDEST);
-        let mut places = [ZEROS.0.as_ptr(); 1 + Quantity::COUNT];
-        for (k, place) in places.iter_mut().enumerate() {
-            let column = if k == 0 {
-                self.first
-            } else {
-                self.recorded[k - 1]
-            };
-            let rows = column.skip(first);
-            if rows.stride == size_of::<f64>().cast_signed() && padded == count {
-                *place = rows.start.cast();
-                continue;
+        let in_place =
+            |column: Column| column.stride == size_of::<f64>().cast_signed() && padded == count;
+        for k in 0..self.columns.len() {
+            if !in_place(self.columns[k]) {
+                // SAFETY: the caller's.
+                unsafe { self.fill(k, first, count, padded) };
             }
-            let line = &mut self.buffers[k].0;
-            if column.stride == 0 {
-                if !self.filled[k] {
-                    // SAFETY: the caller guarantees a number.
-                    line.fill(unsafe { *rows.start.cast() });
-                    self.filled[k] = true;
-                }
-            } else {
-                for (row, number) in line[..count].iter_mut().enumerate() {
-                    // SAFETY: the caller guarantees the rows.
-                    *number = unsafe { *rows.skip(row).start.cast() };
-                }
-                let last = line[count - 1];
-                line[count..padded].fill(last);
-            }
-            *place = line.as_ptr();
         }
-        let recorded = core::array::from_fn(|q| places[1 + q]);
+        let place = |k: usize| {
+            let column: Column = self.columns[k];
+            if in_place(column) {
+                // SAFETY: the caller guarantees `count` rows, which are all that is read.
+                unsafe { LineRef::new(column.skip(first).start.cast()) }
+            } else {
+                LineRef::fixed(&self.buffers[k])
+            }
+        };
         Reading {
-            recorded,
-            distance: [places[0], ZEROS.0.as_ptr()],
-            value: [places[0]; TRACKS],
-            slope: [ZEROS.0.as_ptr(); TRACKS],
+            recorded: core::array::from_fn(|q| place(1 + q)),
+            distance: [place(0), LineRef::fixed(&ZEROS)],
+            value: [place(0); TRACKS],
+            slope: [LineRef::fixed(&ZEROS); TRACKS],
             rows: padded,
         }
+    }
+
+    /// Copies rows of a column side by side; the last one fills up to `padded`.
+    ///
+    /// # Safety
+    /// As for [`Self::block`].
+    unsafe fn fill(&mut self, k: usize, first: usize, count: usize, padded: usize) {
+        let (column, line) = (self.columns[k], &mut self.buffers[k].0);
+        let rows = column.skip(first);
+        if column.stride == 0 {
+            if !self.filled[k] {
+                // SAFETY: the caller guarantees a number.
+                line.fill(unsafe { *rows.start.cast() });
+                self.filled[k] = true;
+            }
+            return;
+        }
+        for (row, number) in line[..count].iter_mut().enumerate() {
+            // SAFETY: the caller guarantees the rows.
+            *number = unsafe { *rows.skip(row).start.cast() };
+        }
+        let last = line[count - 1];
+        line[count..padded].fill(last);
     }
 }

@@ -1,0 +1,251 @@
+//! White noise on top of a first-order autoregression, an ARMA(1,1).
+//!
+//! Residuals of a logged sensor are rarely independent. White noise on top of a first-order
+//! autoregression (Box, Jenkins & Reinsel 2008, section A4.3: an ARMA(1,1)) is whitened by
+//! `e_t = x_t - rho x_(t-1) + m e_(t-1)`, with `m` the moving-average coefficient. With
+//! `z_t = x_t + m z_(t-1)` this is `e_t = z_t - rho z_(t-1)`, so the lag-0 and lag-1 products of `z`
+//! give the products of `e` for every `rho`; `m = 0` is the plain autoregression. The pass keeps them
+//! per block of rows (for cross-validation) and, for the first column alone, per cell (for the unknown
+//! level of a segment or the error of a station, which is a multiple of that column).
+//!
+//! Only symmetric products are summed, which halves the work: with `P` and `Q` the products of
+//! `z_t` and of `z_(t-1)` and `X` those of `x_t`, the lag-1 products and their transpose add up to
+//! `(P - X) / m + m Q`, and for `m = 0` to `P + Q - D`, with `D` the products of
+//! `x_t - x_(t-1)`.
+
+#![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
+
+mod span;
+
+use super::correlation::{Autoregression, Correlation, CorrelationFacts};
+use crate::gram::{Class, ClassSums, GROUP, LagProducts, RowLayout, Source, add, narrow, triangles};
+use span::{KINDS, Parts, Plan, gathered};
+
+/// The moving-average part of an ARMA(1,1); one pass serves every autoregressive coefficient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingAverage {
+    /// Moving-average coefficient `m`, 0 for a plain autoregression.
+    pub coefficient: f64,
+}
+
+impl Correlation for MovingAverage {
+    const FACTS: CorrelationFacts = CorrelationFacts {
+        id: "autoregression",
+        sentence: "What disturbs a row fades over the rows that follow, beside white noise.",
+        covariance: "of lag k in units of the innovations: rho^(k-1) (rho - m) (1 - rho m) / (1 - rho^2)",
+        source: "Box, Jenkins & Reinsel 2008, Time Series Analysis, section A4.3",
+    };
+
+    /// One pass over the rows for all coefficients.
+    fn gather(
+        source: &dyn Source,
+        layout: &RowLayout<'_>,
+        models: &[Self],
+        threads: usize,
+    ) -> Vec<LagProducts> {
+        let rows = layout.starts.len();
+        assert!(source.rows() == rows);
+        assert!(layout.blocks.len() == rows && layout.cells.len() == rows);
+        let all = models.iter().map(|model| model.coefficient);
+        let coefficients: Vec<f64> = all.clone().filter(|&m| m != 0.0).collect();
+        let plan = Plan {
+            source,
+            layout,
+            coefficients: &coefficients,
+            width: source.width().next_multiple_of(GROUP),
+        };
+        let parts = gathered(&plan, threads);
+        let of = |coefficient: f64| {
+            let place = coefficients.iter().position(|&m| m == coefficient);
+            products(&plan, &parts, place, coefficient)
+        };
+        all.map(of).collect()
+    }
+
+    /// `e_t = z_t - rho z_(t-1)`; the first row of a series is taken as that of the process.
+    fn whitened(
+        self,
+        autoregression: Autoregression,
+        values: &[f64],
+        starts: &[bool],
+        _distance: &[f64],
+    ) -> (Vec<f64>, f64) {
+        assert!(values.len() == starts.len());
+        let Autoregression { rho, first_weight } = autoregression;
+        let (mut kept, mut series) = (0.0, 0);
+        let white = values.iter().zip(starts).map(|(&value, &begins)| {
+            let before = kept;
+            kept = value;
+            if begins {
+                series += 1;
+                return first_weight.sqrt() * value;
+            }
+            kept += self.coefficient * before;
+            kept - rho * before
+        });
+        let white = white.collect();
+        (white, -f64::from(series) * first_weight.ln())
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, f64)> {
+        [(0.0, 0.6), (0.0, -0.3), (0.5, 0.9), (0.3, 0.5)]
+            .map(|(coefficient, rho)| (Self { coefficient }, rho))
+            .into()
+    }
+
+    #[cfg(test)]
+    fn covariance(self, rho: f64, lag: usize, _distances: [f64; 2]) -> f64 {
+        let m = self.coefficient;
+        if lag == 0 {
+            return (1.0 + m * m - 2.0 * rho * m) / (1.0 - rho * rho);
+        }
+        rho.powi(lag as i32 - 1) * (rho - m) * (1.0 - rho * m) / (1.0 - rho * rho)
+    }
+}
+
+/// The sums for one coefficient from those of the classes of rows.
+fn products(plan: &Plan<'_>, parts: &Parts, place: Option<usize>, coefficient: f64) -> LagProducts {
+    let (width, columns) = (plan.width, plan.source.width());
+    let (blocks, cells) = (plan.layout.block_count, plan.layout.cell_count);
+    let mut blocks = added(&parts.blocks, blocks, width * width, place, coefficient);
+    blocks[2].iter_mut().for_each(|lagged| *lagged *= 0.5);
+    let cells = added(&parts.cells, cells, width, place, coefficient);
+    LagProducts {
+        blocks: blocks.map(|sums| triangles(&sums, width, columns)),
+        cells: cells.map(|sums| narrow(&sums, width, columns)),
+        log_variance: vec![0.0; plan.layout.block_count],
+    }
+}
+
+/// Sums of so many blocks or cells, `length` numbers each: present, previous, lagged both ways,
+/// first.
+fn added(
+    classes: &ClassSums,
+    count: usize,
+    length: usize,
+    filter: Option<usize>,
+    coefficient: f64,
+) -> [Vec<f64>; 4] {
+    let none = |wanted: bool| vec![0.0; if wanted { count * length } else { 0 }];
+    let follow = |class: &Class| !class.begins || class.next.is_some();
+    let [mut present, mut previous, mut other] = [(); 3].map(|()| none(classes.keys().any(follow)));
+    let mut first = none(classes.keys().any(|class| class.begins));
+    let kind = filter.map_or(0, |k| KINDS + k);
+    // beside a coefficient the plain products, without one those of the differences
+    let beside = if filter.is_some() { 0 } else { 1 };
+    let place = |at: u32| at as usize * length..(at as usize + 1) * length;
+    for (class, sums) in classes {
+        let own = if class.begins { &sums[0] } else { &sums[kind] };
+        if let Some(next) = class.next {
+            add(&mut previous[place(next)], own);
+        }
+        if class.begins {
+            add(&mut first[place(class.own)], own);
+        } else {
+            add(&mut present[place(class.own)], own);
+            add(&mut other[place(class.own)], &sums[beside]);
+        }
+    }
+    for ((x, p), q) in other.iter_mut().zip(&present).zip(&previous) {
+        *x = both_ways(*p, *q, *x, coefficient);
+    }
+    [present, previous, other, first]
+}
+
+/// Lag-1 products and their transpose; see the module.
+fn both_ways(present: f64, previous: f64, other: f64, coefficient: f64) -> f64 {
+    if coefficient == 0.0 {
+        present + previous - other
+    } else {
+        (present - other) / coefficient + coefficient * previous
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gram::Stored;
+
+    const ONE: [f64; 5] = [1.0; 5];
+    const X: [f64; 5] = [1.0, -2.0, 4.0, 0.5, 3.0];
+
+    fn layout<'a>(starts: &'a [bool], zeros: &'a [u32]) -> RowLayout<'a> {
+        RowLayout {
+            starts,
+            blocks: zeros,
+            cells: zeros,
+            distance: &ONE,
+            block_count: 1,
+            cell_count: 1,
+        }
+    }
+
+    fn gather(layout: &RowLayout<'_>, coefficient: f64) -> LagProducts {
+        let both = [0.0, 0.5].map(|coefficient| MovingAverage { coefficient });
+        let stored = Stored(vec![&ONE, &X]);
+        let mut all = MovingAverage::gather(&stored, layout, &both, 1);
+        all.swap_remove(usize::from(coefficient != 0.0))
+    }
+
+    /// Products of the whitened series, the slow and obvious way.
+    fn whitened(starts: &[bool], rho: f64, m: f64) -> f64 {
+        let mut sum = 0.0;
+        let mut e = [0.0; 5];
+        for t in 0..5 {
+            if starts[t] {
+                e[t] = X[t];
+            } else {
+                e[t] = X[t] - rho * X[t - 1] + m * e[t - 1];
+                sum += e[t] * e[t];
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn lagged_products_give_the_whitened_series() {
+        let starts = [true, false, false, false, false];
+        let zeros = [0; 5];
+        for (rho, m) in [(0.3, 0.0), (0.9, 0.5)] {
+            let p = gather(&layout(&starts, &zeros), m);
+            let [present, previous, lagged, _] = &p.blocks;
+            let sum = present[3] + rho * rho * previous[3] - 2.0 * rho * lagged[3];
+            assert!((sum - whitened(&starts, rho, m)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn nothing_is_carried_across_series() {
+        let starts = [true, false, true, false, false];
+        let zeros = [0; 5];
+        let p = gather(&layout(&starts, &zeros), 0.0);
+        assert_eq!(p.blocks[3][3], 1.0 + 16.0);
+        assert_eq!(p.blocks[2][3], -2.0 + 2.0 + 1.5);
+        assert_eq!(p.cells[2], vec![6.0, -1.0 + 4.5 + 3.5]);
+    }
+
+    #[test]
+    fn blocks_and_cells_add_up_to_the_whole() {
+        let starts = [true, false, false, true, false];
+        let parts = RowLayout {
+            blocks: &[0, 0, 1, 1, 0],
+            cells: &[0, 0, 1, 2, 3],
+            block_count: 2,
+            cell_count: 4,
+            ..layout(&starts, &[])
+        };
+        let whole = gather(&layout(&starts, &[0; 5]), 0.5);
+        let parts = gather(&parts, 0.5);
+        for kind in 0..4 {
+            for i in 0..4 {
+                let sum = parts.blocks[kind][i] + parts.blocks[kind][4 + i];
+                assert!((sum - whole.blocks[kind][i]).abs() < 1e-12, "kind {kind}");
+            }
+            for i in 0..2 {
+                let sum: f64 = (0..4).map(|cell| parts.cells[kind][2 * cell + i]).sum();
+                assert!((sum - whole.cells[kind][i]).abs() < 1e-12, "kind {kind}");
+            }
+        }
+    }
+}
