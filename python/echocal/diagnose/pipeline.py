@@ -54,7 +54,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     """
     settings = request.settings
     base, distance, constant = request.base, request.reference_distance, request.constant_distance
-    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # that of the final model is a note
+    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final one is a note
         work.begin("searching for faults")
         observations = between(reading.observations, request.since, request.until)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)

@@ -23,7 +23,11 @@ __all__ = ["PICTURES", "by_correlation", "plot_gain", "plot_posterior", "plot_re
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png")
 """Names of the files that `save_diagnosis` writes; the last one if there is an unexplained term."""
 
-_BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark, so that they differ without color, too
+_BEFORE, _AFTER, _FLOOR = (
+    "#e0862a",
+    "#155a75",
+    "#8a8a8a",
+)  # light and dark: different without color, too
 _BINS = 30
 _PANELS = 4
 _LABEL = 55  # characters of a line below a panel
@@ -219,9 +223,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.margins(x=0.18)
     ax.set_xlabel(f"RMS error on {gain.judged_rows} [mm]")
     after = (
-        f" to {1e3 * gain.rms_after_m:.2f} mm"
-        if len(gain.ladder) > 1
-        else " mm; no effect extends the base"
+        f" to {1e3 * gain.rms_after_m:.2f} mm" if len(gain.ladder) > 1 else " mm; no effect extends the base"
     )
     rows = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})"
     error = f"RMS error on {rows}: {1e3 * gain.rms_before_m:.2f}{after}"

@@ -47,7 +47,13 @@ def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
     plans = [p for p in diagnosis.next_measurements if p.expected_probability is not None]
     if not plans:
         ax.axis("off")
-        ax.text(0.0, 1.0, "no rows in the given ranges would separate the causes", va="top", transform=ax.transAxes)
+        ax.text(
+            0.0,
+            1.0,
+            "no rows in these ranges would separate the causes",
+            va="top",
+            transform=ax.transAxes,
+        )
         return
     (plan, *_) = plans
     names = [name for name in plan.conditions if name != "rows"][:2]

@@ -43,6 +43,8 @@ def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
     ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
     ax.set(xlabel=fitted(label, _LABEL), ylabel="residual [mm]")
-    title = f"no cause of the catalogue explains this residual: {1e3 * found.rms_m:.1f} mm (RMS) against {label}"
+    title = (
+        f"no cause of the catalogue explains this residual: {1e3 * found.rms_m:.1f} mm (RMS) against {label}"
+    )
     ax.set_title(fitted(title, _TITLE), fontsize=8, loc="left")
     ax.legend(loc="best", frameon=False, fontsize=8)

@@ -91,7 +91,7 @@ def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -
         at = tuple(float(f"{column[place]:.3g}") for column in varied.values())
         merged[at] = merged.get(at, 0) + int(rows)
     where = {name: [at[i] for at in merged] for i, name in enumerate(varied)}
-    classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]  # rows help a little
+    classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]
     separates = _differing([members[group[0]].ids for group in classes])
     return NextMeasurement({**where, "rows": list(merged.values())}, separates, plan.expected, plan.now)
 

@@ -53,8 +53,8 @@ def shifted_text(one: Shifted) -> str:
     """What a model gains outside the range that it is fitted to."""
     low, high = (quantity_text(one.against, end) for end in (one.low, one.high))
     return (
-        f"the model is fitted to rows with {spoken(one.against)} from {low} to {high}; on the {one.rows} rows "
-        f"outside, the RMS error is {1e3 * one.rms_before_m:.2f} mm with the base and "
+        f"the model is fitted to rows with {spoken(one.against)} from {low} to {high}. On the {one.rows} "
+        f"rows outside, the RMS error is {1e3 * one.rms_before_m:.2f} mm with the base and "
         f"{1e3 * one.rms_after_m:.2f} mm with the model"
     )
 
@@ -148,8 +148,8 @@ def tendency(left: Column, signal: Column, against: Recorded) -> str:
     predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
     ends = [quantity_text(name, median(against.columns[name][rows])) for rows in (lowest, highest)]
     return (
-        f"compare two fifths of the rows: {spoken(name)} around {ends[1]} and around {ends[0]}. The mean error "
-        f"of the first less that of the second is {found:+.2f} mm; this cause predicts {predicted:+.2f} mm"
+        f"the fifth of the rows with {spoken(name)} around {ends[1]} has a mean error of {found:+.2f} mm "
+        f"relative to the fifth around {ends[0]}; this cause predicts {predicted:+.2f} mm"
     )
 
 
@@ -170,8 +170,8 @@ def first_against_others(left: Column, signal: Column, position: Column) -> str:
         return 1e3 * float(np.mean(one - rest))
 
     return (
-        f"in {len(whole)} burst{'s' if len(whole) > 1 else ''}, the first ping less the mean of the others is "
-        f"{ahead(left):+.2f} mm on average; this cause predicts {ahead(signal):+.2f} mm"
+        f"in {len(whole)} burst{'s' if len(whole) > 1 else ''}, the first ping reads {ahead(left):+.2f} mm "
+        f"relative to the mean of the others; this cause predicts {ahead(signal):+.2f} mm"
     )
 
 

@@ -41,9 +41,7 @@ def read(source: Any, how: Mapping[str, Any]) -> Reading:
     if isinstance(source, Observations):
         late = next((name for name, value in how.items() if value), None)
         if late:
-            message = (
-                f"{late} is an argument for reading a table; pass it to read_observations instead"
-            )
+            message = f"{late} is an argument for reading a table; pass it to read_observations instead"
             raise UsageError(message)
         return Reading(source)
     try:

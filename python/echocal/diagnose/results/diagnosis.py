@@ -160,8 +160,8 @@ class Diagnosis(Outcome):
             rows = "cross-validated rows" if self.gain is None else self.gain.judged_rows
             message = (
                 f"the unexplained term against {found.against} does not reduce the error on {rows} "
-                f"({without:.2f} mm without it, {with_it:.2f} mm with it), so it cannot extend the model; use "
-                "the model without it (on the command line: omit --with-shape)"
+                f"({without:.2f} mm without it, {with_it:.2f} mm with it), so it cannot extend the model; "
+                "use the model without it (on the command line: omit --with-shape)"
             )
             raise UsageError(message)
         return self.model.with_shape(found.shape)

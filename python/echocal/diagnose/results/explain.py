@@ -12,6 +12,7 @@ __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"
 _SHOWN = 6  # causes named in one proposal
 _OUTSIDE = "an effect outside the catalogue"
 _NO_SHIFT = "no cause that shifts the readings"
+_ACTS_ON = {"gross": "whole columns of the table", "row": "single rows", "noise": "the noise"}
 
 
 def explain(diagnosis: Outcome) -> str:
@@ -40,13 +41,13 @@ def lead(diagnosis: Outcome) -> str:
     named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
     named = [c for c in named if c.id not in listed_only()]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
-    faults = [cause.id for cause in named if cause.kind == "gross"]
-    others = [cause.id for cause in named if cause.kind not in {"effect", "gross"}]
     shifting = f"the cause{'s' * (len(effects) > 1)} {enumerated(effects)}" if effects else _NO_SHIFT
-    said = [f"The data name {shifting}"]
-    for ids, what in ((faults, "whole columns of the table"), (others, "the noise or single rows")):
-        if ids:
-            said.append(f"They name {enumerated(ids)}, which {'act' if len(ids) > 1 else 'acts'} on {what}")
+    said, also = [f"The data name {shifting}"], "also " if effects else ""
+    for kind, what in _ACTS_ON.items():
+        if ids := [cause.id for cause in named if cause.kind == kind]:
+            acts = "act" if len(ids) > 1 else "acts"
+            said.append(f"They {also}name {enumerated(ids)}, which {acts} on {what}")
+            also = "also "
     return ". ".join([*said, *([f"They also show {_OUTSIDE}"] if diagnosis.unexplained else [])])
 
 
@@ -114,10 +115,10 @@ def _gain(gain: Gain | None) -> list[str]:
         f"The extended model gains {low:.2f} to {high:.2f} mm over the base (95 % interval).{shown}",
     ]
     if gain.fraction_of_reachable is not None:
-        lines.append(
-            f"It removes {100 * gain.fraction_of_reachable:.0f} % of the mean square error that all recorded "
-            f"columns together could remove (they could reach {floor})."
-        )
+        lines += [
+            f"All recorded columns together could reach {floor}. The extended model removes "
+            f"{100 * gain.fraction_of_reachable:.0f} % of the mean square error that they could remove."
+        ]
     return lines + [f"Under other conditions: {shifted_text(one)}." for one in gain.shifted]
 
 

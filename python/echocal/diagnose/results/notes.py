@@ -89,8 +89,8 @@ def _aside(case: Case) -> list[str]:
     tried = sum(name in case.table.extra for name in case.found.terms)
     more = f" and {len(aside) - _SHOWN} more" if len(aside) > _SHOWN else ""
     return [
-        f"{tried} of the {tried + len(aside)} further columns that vary and have no gaps were searched for an "
-        f"effect outside the catalogue. They were chosen by {MEASURE}. Not searched: "
+        f"{tried} of the {tried + len(aside)} further columns that vary and have no gaps were searched for "
+        f"an effect outside the catalogue. They were chosen by {MEASURE}. Not searched: "
         f"{', '.join(aside[:_SHOWN])}{more}. To search one of these, ignore another column: "
         '--column "NAME=ignore"'
     ]
@@ -106,8 +106,8 @@ def _refuted(refuted: Refuted, rows: str) -> str:
             f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model)"
         )
     return (
-        f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed: it makes the error on "
-        f"{rows} larger ({before:.2f} mm without it, {after:.2f} mm with it)"
+        f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed: it makes the error "
+        f"on {rows} larger ({before:.2f} mm without it, {after:.2f} mm with it)"
     )
 
 

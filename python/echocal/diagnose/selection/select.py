@@ -19,8 +19,8 @@ from echocal.diagnose.selection.claims import (
     without,
 )
 from echocal.diagnose.selection.parsimony import Ids
-from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
 from echocal.diagnose.selection.steadiness import unsteady
+from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
 
 __all__ = ["Selection", "select"]
 
@@ -64,7 +64,7 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, carried: Stack)
         against = remainder.against
         listed = beside_a_term(listed, case.found, carried, against, remainder.rms_m, settings)
         best, listed = sized_apart(best, listed, carried, settings.blurred)
-    likely = [c for c in listed if c.probability >= settings.modeled_from] or listed  # the others are only listed
+    likely = [c for c in listed if c.probability >= settings.modeled_from] or listed
     varying = unsteady(case, likely, noise, whole)
     if remainder is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying, carried)

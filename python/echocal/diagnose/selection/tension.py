@@ -29,8 +29,8 @@ def reconciled(
     said = ""
     if abs(size - known) <= (agrees := case.settings.claims.agrees) * uncertainty:
         said = (
-            ". The rows are not independent (slow air, slow instruments). With autocorrelated noise, the size "
-            f"is within {agrees:g} standard uncertainties of theory"
+            ". The rows are not independent (slow air, slow instruments). With autocorrelated noise, the "
+            f"size is within {agrees:g} standard uncertainties of theory"
         )
     moved = []
     named = without(beside, UNKNOWN)
@@ -47,7 +47,9 @@ def reconciled(
         for _, against, there, error in moved[:_NAMED]
     ]
     if texts:
-        said += f". It is closer to theory if it is fitted beside a smooth function of {' or of '.join(texts)}"
+        said += (
+            f". It is closer to theory if it is fitted beside a smooth function of {' or of '.join(texts)}"
+        )
     elif not said:
         said = ". No recorded column brings it closer to theory"
     return said
