@@ -85,7 +85,8 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
             raise UsageError(message)
         low, high = _PHYSICAL.get(name, (-math.inf, math.inf))
         if not low <= ends[0] < ends[1] <= high:
-            message = f"can_vary gives {name} the range {ends!r}; a table can have {low:g} to {high:g}{_UNITS[name]}"
+            possible = f"{low:g} to {high:g}{_UNITS[name]}"
+            message = f"can_vary gives {name} the range {ends!r}; a table can have {possible}"
             raise UsageError(message)
     return {name: (float(low), float(high)) for name, (low, high) in can_vary.items()}
 
