@@ -139,8 +139,8 @@ def tendency(left: Column, signal: Column, against: Recorded) -> str:
     mean = abs(float(np.mean(signal)))
     if name is None or np.ptp(signal) < _EVEN * mean:
         return (
-            f"all readings have nearly the same error: {1e3 * np.mean(left):+.2f} mm on average, where this "
-            f"cause predicts {1e3 * np.mean(signal):+.2f} mm"
+            f"the mean residual is {1e3 * np.mean(left):+.2f} mm; this cause predicts nearly the same error "
+            f"in all rows, {1e3 * np.mean(signal):+.2f} mm"
         )
     low, high = quantiles(signal, [0.2, 0.8])
     lowest, highest = np.flatnonzero(signal <= low), np.flatnonzero(signal >= high)
@@ -148,7 +148,7 @@ def tendency(left: Column, signal: Column, against: Recorded) -> str:
     predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
     ends = [quantity_text(name, median(against.columns[name][rows])) for rows in (lowest, highest)]
     return (
-        f"the fifth of the rows with {spoken(name)} around {ends[1]} has a mean error of {found:+.2f} mm "
+        f"the fifth of the rows with {spoken(name)} around {ends[1]} has a mean residual of {found:+.2f} mm "
         f"relative to the fifth around {ends[0]}; this cause predicts {predicted:+.2f} mm"
     )
 

@@ -41,9 +41,7 @@ def between(observations: Observations, since: str | None, until: str | None) ->
         time = times(observations, since or until or "")
         ends = (np.datetime_as_string(end(time), unit="s") for end in (np.nanmin, np.nanmax))
         there = "none" if np.isnat(time).all() else " to ".join(map(str, ends))
-        message = (
-            f"no row is in the requested period ({since or ''} .. {until or ''}); the table has: {there}"
-        )
+        message = f"no row is in the requested period ({since or ''} .. {until or ''}); the rows: {there}"
         raise UsageError(message)
     reasons = observations.unusable.astype(object)
     reasons[outside & (observations.unusable == "")] = OUTSIDE

@@ -130,18 +130,18 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
     if claimed and not odd:
         return ""
     found = (
-        f"The theoretical size is {known:g}. The fitted size is {plain:.2f} +/- {plain_u:.2f} by plain least "
-        f"squares, and {size:.2f} +/- {uncertainty:.2f} with autocorrelated noise"
+        f"The fitted size is {plain:.2f} +/- {plain_u:.2f} by plain least squares, and {size:.2f} +/- "
+        f"{uncertainty:.2f} with autocorrelated noise"
         f"{reconciled(case, cause, beside, stack, known, size, uncertainty)}"
     )
     if claimed:
         return (
-            f"{cause} is claimed with its theoretical size. {found}. Either another effect acts in the same "
-            "rows, or the recorded values are not those on the sound path"
+            f"{cause} is claimed with its theoretical size, {known:g}. {found}. Either another effect acts in "
+            "the same rows, or the recorded values are not those on the sound path"
         )
     return (
-        f"{cause} is not claimed. {found}. Either an effect of the opposite sign hides it, or the recorded "
-        "values are not those on the sound path"
+        f"{cause}, whose theoretical size is {known:g}, is not claimed. {found}. Either an effect of the "
+        "opposite sign hides it, or the recorded values are not those on the sound path"
     )
 
 

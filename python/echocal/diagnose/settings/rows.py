@@ -66,4 +66,4 @@ class RowSettings:
     most_level_steps: int = number(
         6, "rounds", "most repetitions of the diagnosis, each with a further level step", "chosen by hand"
     )
-    folds: int = number(5, "folds", "of the cross-validation", "convention")
+    folds: int = number(5, "folds", "parts of the rows in a cross-validation", "convention")
