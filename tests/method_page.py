@@ -30,13 +30,13 @@ class Noise(Protocol):
 
     rho: float
     memory: float
-    stand_ratio: float
+    station_ratio: float
     prior: float
 
 
 def precision(noise: Noise, starts: Matrix, station: Matrix) -> tuple[Matrix, float]:
     """Inverse of V and its log determinant, Eq. 3 and 5."""
-    n, rho, theta = len(starts), noise.rho, noise.memory
+    n, rho, theta = len(starts), noise.rho, noise.moving_average
     first = (1 - rho**2) / (1 - 2 * rho * theta + theta**2)
     white = np.zeros((n, n))
     kept = np.zeros(n)
@@ -47,7 +47,7 @@ def precision(noise: Noise, starts: Matrix, station: Matrix) -> tuple[Matrix, fl
             continue
         kept = kept + theta * before
         white[i] = kept - rho * before
-    within = np.linalg.inv(white.T @ white) + noise.stand_ratio * (station[:, None] == station)
+    within = np.linalg.inv(white.T @ white) + noise.station_ratio * (station[:, None] == station)
     return np.linalg.inv(within), float(np.linalg.slogdet(within)[1])
 
 

@@ -11,7 +11,7 @@ import echocal
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of, term_candidates
 from echocal.diagnose.candidates.variant import Candidates, Variant
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh, weigh_each
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypotheses, fit_hypothesis
 from echocal.diagnose.inference.innovation import innovation
 from echocal.diagnose.inference.noise import Convection, Noise, all_convections, noises
 from echocal.diagnose.inference.sums import Sums, Whitened
@@ -33,7 +33,7 @@ def sums(
     order = Order(starts, groups, np.ones(n) if distance is None else distance, flat_level)
     alike = [memory for memory, _ in MODELS.autoregressions]
     found = Sums.gather(stored, order, np.arange(n) * 3 // n, alike)
-    return found if distance is None else found.with_memories(stored, CONVECTIONS)
+    return found if distance is None else found.with_correlations(stored, CONVECTIONS)
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])
@@ -91,8 +91,8 @@ def test_evidence_is_the_integral_over_size_and_variance(random: np.random.Gener
     products = np.stack([x, y]) @ np.stack([x, y]).T
     stack = Stack.of([Whitened(products, 0.0, Noise(0.0, 0.0, 0.0, 1.0))], n)
     unbounded = ((-np.inf, np.inf),)
-    one = weigh(Hypothesis((Variant("x", free=(0,), bounds=unbounded),), 1.0), stack)
-    none = weigh(Hypothesis((), 1.0), stack)
+    one = fit_hypothesis(Hypothesis((Variant("x", free=(0,), bounds=unbounded),), 1.0), stack)
+    none = fit_hypothesis(Hypothesis((), 1.0), stack)
 
     sigma = np.exp(np.linspace(-2.5, 2.5, 1001))[:, None]
     size = np.linspace(-12, 12, 4001)[None, :]
@@ -109,7 +109,7 @@ def test_bounds_cut_the_prior_off() -> None:
     products = np.array([[100.0, 80.0], [80.0, 100.0]])
     stack = Stack.of([Whitened(products, 0.0, Noise(0.0, 0.0, 0.0, 1.0))], 100)
     evidence = [
-        weigh(Hypothesis((Variant("x", free=(0,), bounds=(bounds,)),), 1.0), stack).log_evidence
+        fit_hypothesis(Hypothesis((Variant("x", free=(0,), bounds=(bounds,)),), 1.0), stack).log_evidence
         for bounds in ((-np.inf, np.inf), (0.0, 10.0), (-10.0, 0.0))
     ]
     assert evidence[1] == pytest.approx(evidence[0] + np.log(2), abs=0.02)  # twice the prior density
@@ -121,8 +121,8 @@ def test_hypotheses_side_by_side_are_each_by_itself(random: np.random.Generator)
     stack = Stack(*parts.whiten_all(noises(MODELS, True)), 90, noises(MODELS, True))
     forms = [Variant(f"x{i}", free=(i,), bounds=((-1.0, 2.0),)) for i in range(1, 8)]
     hypotheses = [Hypothesis(tuple(forms[:count]), 1.0) for count in range(5)]
-    for hypothesis, found in zip(hypotheses, weigh_each(hypotheses, stack), strict=True):
-        alone = weigh(hypothesis, stack)
+    for hypothesis, found in zip(hypotheses, fit_hypotheses(hypotheses, stack), strict=True):
+        alone = fit_hypothesis(hypothesis, stack)
         assert found.log_evidence == alone.log_evidence
         np.testing.assert_array_equal(found.mean, alone.mean)
         np.testing.assert_array_equal(found.covariance, alone.covariance)
@@ -132,7 +132,9 @@ def test_noises_have_a_prior_of_one() -> None:
     for stations, convections in product((False, True), ((), CONVECTIONS)):
         found = noises(MODELS, stations, convections)
         assert sum(noise.prior for noise in found) == pytest.approx(1.0)
-        assert all(noise.rho > noise.memory or noise.rho == noise.memory == 0 for noise in found)
+        assert all(
+            noise.rho > noise.moving_average or noise.rho == noise.moving_average == 0 for noise in found
+        )
 
 
 @pytest.mark.parametrize("noise", [Noise(0.0, 0.98, 0.0, 1.0), Noise(0.9, 0.98, 0.0, 1.0)])
@@ -142,7 +144,7 @@ def test_a_long_series_is_whitened_as_one_although_it_is_summed_in_spans(
     n = 20_000
     columns = np.cumsum(random.normal(size=(3, n)), axis=1)
     columns[0] = 1.0
-    remembered = lfilter([1.0], [1.0, -noise.memory], columns)
+    remembered = lfilter([1.0], [1.0, -noise.moving_average], columns)
     white = remembered[:, 1:] - noise.rho * remembered[:, :-1]
     expected = white @ white.T + noise.first_weight * np.outer(columns[:, 0], columns[:, 0])
     found = sums(columns, np.zeros(n, dtype=int), flat_level=False).whiten(noise).products

@@ -11,7 +11,7 @@ from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
-from echocal.diagnose.inference.hypothesis import Stack, weigh
+from echocal.diagnose.inference.hypothesis import Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.posterior import posterior
 from echocal.diagnose.inference.sums import Sums
@@ -79,7 +79,7 @@ def test_log_evidence_under_one_noise(rho: float) -> None:
         engine = Stack.of([case.sums.whiten(noise)], case.sums.degrees())
         for hypothesis in hypotheses:
             log, mean, covariance = method.evidence(hypothesis.variants)
-            found = weigh(hypothesis, engine)
+            found = fit_hypothesis(hypothesis, engine)
             assert log == pytest.approx(found.log_evidence, abs=1e-8)
             np.testing.assert_allclose(mean, found.mean, rtol=1e-3, atol=1e-3)
             np.testing.assert_allclose(covariance, found.covariance, rtol=1e-2, atol=1e-3)

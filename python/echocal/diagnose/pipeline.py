@@ -71,15 +71,15 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("comparing causes")
             inference = infer(case)
-            if growing := convections(case, inference.weighed, inference.carried):
-                case = case.with_noises(growing)
+            if growing := convections(case, inference.fits, inference.carried):
+                case = case.with_correlations(growing)
                 del inference  # it is large for a wide table
                 inference = infer(case)
 
             work.begin("comparing noises")
             carried = inference.carried
-            shares = infer_noises(case, inference.weighed, carried, faults.quantizations)
-            ranking = rank(shares.weighed, case.found.competing, settings)
+            shares = infer_noises(case, inference.fits, carried, faults.quantizations)
+            ranking = rank(shares.fits, case.found.competing, settings)
             selection = select(case, ranking, shares, carried)
 
             work.begin("validating claims")

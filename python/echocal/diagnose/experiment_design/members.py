@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
 from echocal.diagnose.validation.gain import errors
@@ -42,9 +42,9 @@ def members(
         named = _named(ids, left_out)
         shares[named] = shares.get(named, 0.0) + p
         alone[named] = alone.get(named, 0.0) + p * (UNKNOWN not in ids)
-    forms: dict[Ids, list[Weighed]] = {}
-    for weighed in ranking.weighed:
-        forms.setdefault(_named(weighed.hypothesis.causes, left_out), []).append(weighed)
+    forms: dict[Ids, list[HypothesisFit]] = {}
+    for fit in ranking.fits:
+        forms.setdefault(_named(fit.hypothesis.causes, left_out), []).append(fit)
     best = {
         named: _best(forms[named], left_out, stack, case.settings.search.form_preference)
         for named in _chosen(shares, claimed)
@@ -85,16 +85,18 @@ def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
     ]
 
 
-def _best(same: Sequence[Weighed], left_out: Set[str], stack: Stack, undecided: float) -> Weighed:
+def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack, undecided: float) -> HypothesisFit:
     """The best hypothesis of a set; fitted again if it contains causes that are left out."""
     best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes], undecided)
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:
         hypothesis = without(hypothesis, cause)
-    return best if hypothesis.causes == best.hypothesis.causes else weigh(hypothesis, stack)
+    return best if hypothesis.causes == best.hypothesis.causes else fit_hypothesis(hypothesis, stack)
 
 
-def _models(case: Case, best: Mapping[Ids, Weighed], stack: Stack, *, doubtful: bool) -> dict[Ids, Model]:
+def _models(
+    case: Case, best: Mapping[Ids, HypothesisFit], stack: Stack, *, doubtful: bool
+) -> dict[Ids, Model]:
     """Model of each set of causes, except those whose error on the fitted rows exceeds the base's.
 
     Beside an unexplained term, the sizes of causes may compensate the term, which no model has.
@@ -103,16 +105,16 @@ def _models(case: Case, best: Mapping[Ids, Weighed], stack: Stack, *, doubtful: 
     """
     models: dict[Ids, Model] = {}
     base: float | None = None
-    for named, weighed in best.items():
-        model, has_term = _model(case, weighed), UNKNOWN in weighed.hypothesis.causes
+    for named, fit in best.items():
+        model, has_term = _model(case, fit), UNKNOWN in fit.hypothesis.causes
         if has_term or doubtful:
             base = _mean_square(case, case.base.plain) if base is None else base
             if has_term and _mean_square(case, model) > base:
-                model = _model(case, weigh(without(weighed.hypothesis, UNKNOWN), stack))
+                model = _model(case, fit_hypothesis(without(fit.hypothesis, UNKNOWN), stack))
             if _mean_square(case, model) > base:
                 continue
         models[named] = model
-    return models or {(): _model(case, weigh(Hypothesis((), 1.0), stack))}
+    return models or {(): _model(case, fit_hypothesis(Hypothesis((), 1.0), stack))}
 
 
 def _mean_square(case: Case, model: Model) -> float:
@@ -121,9 +123,9 @@ def _mean_square(case: Case, model: Model) -> float:
     return float(np.nanmean(errors(case.table, model, fit)[fit] ** 2))
 
 
-def _model(case: Case, weighed: Weighed) -> Model:
+def _model(case: Case, fit: HypothesisFit) -> Model:
     base = replace(case.base, air={**case.base.air, **case.table.air()})
-    effects = effects_of(weighed)
+    effects = effects_of(fit)
     names: tuple[str, ...] = base.model(effects).parameter_names
-    covariance: NDArray[np.float64] | None = covariance_of(weighed, names) if names else None
+    covariance: NDArray[np.float64] | None = covariance_of(fit, names) if names else None
     return base.model(effects, covariance=covariance)

@@ -111,14 +111,14 @@ class Prospect:
         """
         new = ~np.isin(at, self.stations)
         many = len(self.stations) > 1
-        size = self.noise.stand_ratio * self.variance if many else _TAPE**2
+        size = self.noise.station_ratio * self.variance if many else _TAPE**2
         own = (at[:, :, None] == at[:, None, :]) & new[:, :, None]
         learned = 0.0 if many else 1.0 * (new[:, :, None] & new[:, None, :])
         return np.asarray(size * (own + learned))
 
     def _of_mean(self, n: int, distance: Matrix) -> Matrix:
         """Variance of the mean of `n` successive rows with autocorrelated noise, at some distances."""
-        rho, memory, lags = self.noise.rho, self.noise.memory, np.arange(1, n)
+        rho, memory, lags = self.noise.rho, self.noise.moving_average, np.arange(1, n)
         cells = self.variance * self.noise.growth * distance
         first = self.variance / self.noise.first_weight + cells
         if rho == memory:

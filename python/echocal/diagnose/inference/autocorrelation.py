@@ -1,4 +1,4 @@
-"""Which memories of the noise are worth a pass over the rows of a long table."""
+"""Which correlations of the noise are worth a pass over the rows of a long table."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.inference.innovation import log_likelihood
-from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Memory, Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise, NoiseCorrelation
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
@@ -17,38 +17,38 @@ __all__ = ["at_first", "that_may_be_there"]
 _STRETCHES, _STRETCH = 5, 20_000  # rows that are looked at
 
 
-def at_first(order: Order, settings: NoiseModelSettings) -> Sequence[Memory]:
-    """List the memories that a first pass has: all in a short table, none in a long one.
+def at_first(order: Order, settings: NoiseModelSettings) -> Sequence[NoiseCorrelation]:
+    """List the correlations that a first pass has: all in a short table, none in a long one.
 
-    Where no row follows another, nothing can be remembered.
+    Where no row follows another, there is no autocorrelation.
     """
     nothing = len(order.starts) > settings.long_table or order.starts.all()
-    return (WHITE,) if nothing else tuple(memory for memory, _ in settings.autoregressions)
+    return (WHITE,) if nothing else tuple(theta for theta, _ in settings.autoregressions)
 
 
 def that_may_be_there(
     columns: Columns, sums: Sums, residual: NDArray[np.float64], settings: NoiseModelSettings
-) -> list[Memory]:
-    """Find the memories that what every cause together leaves may have.
+) -> list[NoiseCorrelation]:
+    """Find the correlations that the residual beside every cause may have.
 
     Of a long table what is left by all columns together is the noise, but for some numbers. A
-    memory that is hopeless there is hopeless beside any of the causes: beside few of them it would
-    have to make up for the others, and cannot better than they do.
+    correlation that is ruled out there is ruled out beside any of the causes: beside few of them it
+    would have to explain what the others explain, and it cannot do so better.
 
     Parameters
     ----------
     columns : Columns
         The first is a group's own, the last what is to be explained.
     sums : Sums
-        Theirs, of a pass that remembered nothing.
+        Theirs, of a pass with white noise alone.
     residual : ndarray, shape (n,)
         What is to be explained [m].
     settings : NoiseModelSettings
 
     Returns
     -------
-    list of Memory
-        To be summed in one more pass; empty where the noise remembers nothing.
+    list of NoiseCorrelation
+        To be summed in one more pass; empty where the noise is white.
     """
     if sums.order.starts.all():
         return []
@@ -61,11 +61,11 @@ def that_may_be_there(
     rows = _looked_at(len(left))
     left, order = left[rows], order.at(rows)
     logs = {
-        memory: max(log_likelihood(left, order, Noise(memory, rho, 0.0, 1.0)) for rho in rhos if rho)
-        for memory, rhos in settings.autoregressions
+        theta: max(log_likelihood(left, order, Noise(theta, rho, 0.0, 1.0)) for rho in rhos if rho)
+        for theta, rhos in settings.autoregressions
     }
     least = max(log_likelihood(left, order, Noise(0.0, 0.0, 0.0, 1.0)), *logs.values()) - settings.pruning
-    return [memory for memory, log in logs.items() if log > least]
+    return [theta for theta, log in logs.items() if log > least]
 
 
 def _looked_at(rows: int) -> NDArray[np.int64]:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import Candidates, Variant
-from echocal.diagnose.inference.hypothesis import Stack, Weighed
-from echocal.diagnose.inference.noise import Convection, Memory, Noise, noises
+from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack
+from echocal.diagnose.inference.noise import Convection, Noise, NoiseCorrelation, noises
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
@@ -60,7 +60,7 @@ class Case:
     @property
     def noises(self) -> tuple[Noise, ...]:
         """Noises that the table allows."""
-        found = [memory for memory in self.sums.memories if isinstance(memory, Convection)]
+        found = [one for one in self.sums.correlations if isinstance(one, Convection)]
         return tuple(
             noise
             for noise in noises(self.settings.noise_models, self.at_stations, found)
@@ -84,17 +84,17 @@ class Case:
         least = self.settings.noise_models.distance_spread
         return reference is not None and float(np.ptp(reference)) > least * float(reference.mean())
 
-    def left(self, weighed: Weighed, rows: NDArray[np.int64]) -> NDArray[np.float64]:
+    def left(self, fit: HypothesisFit, rows: NDArray[np.int64]) -> NDArray[np.float64]:
         """Residual of the base less what a hypothesis makes of it, at some rows [m]."""
-        variants = weighed.hypothesis.variants
+        variants = fit.hypothesis.variants
         fixed = [v.offset for v in variants if v.offset is not None]
         free = [column for v in variants for column in v.free]
-        sizes = np.concatenate([np.ones(len(fixed)), weighed.mean])
+        sizes = np.concatenate([np.ones(len(fixed)), fit.mean])
         return np.asarray(self.residual[rows] - sizes @ self.found.columns.at([*fixed, *free], rows))
 
-    def with_noises(self, memories: Sequence[Memory]) -> "Case":
+    def with_correlations(self, correlations: Sequence[NoiseCorrelation]) -> "Case":
         """The same, the rows summed for more noises: one more pass over them."""
-        return replace(self, sums=self.sums.with_memories(self.found.columns, memories))
+        return replace(self, sums=self.sums.with_correlations(self.found.columns, correlations))
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
         """Whitened products over some blocks, one per noise."""

@@ -37,7 +37,7 @@ def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Setting
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))
     drop_infinite(found, sums)
     drop_invisible(found, sums, residual, settings.priors)
-    if sums.memories == (WHITE,):
+    if sums.correlations == (WHITE,):
         others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
-        sums = sums.with_memories(found.columns, others) if others else sums
+        sums = sums.with_correlations(found.columns, others) if others else sums
     return Case(table, base, found, residual, sums, folds, seed, settings)

@@ -15,7 +15,7 @@ from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.sums import Whitened
 
-__all__ = ["Hypothesis", "Stack", "Weighed", "weigh", "weigh_each"]
+__all__ = ["Hypothesis", "HypothesisFit", "Stack", "fit_hypotheses", "fit_hypothesis"]
 
 Matrix = NDArray[np.floating[Any]]
 
@@ -47,7 +47,7 @@ class Hypothesis:
 
     @cached_property
     def effects(self) -> tuple[str, ...]:
-        """Ids of its effects, sorted: of its causes without a shape."""
+        """Ids of its effects, sorted: of its causes, without an unexplained term."""
         return tuple(id_ for id_ in self.ids if id_ != UNKNOWN)
 
     @cached_property
@@ -63,8 +63,8 @@ class Hypothesis:
         return tuple(zip(self.variants, places, strict=True))
 
     @cached_property
-    def shape(self) -> str:
-        """Column that a shape without a cause is a function of; empty if it has none."""
+    def term(self) -> str:
+        """Column that its unexplained term is a function of; empty if it has none."""
         return next((v.against for v in self.variants if v.against), "")
 
 
@@ -104,9 +104,9 @@ class Stack:
         kept = tuple(noise for noise, keep in zip(self.noises, noises, strict=True) if keep)
         return Stack(self.products[noises], self.log_weight[noises], self.degrees, kept)
 
-    def likeliest(self, weighed: "Weighed") -> tuple[Noise, Matrix]:
+    def likeliest(self, fit: "HypothesisFit") -> tuple[Noise, Matrix]:
         """The most probable noise under a hypothesis, and its products."""
-        index = int(weighed.noise.argmax())
+        index = int(fit.noise.argmax())
         return self.noises[index], self.products[index]
 
     def plain(self) -> "Stack":
@@ -115,7 +115,7 @@ class Stack:
 
 
 @dataclass(frozen=True)
-class Weighed:
+class HypothesisFit:
     """A hypothesis after the data.
 
     Attributes
@@ -139,9 +139,9 @@ class Weighed:
     noise: Matrix
     variance: float
 
-    def raised(self, by: float) -> "Weighed":
+    def raised(self, by: float) -> "HypothesisFit":
         """The same with more log evidence."""
-        return Weighed(
+        return HypothesisFit(
             self.hypothesis, self.log_evidence + by, self.mean, self.covariance, self.noise, self.variance
         )
 
@@ -153,12 +153,12 @@ class Weighed:
 
 
 def form(variant: Variant, cause: int | None = 0) -> "_core._Form":
-    """Describe a variant to the core; no number for the cause of a shape."""
+    """Describe a variant to the core; an unexplained term has no cause."""
     offsets = [] if variant.offset is None else [variant.offset]
     return cause, offsets, list(variant.free), list(variant.bounds), variant.weight
 
 
-def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> Weighed:
+def fit_hypothesis(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> HypothesisFit:
     """Average the likelihood over noises, sizes and the unknown variance of the noise.
 
     The coefficients have normal priors, in a mixture of three widths, cut off at their bounds;
@@ -175,19 +175,21 @@ def weigh(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> W
 
     Returns
     -------
-    Weighed
+    HypothesisFit
 
     References
     ----------
     .. [1] MacKay, D. J. C. (1992). Bayesian interpolation. Neural Computation 4, 415-447.
        https://doi.org/10.1162/neco.1992.4.3.415
     """
-    return weigh_each([hypothesis], stack, one_width=one_width)[0]
+    return fit_hypotheses([hypothesis], stack, one_width=one_width)[0]
 
 
-def weigh_each(hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False) -> list[Weighed]:
-    """Weigh several hypotheses, each by itself, on several threads."""
+def fit_hypotheses(
+    hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False
+) -> list[HypothesisFit]:
+    """Fit several hypotheses, each by itself, on several threads."""
     forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
     given = stack.products, stack.log_weight, stack.degrees, VARIANCE_FLOOR**2
     found = _core.weigh(*given, forms, one_width)
-    return [Weighed(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]
+    return [HypothesisFit(hypothesis, *result) for hypothesis, result in zip(hypotheses, found, strict=True)]

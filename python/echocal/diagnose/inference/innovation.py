@@ -1,4 +1,4 @@
-"""What guards leave of the residuals: innovations."""
+"""Innovations: residuals without the correlations of the nuisance noise."""
 
 import math
 
@@ -15,7 +15,9 @@ Column = NDArray[np.float64]
 
 
 def innovation(left: Column, order: Order, noise: Noise) -> Column:
-    """Take out what a guard knows: the stands' own errors and what the rows before tell.
+    """Whiten residuals: take out the errors of the stations and what the rows before tell.
+
+    docs/method.md, Eq. 3 to 5.
 
     Parameters
     ----------
@@ -29,14 +31,14 @@ def innovation(left: Column, order: Order, noise: Noise) -> Column:
     ndarray, shape (n,)
         In units in which they are as dense as the residuals, so that likelihoods compare [m].
     """
-    if noise.stand_ratio > 0.0:
+    if noise.station_ratio > 0.0:
         count = np.bincount(order.groups)
-        shrunken = np.bincount(order.groups, left) * noise.stand_ratio / (1 + noise.stand_ratio * count)
+        shrunken = np.bincount(order.groups, left) * noise.station_ratio / (1 + noise.station_ratio * count)
         left = left - shrunken[order.groups]
     if noise.rho == 0.0:
         return left
     series = (np.ascontiguousarray(left), order.starts, order.distance)
-    white, log_variance = _core.whitened(noise.remembers, noise.rho, noise.first_weight, *series)
+    white, log_variance = _core.whitened(noise.correlation, noise.rho, noise.first_weight, *series)
     return np.asarray(white * np.exp(0.5 * log_variance / len(left)))
 
 

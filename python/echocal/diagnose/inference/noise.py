@@ -1,4 +1,4 @@
-"""Noise that the engine reckons with before it names anything: memory, and an error per stand."""
+"""Noise models that compete: autocorrelated noise, and an error that the rows of a station share."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -6,72 +6,76 @@ from typing import NamedTuple
 
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
 
-__all__ = ["VARIANCE_FLOOR", "WHITE", "Convection", "Memory", "Noise", "all_convections", "noises"]
+__all__ = ["VARIANCE_FLOOR", "WHITE", "Convection", "Noise", "NoiseCorrelation", "all_convections", "noises"]
 
 VARIANCE_FLOOR = 1e-9
 """Standard deviation below which no noise is believed [m]; simulated data may have none."""
 
 
 class Convection(NamedTuple):
-    """Memory of warm cells in the path: white noise, and a remembered part that grows with the distance.
+    """Warm cells in the path: white noise, and autocorrelated noise that grows with the distance.
+
+    docs/method.md, Eq. 4.
 
     Attributes
     ----------
     rho : float
-        Autoregressive coefficient of the remembered part.
+        Autoregressive coefficient of the autocorrelated part.
     growth : float
-        Variance of the remembered part over that of the white one, per distance [1/m].
+        Variance of the autocorrelated part over that of the white one, per distance [1/m].
     """
 
     rho: float
     growth: float
 
 
-Memory = float | Convection | None
-"""What a pass over the rows remembers: a moving-average coefficient, a convection, or nothing."""
+NoiseCorrelation = float | Convection | None
+"""What a pass over the rows sums: a moving-average coefficient, a convection, or None for white noise."""
 
-WHITE: Memory = None
-"""The memory of white noise."""
+WHITE: NoiseCorrelation = None
+"""Noise without a correlation."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """White noise on a first-order autoregression, with a random error per stand.
+    """White noise on a first-order autoregression, with a random error per station.
 
     Attributes
     ----------
-    memory, rho : float
-        Moving-average and autoregressive coefficient; ``rho > memory``, or both zero.
-    stand_ratio : float
-        Variance of the error that all rows of a stand share, over that of the innovations.
+    moving_average, rho : float
+        Moving-average and autoregressive coefficient; ``rho > moving_average``, or both zero.
+    station_ratio : float
+        Variance of the error that all rows of a station share, over that of the innovations.
     prior : float
         Probability before the data.
     growth : float
-        Where not 0, the noise is that of a `Convection`, with no other memory [1/m].
+        Where not 0, the noise is that of a `Convection` [1/m].
     """
 
-    memory: float
+    moving_average: float
     rho: float
-    stand_ratio: float
+    station_ratio: float
     prior: float
     growth: float = 0.0
 
     @property
-    def remembers(self) -> Memory:
-        """What a pass over the rows must remember for it."""
+    def correlation(self) -> NoiseCorrelation:
+        """What a pass over the rows must sum for it."""
         if self.rho == 0.0:
             return WHITE
-        return Convection(self.rho, self.growth) if self.growth else self.memory
+        return Convection(self.rho, self.growth) if self.growth else self.moving_average
 
     @property
     def first_weight(self) -> float:
         """Innovation variance over the variance of the process: the weight of a series' first row.
 
-        Of a convection that of its white part, which is what its variance is counted in.
+        The square of the factor of docs/method.md, Eq. 3. Of a convection it is 1, for the variance is
+        counted in that of its white part.
         """
         if self.growth:
             return 1.0
-        return (1 - self.rho**2) / (1 - 2 * self.rho * self.memory + self.memory**2)
+        theta = self.moving_average
+        return (1 - self.rho**2) / (1 - 2 * self.rho * theta + theta**2)
 
 
 def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
@@ -81,17 +85,17 @@ def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
 
 
 def noises(
-    settings: NoiseModelSettings, stands: bool, convections: Collection[Convection] = ()
+    settings: NoiseModelSettings, stations: bool, convections: Collection[Convection] = ()
 ) -> tuple[Noise, ...]:
-    """List the noises considered.
+    """List the noise models considered: the grid of docs/method.md, section 2.
 
     Parameters
     ----------
     settings : NoiseModelSettings
-    stands : bool
+    stations : bool
         Whether stations may err, each by itself.
     convections : collection of Convection
-        Those that are considered; if any are, the prior of the others is nobody's.
+        Those that are considered. If there are any, the other convections lose their prior.
 
     Returns
     -------
@@ -104,5 +108,5 @@ def noises(
     rows += [(0.0, c.rho, c.growth, half / len(all_convections(settings))) for c in convections]
     grid, none = settings.station_ratios, settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
-    each = ratios.items() if stands else [(0.0, 1.0)]
+    each = ratios.items() if stations else [(0.0, 1.0)]
     return tuple(Noise(m, r, s, p * q, growth) for m, r, growth, p in rows for s, q in each)

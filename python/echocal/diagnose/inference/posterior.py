@@ -9,7 +9,7 @@ import numpy as np
 from echocal import _core
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, form
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, form
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR
 from echocal.diagnose.settings import PriorSettings, Settings
 
@@ -26,28 +26,28 @@ class Inference:
         Products under every noise model.
     carried : Stack
         Products under the noise models that some hypothesis makes probable.
-    weighed : list of Weighed
+    fits : list of HypothesisFit
         Most probable first; hypotheses that the data rule out are not among them.
     """
 
     stack: Stack
     carried: Stack
-    weighed: list[Weighed]
+    fits: list[HypothesisFit]
 
 
 def infer(case: Case) -> Inference:
-    """Weigh every hypothesis that competes, on the rows that a fit may see."""
+    """Fit every hypothesis that competes, on the rows that a fit may see."""
     stack = case.stack(case.folds.fit)
-    weighed, carried = posterior(case.found, stack, case.settings)
-    return Inference(stack, carried, weighed)
+    fits, carried = posterior(case.found, stack, case.settings)
+    return Inference(stack, carried, fits)
 
 
-def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list[Weighed], Stack]:
-    """Weigh no cause, each cause, each pair, larger sets greedily, and the best of all beside each shape.
+def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list[HypothesisFit], Stack]:
+    """Fit no cause, each cause, each pair, larger sets greedily, and the best of all beside each term.
 
     Returns
     -------
-    list of Weighed
+    list of HypothesisFit
         Most probable first; hypotheses that the data rule out are not among them.
     Stack
         The noises that were carried along.
@@ -65,11 +65,11 @@ def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list
         priors.unexplained_term,
         settings.search.pruning_log_odds,
     )
-    weighed = [
-        Weighed(Hypothesis(tuple(found.variants[i] for i in chosen), prior), *result)
+    fits = [
+        HypothesisFit(Hypothesis(tuple(found.variants[i] for i in chosen), prior), *result)
         for chosen, prior, result in outcomes
     ]
-    return weighed, stack.only(np.array(noises))
+    return fits, stack.only(np.array(noises))
 
 
 def set_prior(ids: Sequence[str], causes: int, priors: PriorSettings) -> float:
@@ -81,7 +81,7 @@ def set_prior(ids: Sequence[str], causes: int, priors: PriorSettings) -> float:
     return shape * counts[min(known, 3)] * rarer / math.comb(causes, known)
 
 
-def preferred(same: list[Weighed], undecided: float) -> Weighed:
+def preferred(same: list[HypothesisFit], undecided: float) -> HypothesisFit:
     """Of forms of the same causes, most probable first: the best, or a freer one that is as good.
 
     Where the data do not say which value is right, its uncertainty says so.

@@ -1,4 +1,4 @@
-"""Which of many further columns a shape is tried against: a cheap look at each by itself."""
+"""Which of many further columns an unexplained term is tried against: a cheap look at each by itself."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -39,19 +39,19 @@ def set_aside(
     rows: Labels,
     others: int,
 ) -> tuple[str, ...]:
-    """List the further columns that no shape is tried against; none where they are few.
+    """List the further columns that no term is tried against; none where they are few.
 
     Two looks are taken, and the best of either stay: one at what an offset, a scale and the
     temperature leave, which takes nothing else for granted; and one at what smooth curves against
     all that is known leave, less what the rows before tell, where a small effect shows that is
-    hidden beside a large one or in noise that remembers.
+    hidden beside a large one or in autocorrelated noise.
 
     Parameters
     ----------
     scene : Scene
     order : Order
     known : mapping of str to ndarray, shape (n,)
-        What a shape is tried against in any case: influence quantities, distance, rows or time.
+        What a term is tried against in any case: influence quantities, distance, rows or time.
     further : mapping of str to ndarray, shape (n,)
     rows : ndarray of int
         Rows that a fit may see.
@@ -146,9 +146,9 @@ class _Look:
 
 
 def _scores(name: str, column: Column, looks: Sequence[_Look], settings: TermSettings) -> list[float]:
-    """How well a shape against a column fits what each look leaves."""
+    """How well a term against a column fits what each look leaves."""
     basis = Basis.of(name, column, settings)
-    if not basis.low < basis.high:  # nearly constant: a shape would hang on a few rows
+    if not basis.low < basis.high:  # nearly constant: a term would depend on a few rows
         return [-np.inf] * len(looks)
     functions = np.array(basis.at(column)[: max(degrees_of(column, settings), 1)])
     return [look.score(functions) for look in looks]
@@ -166,6 +166,6 @@ def _curves(known: Mapping[str, Column], rows: Labels, settings: TermSettings) -
 
 
 def _likeliest(left: Column, order: Order, settings: NoiseModelSettings) -> Noise:
-    """The noise that what is left has most likely, of those that remember alike at all distances."""
-    noises = [Noise(memory, rho, 0.0, 1.0) for memory, rhos in settings.autoregressions for rho in rhos]
+    """The noise that what is left has most likely, of those that are alike at all distances."""
+    noises = [Noise(theta, rho, 0.0, 1.0) for theta, rhos in settings.autoregressions for rho in rhos]
     return max(noises, key=lambda noise: log_likelihood(left, order, noise))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.inference.noise import WHITE, Memory, Noise
+from echocal.diagnose.inference.noise import WHITE, Noise, NoiseCorrelation
 from echocal.diagnose.preprocess.order import Order
 
 __all__ = ["Sums", "Whitened"]
@@ -43,10 +43,10 @@ class Sums:
         The sums, in the core.
     order : Order
     blocks : ndarray of int, shape (n,)
-    memories : tuple
+    correlations : tuple
         What they were summed with.
     cell_block, cell_group : ndarray of int, shape (cells,)
-        Block and group (stretch, or stand) of each cell.
+        Block and group (segment, or station) of each cell.
     rows, series : ndarray of int, shape (blocks,)
         Rows, and series begun, per block.
     """
@@ -54,7 +54,7 @@ class Sums:
     products: _core.Sums
     order: Order
     blocks: NDArray[np.int64]
-    memories: tuple[Memory, ...]
+    correlations: tuple[NoiseCorrelation, ...]
     cell_block: NDArray[np.int64]
     cell_group: NDArray[np.int64]
     rows: NDArray[np.int64]
@@ -66,17 +66,17 @@ class Sums:
         columns: Columns,
         order: Order,
         blocks: NDArray[np.int64],
-        memories: Sequence[Memory],
+        correlations: Sequence[NoiseCorrelation],
     ) -> "Sums":
         """Pass once over the rows of some columns, of which the first is a group's own."""
         cells, places = order.cells(blocks)
         count = int(blocks.max()) + 1
         series = np.bincount(blocks, weights=order.starts, minlength=count).astype(np.float64)
         return cls(
-            products=columns.products(order, blocks, cells, places, series, memories),
+            products=columns.products(order, blocks, cells, places, series, correlations),
             order=order,
             blocks=blocks,
-            memories=tuple(memories),
+            correlations=tuple(correlations),
             cell_block=places[0],
             cell_group=places[1],
             rows=np.bincount(blocks, minlength=count),
@@ -88,22 +88,19 @@ class Sums:
         """Whether groups have an unknown level (nothing known about it) or a random error."""
         return self.order.flat_level
 
-    def with_memories(self, columns: Columns, memories: Sequence[Memory]) -> "Sums":
-        """Pass once more over the rows of the same columns, with other memories.
-
-        The core's sums grow; the old `Sums` does not know of what is new.
-        """
-        more = Sums.gather(columns, self.order, self.blocks, memories)
+    def with_correlations(self, columns: Columns, correlations: Sequence[NoiseCorrelation]) -> "Sums":
+        """Pass once more over the rows of the same columns, for other correlations."""
+        more = Sums.gather(columns, self.order, self.blocks, correlations)
         self.products.join(more.products)
-        return replace(self, memories=(*self.memories, *memories))
+        return replace(self, correlations=(*self.correlations, *correlations))
 
     def has(self, noise: Noise) -> bool:
         """Whether the rows were summed as a noise asks for."""
-        return noise.remembers is WHITE or noise.remembers in self.memories
+        return noise.correlation is WHITE or noise.correlation in self.correlations
 
-    def _place(self, memory: Memory) -> int:
-        """Position of the sums for a memory: white noise is any autoregression's with coefficient 0."""
-        return self.memories.index(memory if memory in self.memories else 0.0)
+    def _place(self, correlation: NoiseCorrelation) -> int:
+        """Position of the sums for a correlation: white noise is any autoregression's with coefficient 0."""
+        return self.correlations.index(correlation if correlation in self.correlations else 0.0)
 
     def whiten_all(
         self,
@@ -118,9 +115,9 @@ class Sums:
         use = np.ones(len(self.rows), dtype=bool) if use is None else use
         given = [
             (
-                self._place(n.remembers),
+                self._place(n.correlation),
                 0.0 if n.growth else n.rho,
-                n.stand_ratio,
+                n.station_ratio,
                 n.first_weight,
                 float(np.log(n.prior)),
             )

@@ -32,12 +32,12 @@ FACTS = CauseFacts(
 
 def concerns(noise: Noise) -> bool:
     """Whether a noise that the fits reckon with is this cause."""
-    return noise.stand_ratio > 0.0
+    return noise.station_ratio > 0.0
 
 
 def parameters(noises: tuple[Noise, ...], share: np.ndarray, variance: float) -> Values:
     """Mean and spread of the standard deviation over the noises with an error per station."""
-    deviation = np.sqrt(variance * np.array([noise.stand_ratio for noise in noises]))
+    deviation = np.sqrt(variance * np.array([noise.station_ratio for noise in noises]))
     weight = share * np.array([concerns(noise) for noise in noises])
     weight = weight / max(weight.sum(), 1e-300)
     mean = float(weight @ deviation)

@@ -117,7 +117,7 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
         return ""
     claimed = cause in [c.cause for c in validation.kept]
     known = case.found.size_tangents[cause][1]
-    beside = without(validation.weighed.hypothesis, cause)
+    beside = without(validation.fit.hypothesis, cause)
     plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # white noise, alone
     size, uncertainty = free_size(cause, case.found, beside, stack)
     if max(plain_u, uncertainty) > 0.5 * abs(known):
@@ -136,8 +136,8 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
     )
     if claimed:
         return (
-            f"{cause} is claimed with its theoretical size, {known:g}. {found}. Either another effect acts in "
-            "the same rows, or the recorded values are not those on the sound path"
+            f"{cause} is claimed with its theoretical size, {known:g}. {found}. Either another effect acts "
+            "in the same rows, or the recorded values are not those on the sound path"
         )
     return (
         f"{cause}, whose theoretical size is {known:g}, is not claimed. {found}. Either an effect of the "

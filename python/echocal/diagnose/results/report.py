@@ -136,9 +136,9 @@ def _noise(selection: Selection) -> dict[str, float]:
     return {
         "standard_deviation_m": selection.best.variance**0.5,
         "autoregression": noise.rho,
-        "moving_average": noise.memory,
+        "moving_average": noise.moving_average,
         "growth_with_distance": noise.growth,
-        "stand_variance_ratio": noise.stand_ratio,
+        "stand_variance_ratio": noise.station_ratio,
     }
 
 

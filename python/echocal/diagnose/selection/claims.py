@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.alias import Geometry
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh, weigh_each
+from echocal.diagnose.inference.hypothesis import (
+    Hypothesis,
+    HypothesisFit,
+    Stack,
+    fit_hypotheses,
+    fit_hypothesis,
+)
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.parsimony import Ids, shown
 from echocal.diagnose.settings import ClaimSettings, Settings
@@ -41,16 +47,16 @@ class Ranking:
 
     Attributes
     ----------
-    weighed : list of Weighed
+    fits : list of HypothesisFit
         Most probable first.
     probability : ndarray
-        Of each of `weighed`; sums to one.
+        Of each of `fits`; sums to one.
     sets : list of (tuple of str, float)
         Sets of ids (with ``unknown`` for an unexplained term), most probable first; sums to one.
     settings : Settings
     """
 
-    weighed: list[Weighed]
+    fits: list[HypothesisFit]
     probability: NDArray[np.float64]
     sets: list[tuple[tuple[str, ...], float]]
     settings: Settings
@@ -59,7 +65,7 @@ class Ranking:
         """Probability that at least one of these causes acts."""
         return sum(p for ids, p in self.sets if set(ids) & set(causes))
 
-    def best(self, beyond: Ids | None = None) -> Weighed | None:
+    def best(self, beyond: Ids | None = None) -> HypothesisFit | None:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 
         Of sets that are about equally probable, the one that most devices can compensate. With
@@ -75,8 +81,8 @@ class Ranking:
         likely = max(effects.values())
         near = [named for named in effects if effects[named] > self.settings.claims.nearly * likely]
         top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
-        same = [w for w in self.weighed if w.hypothesis.effects == top]
-        alike = [w for w in same if w.hypothesis.shape == same[0].hypothesis.shape]  # the same term
+        same = [w for w in self.fits if w.hypothesis.effects == top]
+        alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
         return preferred(alike, self.settings.search.form_preference)
 
     def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
@@ -93,8 +99,8 @@ class Ranking:
     def unexplained_terms(self) -> dict[str, float]:
         """Probability of an unexplained term against each column."""
         against: dict[str, float] = {}
-        for weighed, p in zip(self.weighed, self.probability, strict=True):
-            for variant in weighed.hypothesis.variants:
+        for fit, p in zip(self.fits, self.probability, strict=True):
+            for variant in fit.hypothesis.variants:
                 if variant.cause == UNKNOWN:
                     against[variant.against] = against.get(variant.against, 0.0) + float(p)
         return against
@@ -108,13 +114,13 @@ def _out_of_reach(ids: Sequence[str]) -> int:
     return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 
-def rank(weighed: list[Weighed], causes: int, settings: Settings) -> Ranking:
+def rank(fits: list[HypothesisFit], causes: int, settings: Settings) -> Ranking:
     """Normalize the posterior, and add up the variants of each set of causes that show."""
-    log = np.array([w.log_posterior for w in weighed])
+    log = np.array([w.log_posterior for w in fits])
     probability = np.exp(log - log.max())
     probability /= probability.sum()
-    sets = shown(weighed, probability, causes, settings.priors)
-    return Ranking(weighed, probability, list(sets.items()), settings)
+    sets = shown(fits, probability, causes, settings.priors)
+    return Ranking(fits, probability, list(sets.items()), settings)
 
 
 @dataclass(frozen=True, eq=False)  # compared by identity, because it has arrays
@@ -144,7 +150,7 @@ class Claim:
 
 
 def claims(
-    ranking: Ranking, best: Weighed, found: Candidates, geometry: Geometry, beyond: Ids = ()
+    ranking: Ranking, best: HypothesisFit, found: Candidates, geometry: Geometry, beyond: Ids = ()
 ) -> list[Claim]:
     """Claim the causes of a hypothesis, each with its rivals, except those in `beyond`."""
     others = _by_cause(found.variants)
@@ -165,16 +171,16 @@ def claims(
     return sorted(made, key=lambda claim: -claim.probability)
 
 
-def sizes(weighed: Weighed) -> dict[str, tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]]:
+def sizes(fit: HypothesisFit) -> dict[str, tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]]:
     """Coefficients of each cause of a hypothesis, and their standard deviations."""
-    deviation = np.sqrt(np.diag(weighed.covariance))
-    placed = weighed.hypothesis.placed
-    return {variant.cause: (weighed.mean[place], deviation[place]) for variant, place in placed}
+    deviation = np.sqrt(np.diag(fit.covariance))
+    placed = fit.hypothesis.placed
+    return {variant.cause: (fit.mean[place], deviation[place]) for variant, place in placed}
 
 
-def resized(made: Sequence[Claim], weighed: Weighed) -> list[Claim]:
+def resized(made: Sequence[Claim], fit: HypothesisFit) -> list[Claim]:
     """Give claims the sizes that their causes have in another hypothesis."""
-    own = sizes(weighed)
+    own = sizes(fit)
     return [replace(claim, mean=own[claim.cause][0], deviation=own[claim.cause][1]) for claim in made]
 
 
@@ -223,7 +229,7 @@ def _substitutes(found: Candidates, against: str, rms: float) -> list[Variant]:
 
 
 def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
-    return weigh(Hypothesis(variants, 1.0), stack, one_width=True).log_evidence
+    return fit_hypothesis(Hypothesis(variants, 1.0), stack, one_width=True).log_evidence
 
 
 def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
@@ -236,9 +242,9 @@ def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
             and probability >= ranking.settings.claims.mentioned_from
             and ids[0] not in {UNKNOWN, *taken}
         ):
-            weighed = next(w for w in ranking.weighed if w.hypothesis.causes == ids)
-            deviation = np.sqrt(np.diag(weighed.covariance))
-            found.append(Claim(weighed.hypothesis.variants[0], weighed.mean, deviation, (), probability))
+            fit = next(w for w in ranking.fits if w.hypothesis.causes == ids)
+            deviation = np.sqrt(np.diag(fit.covariance))
+            found.append(Claim(fit.hypothesis.variants[0], fit.mean, deviation, (), probability))
     return found
 
 
@@ -250,19 +256,19 @@ def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
     return causes
 
 
-def effects_of(weighed: Weighed, only: Sequence[str] | None = None) -> Parameters:
+def effects_of(fit: HypothesisFit, only: Sequence[str] | None = None) -> Parameters:
     """Parameters of a model that has these causes (all of the hypothesis by default)."""
     return {
-        variant.cause: parameters(variant, weighed.mean[place])
-        for variant, place in weighed.hypothesis.placed
+        variant.cause: parameters(variant, fit.mean[place])
+        for variant, place in fit.hypothesis.placed
         if variant.cause != UNKNOWN and (only is None or variant.cause in only)
     }
 
 
-def covariance_of(weighed: Weighed, names: Sequence[str]) -> NDArray[np.float64]:
+def covariance_of(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float64]:
     """Covariance of a model's parameters; zero where theory fixes one."""
     entries: list[tuple[int, int, float]] = []  # parameter of the model, coefficient, scale
-    for variant, place in weighed.hypothesis.placed:
+    for variant, place in fit.hypothesis.placed:
         for at, (name, scale) in enumerate(zip(variant.names, variant.scales, strict=True), place.start):
             full = f"{variant.cause}.{name}"
             if full in names:
@@ -270,7 +276,7 @@ def covariance_of(weighed: Weighed, names: Sequence[str]) -> NDArray[np.float64]
     covariance = np.zeros((len(names), len(names)))
     for i, a, scale_a in entries:
         for j, b, scale_b in entries:
-            covariance[i, j] = weighed.covariance[a, b] * scale_a * scale_b
+            covariance[i, j] = fit.covariance[a, b] * scale_a * scale_b
     return 0.5 * (covariance + covariance.T)
 
 
@@ -294,7 +300,7 @@ def free_sizes(
     """The same beside each of several hypotheses."""
     free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
     others = [tuple(v for v in hypothesis.variants if v.cause != cause) for hypothesis in beside]
-    fits = weigh_each([Hypothesis((free, *variants), 1.0) for variants in others], stack)
+    fits = fit_hypotheses([Hypothesis((free, *variants), 1.0) for variants in others], stack)
     return [(float(fit.mean[0]), float(np.sqrt(fit.covariance[0, 0]))) for fit in fits]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN
-from echocal.diagnose.inference.hypothesis import Weighed
+from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import set_prior
 from echocal.diagnose.settings import PriorSettings
 
@@ -27,16 +27,16 @@ _VISIBLE = 1.0  # signal over noise, summed over rows
 
 
 def shown(
-    weighed: Sequence[Weighed], probability: NDArray[np.float64], causes: int, priors: PriorSettings
+    fits: Sequence[HypothesisFit], probability: NDArray[np.float64], causes: int, priors: PriorSettings
 ) -> dict[Ids, float]:
     """Probability of each set of causes that show.
 
     Parameters
     ----------
-    weighed : sequence of Weighed
+    fits : sequence of HypothesisFit
         Most probable first.
     probability : ndarray
-        Of each of `weighed`; sums to one.
+        Of each of `fits`; sums to one.
     causes : int
         Number of causes that compete.
     priors : PriorSettings
@@ -46,9 +46,9 @@ def shown(
     dict of tuple of str to float
         By sorted ids, most probable first; sums to one.
     """
-    best: dict[Ids, Weighed] = {}
+    best: dict[Ids, HypothesisFit] = {}
     sets: dict[Ids, float] = {}
-    for one, p in zip(weighed, probability, strict=True):
+    for one, p in zip(fits, probability, strict=True):
         ids = one.hypothesis.ids
         best.setdefault(ids, one)
         sets[ids] = sets.get(ids, 0.0) + float(p)
@@ -69,11 +69,11 @@ def shown(
     return dict(ordered)
 
 
-def hidden(weighed: Weighed) -> dict[str, float]:
+def hidden(fit: HypothesisFit) -> dict[str, float]:
     """Part of the prior of each cause at which it does not show beside the others of its set."""
     parts: dict[str, float] = {}
-    variance = weighed.covariance.diagonal().tolist()
-    for variant, place in weighed.hypothesis.placed:
+    variance = fit.covariance.diagonal().tolist()
+    for variant, place in fit.hypothesis.placed:
         if variant.cause != UNKNOWN and variant.offset is None and variant.free:
             information = 1 / max(min(variance[place]), 1e-300) - 1 / _USUAL
             signal = math.sqrt(max(information, 0.0))  # of one prior standard deviation

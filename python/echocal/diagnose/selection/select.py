@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.posterior import NoisePosterior
@@ -31,7 +31,7 @@ class Selection:
 
     Attributes
     ----------
-    best : Weighed
+    best : HypothesisFit
         The hypothesis whose causes are claimed, with the sizes that the model has.
     listed : sequence of Claim
         All claims.
@@ -45,7 +45,7 @@ class Selection:
         Claims whose size is not constant, each with a sentence on its sizes.
     """
 
-    best: Weighed
+    best: HypothesisFit
     listed: Sequence[Claim]
     claims: Sequence[Claim]
     noise: Noise
@@ -73,7 +73,7 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, carried: Stack)
 
 def _claimed(
     case: Case, ranking: Ranking, carried: Stack, shares: NoisePosterior
-) -> tuple[Weighed, list[Claim]]:
+) -> tuple[HypothesisFit, list[Claim]]:
     """Claims of the best hypothesis.
 
     An effect is claimed if "no effect" is improbable enough, even if each single effect is
@@ -82,7 +82,7 @@ def _claimed(
     """
     best = ranking.best()
     if best is None:
-        raise RuntimeError("no hypothesis was weighed")
+        raise RuntimeError("no hypothesis was fitted")
     claimed = _of(best, case, ranking, carried)
     while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
         ids = best.hypothesis.effects
@@ -105,8 +105,8 @@ def _in_doubt(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
 
 
 def _left_out(
-    best: Weighed, claimed: Sequence[Claim], left_out: Container[str], carried: Stack
-) -> tuple[Weighed, list[Claim]]:
+    best: HypothesisFit, claimed: Sequence[Claim], left_out: Container[str], carried: Stack
+) -> tuple[HypothesisFit, list[Claim]]:
     """Leave out some claims and fit the sizes of the others again, without them."""
     hypothesis = best.hypothesis
     for claim in claimed:
@@ -114,10 +114,10 @@ def _left_out(
             hypothesis = without(hypothesis, claim.cause)
     if hypothesis is best.hypothesis:
         return best, list(claimed)
-    best = weigh(hypothesis, carried)
+    best = fit_hypothesis(hypothesis, carried)
     return best, resized([claim for claim in claimed if claim.cause not in left_out], best)
 
 
-def _of(weighed: Weighed, case: Case, ranking: Ranking, carried: Stack, beyond: Ids = ()) -> list[Claim]:
-    _, products = carried.likeliest(weighed)
-    return claims(ranking, weighed, case.found, Geometry(products, weighed.variance), beyond)
+def _of(fit: HypothesisFit, case: Case, ranking: Ranking, carried: Stack, beyond: Ids = ()) -> list[Claim]:
+    _, products = carried.likeliest(fit)
+    return claims(ranking, fit, case.found, Geometry(products, fit.variance), beyond)

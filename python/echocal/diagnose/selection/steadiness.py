@@ -11,7 +11,7 @@ from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.sentences import parameter_text
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.selection.claims import Claim
@@ -25,7 +25,7 @@ Size = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]
 """Coefficients of a cause and their covariance."""
 
 
-def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -> dict[str, str]:
+def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> dict[str, str]:
     """Find claims whose sizes differ between parts of the table.
 
     An effect has one size. A claim whose size differs between parts is not that effect, even if it
@@ -39,7 +39,7 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -
     case : Case
     claims : sequence of Claim
     noise : Noise
-    best : Weighed
+    best : HypothesisFit
         The best hypothesis. Its unexplained term is subtracted first. If it has one, a smaller
         difference makes a claim doubtful.
 
@@ -93,13 +93,13 @@ class Family:
     term: Mapping[int, float]
 
 
-def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: Weighed) -> list[Family]:
+def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> list[Family]:
     blocks = np.arange(len(case.sums.rows))
     term = _term(best)
     own = {column: column for claim in claims for column in claim.variant.columns}
     parts = tuple(blocks == block for block in blocks[case.folds.fit])
     families = [Family(case.sums, parts, own, term)]
-    if best.hypothesis.shape in _OF_ROWS and (np.diff(case.folds.blocks) < 0).any():
+    if best.hypothesis.term in _OF_ROWS and (np.diff(case.folds.blocks) < 0).any():
         families.append(_runs(case, list(own), noise))
     return families
 
@@ -114,7 +114,7 @@ def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
     columns = Columns(case.base.model(), case.residual, case.table.conditions, None)
     for column in case.found.columns.at(chosen):
         columns.store(column)
-    sums = Sums.gather(columns, case.sums.order, runs, [noise.remembers])
+    sums = Sums.gather(columns, case.sums.order, runs, [noise.correlation])
     parts = tuple(np.arange(len(sums.rows)) == run for run in range(count))
     place = {column: at for at, column in enumerate(chosen[1:-1], 1)}
     return Family(sums, parts, place, {})
@@ -144,7 +144,7 @@ def _sizes_text(claim: Claim, sizes: Sequence[Size]) -> str:
     return "; ".join(texts)
 
 
-def _term(best: Weighed) -> dict[int, float]:
+def _term(best: HypothesisFit) -> dict[int, float]:
     """Columns of the unexplained term, and their coefficients."""
     terms = ((v, place) for v, place in best.hypothesis.placed if v.cause == UNKNOWN)
     return {
@@ -156,7 +156,7 @@ def _term(best: Weighed) -> dict[int, float]:
 
 def _fits(
     families: Sequence[Family], claims: Sequence[Claim], noise: Noise, fewest: int
-) -> list[list[Weighed]]:
+) -> list[list[HypothesisFit]]:
     """All claims, fitted to each part alone; the unexplained term is that of the whole table."""
     found = []
     for family in families:
@@ -167,7 +167,7 @@ def _fits(
             if degrees >= fewest:
                 whitened = family.sums.whiten(noise, use)
                 whitened = replace(whitened, products=_less(whitened.products, family.term))
-                fits.append(weigh(together, Stack.of([whitened], degrees), one_width=True))
+                fits.append(fit_hypothesis(together, Stack.of([whitened], degrees), one_width=True))
         found.append(fits)
     return found
 
@@ -186,14 +186,14 @@ def _less(products: NDArray[np.float64], term: Mapping[int, float]) -> NDArray[n
     return less
 
 
-def _sizes(claim: Claim, fits: Sequence[Weighed]) -> list[Size]:
+def _sizes(claim: Claim, fits: Sequence[HypothesisFit]) -> list[Size]:
     """Size of one claim beside the others in each part that can show it."""
     if not claim.variant.free or claim.variant.offset is not None:
         return []
     sizes = []
-    for weighed in fits:
-        (own,) = (place for v, place in weighed.hypothesis.placed if v.cause == claim.cause)
-        covariance = weighed.covariance[own, own]
+    for fit in fits:
+        (own,) = (place for v, place in fit.hypothesis.placed if v.cause == claim.cause)
+        covariance = fit.covariance[own, own]
         if np.diag(covariance).max() < 1.0:  # of the prior variance: the part is informative
-            sizes.append((weighed.mean[own], covariance))
+            sizes.append((fit.mean[own], covariance))
     return sizes

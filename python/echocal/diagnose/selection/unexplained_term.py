@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.selection.claims import Claim, Ranking, resized, sizes, without
 
 __all__ = ["sized_apart", "unexplained"]
@@ -21,10 +21,10 @@ def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
     if total < case.settings.claims.unexplained_from:
         return None
     against = max(terms, key=lambda name: terms[name])
-    for weighed in ranking.weighed:
-        for variant, place in weighed.hypothesis.placed:
+    for fit in ranking.fits:
+        for variant, place in fit.hypothesis.placed:
             if variant.cause == UNKNOWN and variant.against == against:
-                signal = case.signal(variant, weighed.mean[place])
+                signal = case.signal(variant, fit.mean[place])
                 return _described(case, against, signal, total)
     return None
 
@@ -36,8 +36,8 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
 
 
 def sized_apart(
-    best: Weighed, claimed: Sequence[Claim], stack: Stack, blurred_from: float
-) -> tuple[Weighed, list[Claim]]:
+    best: HypothesisFit, claimed: Sequence[Claim], stack: Stack, blurred_from: float
+) -> tuple[HypothesisFit, list[Claim]]:
     """Fit the sizes of the causes without the unexplained term, where the data do not separate them.
 
     Beside a term against the column that a cause depends on, the size of the cause is nearly
@@ -46,9 +46,9 @@ def sized_apart(
     bare = without(best.hypothesis, UNKNOWN)
     if bare.causes == best.hypothesis.causes or not claimed:
         return best, list(claimed)
-    weighed = weigh(bare, stack)
-    own = sizes(weighed)
+    fit = fit_hypothesis(bare, stack)
+    own = sizes(fit)
     blurred = any((c.deviation > blurred_from * own[c.cause][1]).any() for c in claimed)
     if not blurred:
         return best, list(claimed)
-    return weighed, resized(claimed, weighed)
+    return fit, resized(claimed, fit)

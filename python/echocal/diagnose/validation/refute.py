@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
@@ -38,7 +38,7 @@ class Validation:
     ----------
     kept : tuple of Claim
     refuted : tuple of Refuted
-    weighed : Weighed
+    fit : HypothesisFit
         Hypothesis of the kept causes, fitted to all rows except held-out ones.
     model : Model
         Base extended by the kept causes. It assumes the median of the recorded air.
@@ -51,7 +51,7 @@ class Validation:
 
     kept: tuple[Claim, ...]
     refuted: tuple[Refuted, ...]
-    weighed: Weighed
+    fit: HypothesisFit
     model: Model
     gain: Gain
     fitted: Callable[[Mask], Model]
@@ -80,22 +80,22 @@ def validate(case: Case, selection: Selection) -> Validation:
     trials = _Trials(case, noise)
     before = measure(case.table, case.folds, lambda _: case.base.model())
     rest = _against_the_base(trials, _one_by_one(trials, selection.best.hypothesis, selection.claims), before)
-    weighed = _fit(case, rest.hypothesis, case.folds.fit, noise)
+    fit = _fit(case, rest.hypothesis, case.folds.fit, noise)
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
     gain = summarize(
         None if fixed else fixed_speed_rms(case.table, case.folds, _speed(case)),
         _ladder(trials, rest, before),
         before,
         rest.after,
-        floor(case.sums, case.folds.judged, weighed.variance),
+        floor(case.sums, case.folds.judged, fit.variance),
         case.folds,
         case.seed,
         case.settings.validation,
     )
     gain = replace(gain, shifted=shifted(case, rest.hypothesis, [c.cause for c in rest.kept], noise))
-    model = _extended(case, weighed, rest.kept, gain)
+    model = _extended(case, fit, rest.kept, gain)
     fitted = trials.fitted(rest.hypothesis, rest.kept)
-    return Validation(rest.kept, rest.refuted, weighed, model, gain, fitted, rest.unjudged)
+    return Validation(rest.kept, rest.refuted, fit, model, gain, fitted, rest.unjudged)
 
 
 @dataclass(frozen=True)
@@ -152,14 +152,14 @@ def _against_the_base(trials: "_Trials", rest: _Rest, before: HeldOut) -> _Rest:
     return _Rest(hypothesis, unjudged, before, (*rest.refuted, *refuted), kept)
 
 
-def _extended(case: Case, weighed: Weighed, kept: Sequence[Claim], gain: Gain) -> Model:
+def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain) -> Model:
     """Base and kept causes; where the air is not measured, the model assumes the recorded medians."""
     base = replace(case.base, air={**case.base.air, **case.table.air()})
-    effects = effects_of(weighed, [c.cause for c in kept])
+    effects = effects_of(fit, [c.cause for c in kept])
     names = base.model(effects).parameter_names
     return base.model(
         effects,
-        covariance=covariance_of(weighed, names) if names else None,
+        covariance=covariance_of(fit, names) if names else None,
         provenance={"made_by": "echocal diagnose", "rows": len(case.table), "gain": asdict(gain)},
     )
 
@@ -215,10 +215,10 @@ class _Trials:
         return fitted
 
 
-def _fit(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> Weighed:
+def _fit(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> HypothesisFit:
     """Fit with the most likely noise, which is enough for a point estimate."""
     whitened = case.sums.whiten(noise, blocks, hypothesis.columns)
-    return weigh(hypothesis, Stack.of([whitened], case.sums.degrees(blocks)))
+    return fit_hypothesis(hypothesis, Stack.of([whitened], case.sums.degrees(blocks)))
 
 
 def _speed(case: Case) -> NDArray[np.float64]:

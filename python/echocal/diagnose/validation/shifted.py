@@ -10,7 +10,7 @@ from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.parts import Shifted
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.selection.claims import effects_of, without
@@ -109,9 +109,9 @@ def _fit(
     order = case.sums.order.at(at)
     groups = np.unique(order.groups, return_inverse=True)[1].astype(np.int64)
     blocks = np.zeros(len(at), dtype=np.int64)
-    sums = Sums.gather(columns, replace(order, groups=groups), blocks, [noise.remembers])
+    sums = Sums.gather(columns, replace(order, groups=groups), blocks, [noise.correlation])
     moved = replace(hypothesis, variants=tuple(_moved(v, used) for v in hypothesis.variants))
-    fitted = weigh(moved, Stack.of([sums.whiten(noise)], sums.degrees(np.array([True]))))
+    fitted = fit_hypothesis(moved, Stack.of([sums.whiten(noise)], sums.degrees(np.array([True]))))
     return effects_of(fitted, causes)
 
 

@@ -11,7 +11,7 @@ from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.parts import OF_THIS_TABLE, Unexplained
 from echocal.diagnose.findings.sentences import spoken
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.validation.gain import errors, measure
@@ -55,17 +55,17 @@ def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise
     columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):
         columns.store(column)
-    gathered = Sums.gather(columns, case.sums.order, case.folds.blocks, [noise.remembers])
+    gathered = Sums.gather(columns, case.sums.order, case.folds.blocks, [noise.correlation])
     free = tuple(range(1, len(waves) + 1))
     variant = Variant(UNKNOWN, free=free, bounds=((-np.inf, np.inf),) * len(free), against=name)
     stack = Stack.of([gathered.whiten(noise, blocks)], gathered.degrees(blocks))
-    weighed = weigh(Hypothesis((variant,), 1.0), stack)
+    fit = fit_hypothesis(Hypothesis((variant,), 1.0), stack)
     at = np.linspace(basis.low, basis.high, _KNOTS)
     design = np.stack(basis.at(at), axis=1)
-    shift = design @ weighed.mean
+    shift = design @ fit.mean
     # the mean: of what remains, or zero, where the level is unknown and has it
     shift += float(np.mean(left[rows] - np.interp(against[rows], at, shift)))
-    variance = np.einsum("ki,ij,kj->k", design, weighed.covariance, design)
+    variance = np.einsum("ki,ij,kj->k", design, fit.covariance, design)
     return Shape(
         _quantity(name),
         tuple(at.tolist()),

@@ -5,20 +5,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Stack, Weighed
+from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack
 from echocal.diagnose.inference.innovation import log_likelihood
 from echocal.diagnose.inference.noise import Convection, Noise, all_convections
 
 __all__ = ["convections"]
 
 
-def convections(case: Case, weighed: Sequence[Weighed], carried: Stack) -> list[Convection]:
+def convections(case: Case, fits: Sequence[HypothesisFit], carried: Stack) -> list[Convection]:
     """Find the convections that may be the noise beside the best hypothesis, or beside the least.
 
     Parameters
     ----------
     case : Case
-    weighed : sequence of Weighed
+    fits : sequence of HypothesisFit
         Hypotheses under noise with the same autocorrelation at all distances, most probable first.
     carried : Stack
         Its noises.
@@ -29,30 +29,30 @@ def convections(case: Case, weighed: Sequence[Weighed], carried: Stack) -> list[
         Empty where all rows are at one distance or the noise is white.
     """
     settings = case.settings.noises
-    if not case.at_distances or _autocorrelated(weighed, carried) < settings.autocorrelated:
+    if not case.at_distances or _autocorrelated(fits, carried) < settings.autocorrelated:
         return []
-    simplest = min(weighed, key=lambda one: len(one.hypothesis.variants))
+    simplest = min(fits, key=lambda one: len(one.hypothesis.variants))
     found: set[Convection] = set()
-    for one in {id(one): one for one in (weighed[0], simplest)}.values():
+    for one in {id(one): one for one in (fits[0], simplest)}.values():
         found |= _beside(case, one, carried.likeliest(one)[0], settings.convection_behind)
     return [one for one in all_convections(case.settings.noise_models) if one in found]
 
 
-def _autocorrelated(weighed: Sequence[Weighed], carried: Stack) -> float:
+def _autocorrelated(fits: Sequence[HypothesisFit], carried: Stack) -> float:
     """Probability that the noise is autocorrelated."""
-    log = np.array([one.log_posterior for one in weighed])
+    log = np.array([one.log_posterior for one in fits])
     share = np.exp(log - log.max())
     correlated = np.array([noise.rho > 0.0 for noise in carried.noises])
-    part = np.array([one.noise[correlated].sum() for one in weighed])
+    part = np.array([one.noise[correlated].sum() for one in fits])
     return float(share @ part / share.sum())
 
 
-def _beside(case: Case, one: Weighed, usual: Noise, behind: float) -> set[Convection]:
+def _beside(case: Case, one: HypothesisFit, usual: Noise, behind: float) -> set[Convection]:
     """Convections that are likely enough beside one hypothesis."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     left, order = case.left(one, rows), case.sums.order.at(rows)
     every = all_convections(case.settings.noise_models)
-    noises = (Noise(0.0, each.rho, usual.stand_ratio, 1.0, each.growth) for each in every)
+    noises = (Noise(0.0, each.rho, usual.station_ratio, 1.0, each.growth) for each in every)
     logs = [log_likelihood(left, order, noise) for noise in noises]
     least = max(log_likelihood(left, order, usual), *logs) - behind
     return {each for each, log in zip(every, logs, strict=True) if log > least}

@@ -42,7 +42,7 @@ def _finding(noise: NoiseEntry, probability: float, shares: NoisePosterior, carr
     facts, share = noise.facts, 1.0
     rivals: tuple[str, ...] = ()
     if isinstance(noise, NuisanceNoise):
-        top = shares.weighed[0]
+        top = shares.fits[0]
         values = noise.parameters(carried.noises, top.noise, top.variance)
         rivals, note = noise.rivals(values, carried.degrees)
         because = noise.because(values) + note

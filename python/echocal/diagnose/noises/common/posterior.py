@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, Weighed, weigh
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.innovation import innovation
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises import registry
@@ -27,20 +27,20 @@ class NoisePosterior:
 
     Attributes
     ----------
-    weighed : list of Weighed
+    fits : list of HypothesisFit
         The hypotheses with their evidence under every noise, most probable first.
     fitted : dict
         Per evaluated set of causes: probability of each fitted noise given the set.
     nuisances : dict
         Per set of causes: probability of each nuisance noise given the set.
-    fits : dict
+    likelihoods : dict
         Per evaluated set of causes: the fitted likelihoods.
     """
 
-    weighed: list[Weighed]
+    fits: list[HypothesisFit]
     fitted: dict[Ids, dict[str, float]] = field(default_factory=dict)
     nuisances: dict[Ids, dict[str, float]] = field(default_factory=dict)
-    fits: dict[Ids, dict[str, Likelihood]] = field(default_factory=dict)
+    likelihoods: dict[Ids, dict[str, Likelihood]] = field(default_factory=dict)
 
     def fitted_of(self, ids: Ids) -> Mapping[str, float]:
         """Probabilities of the fitted noises beside a set; those of the likeliest set where not evaluated."""
@@ -52,21 +52,23 @@ class NoisePosterior:
 
     def fit_of(self, id_: str) -> Likelihood | None:
         """Fit of a noise beside the likeliest set that has one."""
-        return next((fits[id_] for fits in self.fits.values() if id_ in fits), None)
+        return next(
+            (likelihoods[id_] for likelihoods in self.likelihoods.values() if id_ in likelihoods), None
+        )
 
 
 def infer_noises(
     case: Case,
-    weighed: list[Weighed],
+    fits: list[HypothesisFit],
     carried: Stack,
     steps: Collection[str],
 ) -> NoisePosterior:
-    """Weigh the likeliest sets of causes, and none, beside each noise.
+    """Fit the likeliest sets of causes, and none, beside each noise.
 
     Parameters
     ----------
     case : Case
-    weighed : list of Weighed
+    fits : list of HypothesisFit
         Hypotheses on the mean under normal noise with the nuisance noises.
     carried : Stack
         The nuisance noises that were carried along.
@@ -78,9 +80,9 @@ def infer_noises(
     NoisePosterior
     """
     settings = case.settings.noises
-    weighed = _with_nothing(case, weighed, carried)
-    best: dict[Ids, Weighed] = {}
-    for one in weighed:
+    fits = _with_nothing(case, fits, carried)
+    best: dict[Ids, HypothesisFit] = {}
+    for one in fits:
         best.setdefault(one.hypothesis.ids, one)
     chosen = list(best)[: settings.sets]
     chosen += [ids for ids in [()] if ids not in chosen]
@@ -91,15 +93,15 @@ def infer_noises(
     rows = _looked_at(case, settings)
     for ids in chosen:
         trace = _trace(case, best[ids], carried.likeliest(best[ids])[0], rows)
-        gains[ids], shares.fitted[ids], shares.fits[ids] = _beside(trace, tried, settings)
+        gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
     least = min(gains.values())
-    shares.weighed = sorted(
-        (w.raised(gains.get(w.hypothesis.ids, least)) for w in weighed),
+    shares.fits = sorted(
+        (w.raised(gains.get(w.hypothesis.ids, least)) for w in fits),
         key=lambda w: -w.log_posterior,
     )
-    order = list(dict.fromkeys(w.hypothesis.ids for w in shares.weighed))
+    order = list(dict.fromkeys(w.hypothesis.ids for w in shares.fits))
     shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
-    shares.fits = {ids: shares.fits[ids] for ids in order if ids in shares.fits}
+    shares.likelihoods = {ids: shares.likelihoods[ids] for ids in order if ids in shares.likelihoods}
     nuisances = [_NuisancePrior.of(noise, case, carried, settings) for noise in registry.nuisances()]
     for ids in order:
         shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
@@ -107,14 +109,14 @@ def infer_noises(
     return shares
 
 
-def _with_nothing(case: Case, weighed: list[Weighed], carried: Stack) -> list[Weighed]:
+def _with_nothing(case: Case, fits: list[HypothesisFit], carried: Stack) -> list[HypothesisFit]:
     """Nothing but noise competes, however unlikely it is while the noise is normal."""
-    if any(not w.hypothesis.variants for w in weighed):
-        return weighed
+    if any(not w.hypothesis.variants for w in fits):
+        return fits
     shapes = any(v.cause == UNKNOWN for v in case.found.variants)
     priors = case.settings.priors
     prior = priors.no_cause * ((1 - priors.unexplained_term) if shapes else 1.0)
-    return [*weighed, weigh(Hypothesis((), prior), carried)]
+    return [*fits, fit_hypothesis(Hypothesis((), prior), carried)]
 
 
 def _looked_at(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
@@ -130,18 +132,18 @@ def _looked_at(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
 def _beside(
     trace: Trace, tried: Collection[FittedNoise], settings: NoiseSettings
 ) -> tuple[float, dict[str, float], dict[str, Likelihood]]:
-    """What the noises add to the log evidence of a hypothesis, their shares, and their fits."""
+    """What the noises add to the log evidence of a hypothesis, their shares, and their likelihoods."""
     either = {noise.facts.id: noise.fit(trace, settings) for noise in tried}
-    fits = {id_: fit for id_, fit in either.items() if fit is not None}
+    likelihoods = {id_: fit for id_, fit in either.items() if fit is not None}
     prior = {noise.facts.id: settings.prior(noise.facts) for noise in tried}
     logs = {"": float(np.log1p(-sum(prior.values())))}
-    logs |= {id_: float(np.log(prior[id_])) + fitted.log - trace.plain for id_, fitted in fits.items()}
+    logs |= {id_: float(np.log(prior[id_])) + fitted.log - trace.plain for id_, fitted in likelihoods.items()}
     total = float(np.logaddexp.reduce(list(logs.values())))
-    return total, {id_: float(np.exp(log - total)) for id_, log in logs.items() if id_}, fits
+    return total, {id_: float(np.exp(log - total)) for id_, log in logs.items() if id_}, likelihoods
 
 
-def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) -> Trace:
-    left = case.left(weighed, rows)
+def _trace(case: Case, fit: HypothesisFit, noise: Noise, rows: NDArray[np.int64]) -> Trace:
+    left = case.left(fit, rows)
     order = case.sums.order.at(rows)
     groups = order.groups
     flat = case.sums.flat_level
@@ -154,7 +156,7 @@ def _trace(case: Case, weighed: Weighed, noise: Noise, rows: NDArray[np.int64]) 
         distance=order.distance,
         speed=case.base.indication(np.full(len(rows), 2.0), conditions),
         segment=_segments(case, rows),
-        free_mean=flat or bool(weighed.hypothesis.variants),
+        free_mean=flat or bool(fit.hypothesis.variants),
     )
 
 
@@ -202,17 +204,17 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
     To be on the safe side the fits assume such noise in every other table. It is reported only if
     it is probable without that assumption: effects under white noise are its rivals.
     """
-    log = np.array([w.log_posterior for w in shares.weighed])
+    log = np.array([w.log_posterior for w in shares.fits])
     total = np.exp(log - log.max())
     for nuisance in nuisances:
         id_, before, concerned = nuisance.id, nuisance.assumed, nuisance.concerned
         if not concerned.any() or before >= 1.0:
             continue
-        part = np.array([w.noise[concerned].sum() for w in shares.weighed])
+        part = np.array([w.noise[concerned].sum() for w in shares.fits])
         with_it = float(total @ part) / before * nuisance.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
         believed = with_it / max(with_it + without, 1e-300)
-        given = np.array([shares.nuisance_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.weighed])
+        given = np.array([shares.nuisance_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.fits])
         usual = float(total @ given) / float(total.sum())
         factor = min(believed / max(usual, 1e-12), 1.0)
         for found in shares.nuisances.values():
@@ -221,7 +223,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
 
 
 def _nuisances(
-    weighed: Weighed, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
+    fit: HypothesisFit, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
 ) -> dict[str, float]:
     """Probability that each nuisance noise is there, and not only reckoned with."""
     without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
@@ -231,7 +233,7 @@ def _nuisances(
         before, prior = nuisance.assumed, nuisance.prior
         if before in (0.0, 1.0):
             continue
-        share = float(weighed.noise[nuisance.concerned].sum())
+        share = float(fit.noise[nuisance.concerned].sum())
         odds = share * (1 - before) / max((1 - share) * before, 1e-12)
         odds *= prior / (1 - prior)
         found[nuisance.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
