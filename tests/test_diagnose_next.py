@@ -172,7 +172,7 @@ def test_the_average_warns_where_causes_part(random: np.random.Generator) -> Non
         assert reading.value == pytest.approx(weights @ np.array(list(reading.by_cause.values())))
         near, far = reading.standard_uncertainty
         closer += reading.agreed[0] and abs(reading.value[0] - 2.006) < 1e-3 and near < far
-    # one in eight such tables leaves open whether its one level is noise that remembers: no agreement at all
+    # one in eight such tables leaves open whether its one level is autocorrelated noise: no agreement at all
     assert closer >= 1
 
 
@@ -200,4 +200,4 @@ def test_every_proposal_says_what_it_is_for(seed: int | None, random: np.random.
     diagnosis = echocal.diagnose(data)
     assert diagnosis.next_measurements
     assert all(proposal.separates for proposal in diagnosis.next_measurements)
-    assert "Next: to tell " in diagnosis.explain()
+    assert "Next: to separate " in diagnosis.explain()

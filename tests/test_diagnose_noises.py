@@ -118,7 +118,7 @@ def remembering(keep: float, random: Random) -> Table:
     return table
 
 
-def test_noise_that_remembers_is_named_but_no_verdict() -> None:
+def test_autocorrelated_noise_is_named_but_no_verdict() -> None:
     table = remembering(0.8, np.random.default_rng(2))
     diagnosis = echocal.diagnose(table)
     assert diagnosis.verdict == "nothing"
@@ -140,7 +140,7 @@ def test_a_long_memory_may_be_something_unknown(random: np.random.Generator) -> 
             alone += 1
             continue
         assert all("in another order" in noise.because for noise in noises)
-        assert not noises or "something unknown" in diagnosis.explain()
+        assert not noises or "an effect outside the catalogue" in diagnosis.explain()
     assert alone < 3
 
 

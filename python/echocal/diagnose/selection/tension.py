@@ -47,9 +47,7 @@ def reconciled(
         for _, against, there, error in moved[:_NAMED]
     ]
     if texts:
-        said += (
-            f". It is closer to theory if it is fitted beside a smooth function of {' or of '.join(texts)}"
-        )
+        said += f". It is closer to theory if fitted beside a smooth function of {' or of '.join(texts)}"
     elif not said:
         said = ". No recorded column brings it closer to theory"
     return said
