@@ -119,6 +119,7 @@ def test_outliers_do_not_carry_the_robust_fit(grid: tuple[np.ndarray, np.ndarray
     assert robust.residual_standard_deviation < 0.3 * plain.residual_standard_deviation
 
 
+@pytest.mark.slow
 def test_robust_uncertainty_covers(grid: tuple[np.ndarray, np.ndarray]) -> None:
     """The sandwich holds where the noise has heavy tails."""
     rng = np.random.default_rng(13)

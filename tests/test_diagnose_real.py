@@ -68,6 +68,7 @@ def test_sessions_that_differ_are_told_and_not_misnamed(shared: Path, sessions: 
     assert "sessions that differ" in diagnosis.explain()
 
 
+@pytest.mark.slow
 def test_bare_rock_names_no_effect(shared: Path) -> None:
     path = shared / "data" / "weather-maxbotix" / "WS3-Orloc.csv"
     codes = {"Distance [mm]": [-500, 9999], "": [-9999]}

@@ -42,6 +42,7 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "text"), blocks("sh"), ids=lambda value: value.split("\n")[0][:40])
 def test_shell_blocks(name: str, text: str, workplace: Path) -> None:
     bin_first = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"

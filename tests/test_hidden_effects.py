@@ -59,6 +59,7 @@ def stored() -> list[tuple[Spec, list[str]]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(4))
 def test_nothing_is_lost(part: int) -> None:
     """Every goal of every fixed case, as it was: one that is gained is written down, so that it stays."""

@@ -44,7 +44,7 @@ def prepared(rho: float) -> tuple[Case, Stack]:
     base = Base.of("linear")
     observations = read_observations(table(rho), reading_speed="linear")
     ready = prepare(observations, base, None, False, SETTINGS.rows)
-    case = examine(ready, base, Folds.of(ready, None, count=5), 0, SETTINGS)
+    case = examine(ready, base, Folds.of(ready, observations, None, SETTINGS.rows), 0, SETTINGS)
     return case, Stack(*case.sums.whiten_all(case.noises), case.sums.degrees(), case.noises)
 
 
@@ -123,6 +123,7 @@ def catalogue(seed: int, strength: float) -> tuple[Candidates, np.ndarray, Order
     return Candidates(stored, variants), columns, Order(starts, np.arange(n) // 20, np.ones(n), False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "strength"), [(1, 1.0), (4, 2.5)])
 def test_the_search_finds_what_enumeration_finds(seed: int, strength: float) -> None:
     """Those listed of all sets of five causes have these probabilities, the others next to none."""

@@ -194,7 +194,7 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "a file where a model is due": (
         lambda: echocal.firmware.generate("model.json"),  # type: ignore[arg-type]
         UsageError,
-        r"firmware is made of a Model, got str; Model.load\(path\) reads a file",
+        r"firmware needs a Model, got str; Model.load\(path\) reads a file",
     ),
     "a law where a model is due": (
         lambda: echocal.calibrate(echocal.read_observations(TABLE), "cramer", fit=["zero_error"]),  # type: ignore[arg-type]

@@ -194,6 +194,7 @@ def test_a_sweep_is_made_again_and_nothing_else_is_replaced(ending: str, run: Ru
     assert Path(f"s.{ending}").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_pictures_of_others_are_kept(run: Run) -> None:
     plots = ("diagnose", "w.csv", "--plots", "plots", "-q")
     for _ in range(2):
@@ -250,6 +251,7 @@ def test_packages_in_one_folder_are_each_made_again(run: Run, capsys: pytest.Cap
     assert "selftest/echocal_selftest_main.c" in Path("made/SHA256SUMS").read_text()
 
 
+@pytest.mark.slow
 def test_the_study_is_made_again_and_other_pages_are_kept(run: Run) -> None:
     for _ in range(2):
         assert run("study", "--out", "pages", "--json", "study.json", "--quiet")[0] == 0
@@ -301,6 +303,7 @@ def test_a_full_disk_leaves_no_file(tmp_path: Path) -> None:
         assert {path.name for path in tmp_path.iterdir()} == {"in.csv", *(["out.csv"] if before else [])}
 
 
+@pytest.mark.slow
 def test_ctrl_c_leaves_the_old_file(tmp_path: Path) -> None:
     temperature = np.linspace(0.0, 40.0, 400_000)
     pd.DataFrame({"echo_us": 11660.0, "temperature_C": temperature}).to_csv(tmp_path / "in.csv", index=False)
@@ -316,6 +319,7 @@ def test_ctrl_c_leaves_the_old_file(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"in.csv", "out.csv"}
 
 
+@pytest.mark.slow
 def test_processes_that_write_one_file_leave_a_whole_one(tmp_path: Path) -> None:
     """They shared one temporary name: rows and zeros of several were mixed in a file that looked whole."""
     temperature = np.linspace(0.0, 40.0, 100_000)

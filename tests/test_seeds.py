@@ -60,6 +60,7 @@ def drawn(output: str) -> dict[str, str]:
     return dict(re.findall(r"^E +AssertionError: drawn (\w): (.*)$", output, re.MULTILINE))
 
 
+@pytest.mark.slow
 def test_a_failed_test_says_its_seed_and_draws_the_same_again(folder: Path) -> None:
     """In two worker processes, then in none, then one test alone; and other numbers from another seed."""
     first = run(folder, "-n", "2")

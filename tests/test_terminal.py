@@ -31,6 +31,7 @@ def test_a_file_name_that_no_encoding_has_can_be_told(tmp_path: Path) -> None:
     assert (tmp_path / name).is_file()
 
 
+@pytest.mark.slow
 def test_memory_that_runs_out_is_one_line() -> None:
     limited = "import resource; resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30)); import sys; "
     limited += "sys.argv = ['echocal', *sys.argv[1:]]; from echocal.cli import main; main()"

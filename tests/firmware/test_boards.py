@@ -44,9 +44,9 @@ def test_without_an_echo_there_is_no_distance(core: str, tmp_path: Path) -> None
 
 
 def test_a_clock_that_needs_interrupts_stops_without_them(tmp_path: Path) -> None:
-    """What the sketch did on an STM32 once: it held the interrupts, and heard no echo longer than 1 ms."""
+    """What the sketch did on an STM32 once: it held the interrupts, and received no echo longer than 1 ms."""
     made = packed("cortex-m3")
-    call = "    const bool heard = echo_pulse(length);\n"
+    call = "    const bool received = echo_pulse(length);\n"
     assert made.files[SKETCHES["arduino"]].count(call) == 1
     held = f"    noInterrupts();\n{call}    interrupts();\n"
     made.files[SKETCHES["arduino"]] = made.files[SKETCHES["arduino"]].replace(call, held)

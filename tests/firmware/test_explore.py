@@ -35,6 +35,7 @@ def test_the_front_has_no_dominated_choice(choices: list[Choice]) -> None:
     assert not any(one.dominates(other) for one in choices for other in choices)
 
 
+@pytest.mark.slow
 def test_figures_are_measured(choices: list[Choice]) -> None:
     for one in choices:
         found = silicon.measure(one.made, "avr")

@@ -35,6 +35,7 @@ def models(draw: st.DrawFn) -> Model:
         reject()  # two terms that contradict each other
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     model=models(),

@@ -89,7 +89,7 @@ def test_a_tool_that_fails_is_told_in_one_line(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("request_", "message"),
-    [({"package": "micropython"}, "holds none"), ({"target": "z80"}, "unknown target 'z80'")],
+    [({"package": "micropython"}, "contains none"), ({"target": "z80"}, "unknown target 'z80'")],
 )
 def test_what_cannot_be_measured_is_refused(request_: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError, match=message):

@@ -64,55 +64,6 @@ pub fn polynomial<S: Scalar, const N: usize>(x: S, coefficients: [f64; N]) -> S 
     sum
 }
 
-macro_rules! scalar_for_float {
-    ($float:ty, $exp:path) => {
-        impl Scalar for $float {
-            #[inline(always)]
-            #[allow(clippy::cast_possible_truncation)] // the narrower width is the point
-            fn constant(value: f64) -> Self {
-                value as $float
-            }
-            #[inline(always)]
-            fn mul_add(self, factor: Self, term: Self) -> Self {
-                <$float>::mul_add(self, factor, term)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                <$float>::sqrt(self)
-            }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                $exp(self)
-            }
-            #[inline(always)]
-            fn abs(self) -> Self {
-                <$float>::abs(self)
-            }
-            #[inline(always)]
-            fn select(condition: Self, chosen: Self, other: Self) -> Self {
-                if condition >= 0.0 { chosen } else { other }
-            }
-        }
-    };
-}
-
-impl Rows for f64 {
-    #[inline(always)]
-    fn all_non_negative(self) -> bool {
-        self >= 0.0
-    }
-}
-
-impl Rows for f32 {
-    #[inline(always)]
-    fn all_non_negative(self) -> bool {
-        self >= 0.0
-    }
-}
-
-scalar_for_float!(f64, crate::simd::exp64);
-scalar_for_float!(f32, crate::simd::exp32);
-
 #[cfg(test)]
 mod tests {
     use super::*;

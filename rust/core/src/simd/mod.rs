@@ -15,6 +15,7 @@ mod exponential;
 mod instruction_set;
 mod interleave;
 mod lanes;
+mod one;
 mod widest;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
@@ -56,25 +57,3 @@ pub trait Vector: Rows {
     /// `target` is valid for writing `WIDTH` elements.
     unsafe fn store(self, target: *mut Self::Element);
 }
-
-macro_rules! vector_of_one {
-    ($float:ty) => {
-        impl Vector for $float {
-            type Element = $float;
-            const WIDTH: usize = 1;
-            #[inline(always)]
-            unsafe fn load(source: *const $float) -> Self {
-                // SAFETY: the caller guarantees one readable element.
-                unsafe { *source }
-            }
-            #[inline(always)]
-            unsafe fn store(self, target: *mut $float) {
-                // SAFETY: the caller guarantees one writable element.
-                unsafe { *target = self }
-            }
-        }
-    };
-}
-
-vector_of_one!(f64);
-vector_of_one!(f32);
