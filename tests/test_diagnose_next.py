@@ -13,7 +13,7 @@ from echocal import Model
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.experiment_design.design import best_plan
 from echocal.diagnose.experiment_design.prospect import Prospect
-from echocal.diagnose.experiment_design.ranges import grid, guards, parsed_ranges
+from echocal.diagnose.experiment_design.ranges import corners_and_middle, grid, parsed_ranges
 from echocal.diagnose.inference.noise import Noise
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
@@ -153,7 +153,7 @@ def test_a_promise_is_kept_by_its_own_members(random: np.random.Generator) -> No
 @pytest.mark.parametrize("names", [("distance",), ("temperature",), ("distance", "temperature")])
 def test_the_guards_are_the_corners_and_the_middle(names: tuple[str, ...]) -> None:
     places = grid({name: RANGES[name] for name in names})
-    *ends, middle = guards(places)
+    *ends, middle = corners_and_middle(places)
     corners = {tuple(column[i] for column in places.values()) for i in ends}
     assert corners == set(product(*(RANGES[name] for name in names)))
     center = {"distance": (0.2 * 4.0) ** 0.5, "temperature": 22.5}

@@ -24,7 +24,7 @@ def verdict(ranking: Ranking, selection: Selection, validation: Validation, join
     is_open = len(steady) < len(validation.kept) or shifted
     if not is_open and any(f.probability >= named for f in joint.decisive):
         return "named"
-    if selection.remainder is not None:
+    if selection.term is not None:
         return "unknown"
     return "ambiguous" if is_open or validation.kept or joint.decisive else "nothing"
 

@@ -45,14 +45,14 @@ def report(
 ) -> Diagnosis:
     """Put the results together."""
     word = verdict(ranking, selection, validation, joint)
-    remainder, noise = selection.remainder, selection.noise
+    term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     return Diagnosis(
         verdict=word,
         causes=_causes(case, ranking, selection, validation, joint, word),
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint),
-        unexplained=remainder and with_its_function(case, remainder, validation, noise),
+        unexplained=term and with_its_function(case, term, validation, noise),
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
@@ -108,7 +108,7 @@ def _cause(case: Case, claim: Claim, validation: Validation, recorded: Recorded,
 
 def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:
     """Say why a cause with a high posterior probability is not claimed."""
-    if selection.remainder is None:
+    if selection.term is None:
         return []
     said = {id_ for claim in selection.claims for id_ in (claim.cause, *claim.rivals)}
     said |= {*selection.varying, *(refuted.id for refuted in validation.refuted)}

@@ -39,7 +39,7 @@ class Selection:
         Those that may enter the model.
     noise : Noise
         The most likely noise beside the best hypothesis.
-    remainder : Unexplained or None
+    term : Unexplained or None
         The unexplained term.
     varying : mapping of str to str
         Claims whose size is not constant, each with a sentence on its sizes.
@@ -49,7 +49,7 @@ class Selection:
     listed: Sequence[Claim]
     claims: Sequence[Claim]
     noise: Noise
-    remainder: Unexplained | None
+    term: Unexplained | None
     varying: Mapping[str, str]
 
 
@@ -59,16 +59,16 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, carried: Stack)
     best, listed = _claimed(case, ranking, carried, shares)
     whole = best
     noise, _ = carried.likeliest(best)
-    remainder = unexplained(case, ranking)
-    if remainder is not None:
-        against = remainder.against
-        listed = beside_a_term(listed, case.found, carried, against, remainder.rms_m, settings)
+    term = unexplained(case, ranking)
+    if term is not None:
+        against = term.against
+        listed = beside_a_term(listed, case.found, carried, against, term.rms_m, settings)
         best, listed = sized_apart(best, listed, carried, settings.blurred)
     likely = [c for c in listed if c.probability >= settings.modeled_from] or listed
     varying = unsteady(case, likely, noise, whole)
-    if remainder is not None:  # a cause whose size varies fits a part of the unexplained term
+    if term is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying, carried)
-    return Selection(best, listed, likely, noise, remainder, varying)
+    return Selection(best, listed, likely, noise, term, varying)
 
 
 def _claimed(
