@@ -68,15 +68,15 @@ def test_without_another_distance_less_can_be_told(
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ({"humidity": (0, 1)}, r"does not record; it can be distance \(in m\), temperature \(in degC\):"),
+        ({"humidity": (0, 1)}, r"does not record; it can name distance \(in m\), temperature \(in degC\)\."),
         ({"temperature_rate": (0, 1)}, "does not record"),
         ({"distance": (4.0, 0.2)}, "lower one first"),
-        ({"distance": (0.0, 2.0)}, "give a positive one"),
+        ({"distance": (0.0, 2.0)}, "give a positive distance"),
         ({"temperature": (1.0,)}, "two ends"),
         ({"temperature": 3.0}, "two ends"),
         ({"temperature": ("a", "b")}, "two ends"),
-        ({"temperature": (-400.0, 5.0)}, "a table holds -95 to 100 degC"),
-        ({"distance": (0.2, 400.0)}, "a table holds 0 to 100 m"),
+        ({"temperature": (-400.0, 5.0)}, "a table can have -95 to 100 degC"),
+        ({"distance": (0.2, 400.0)}, "a table can have 0 to 100 m"),
         ({"temperature": (1.0, float("nan"))}, "two ends"),
     ],
 )
