@@ -102,7 +102,7 @@ BROKEN = {
     "no law": (lambda d: d.pop("law"), "law: Field required"),
     "an unknown law": (lambda d: d.update(law="cramr"), "unknown law 'cramr'"),
     "an unknown effect": (lambda d: d["effects"][1].update(id="fixed_dely"), "did you mean 'fixed_delay'"),
-    "an effect twice": (lambda d: d["effects"][1].update(id="temperature_offset"), "stands twice"),
+    "an effect twice": (lambda d: d["effects"][1].update(id="temperature_offset"), "is listed twice"),
     "a text": (set_value("31 us"), "effects.1.parameters.delay.value: Input should be a valid number"),
     "not a number": (set_value(float("nan")), "has NaN for a number"),
     "out of bounds": (set_value(3.1), "fixed_delay.delay is 3.1, outside its bounds"),

@@ -105,7 +105,7 @@ def test_the_tables_give_away_their_making(study: Study) -> None:
     law = found["law"].numbers
     assert abs(law["intercept"] - 331.3) < 2.0 * law["intercept_u"]
     assert found["thermometer"].numbers == {"exact": 6, "best": 25, "bits": 10}
-    assert "needs 10.20 °C where the converter gives 10.02: the same digits" in found["thermometer"].text
+    assert "needs 10.20 °C, and the converter gives 10.02: the same digits" in found["thermometer"].text
     assert found["second_table"].numbers == {"stated": 12, "table_law": 27, "rows": 27}
     assert found["odd_row"].numbers["temperature"] == 6.0
     assert found["odd_row"].numbers["twin"] == 4.0

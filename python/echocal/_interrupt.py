@@ -1,4 +1,4 @@
-"""Ctrl-C while the command line is still being imported ends it without a traceback."""
+"""End without a traceback after Ctrl-C, also while the command line is still being imported."""
 
 import sys
 from types import TracebackType

@@ -1,4 +1,4 @@
-"""List of the files that were generated into a folder: it tells which of them were edited since."""
+"""List of the files that were generated into a folder: it shows which of them were edited since."""
 
 import hashlib
 from collections.abc import Mapping

@@ -74,7 +74,7 @@ Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
 
 
 def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
-    """Return codes of a kind, which a tuple of numbers may stand for.
+    """Return codes of a kind, from such codes or from a tuple of numbers.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where laws hold: a mask as long as the input, or one loud warning; never a clamped value."""
+"""Domains of the laws: a code for each row, or one warning; values are never clamped."""
 
 import warnings
 
@@ -13,7 +13,7 @@ from echocal.quantities import AIR, DEFAULTS
 __all__ = ["DOMAIN_VIOLATIONS", "describe", "domain_violations", "warn_outside"]
 
 DOMAIN_VIOLATIONS: tuple[str, ...] = tuple(_core.departure_names())
-"""What each code of `domain_violations` says lies outside; empty for inside."""
+"""The quantity outside its range, by code of `domain_violations`; empty for a row inside the domain."""
 
 
 _NAMES = (*AIR, "frequency")
@@ -32,7 +32,7 @@ def domain_violations(
     law: str | None = "cramer",
     frequency: ArrayLike = 0.0,
 ) -> NDArray[np.uint8]:
-    """Tell where a law is used outside the domain in which it was shown to hold.
+    """Find the rows in which a law is used outside its domain.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _extreme(which: np.ufunc, values: NDArray[np.float64]) -> float:
 
 
 def describe(law: str | None, row: list[float], where: str) -> str:
-    """Tell what a row outside the domain breaks, with both sides; empty if it lies inside.
+    """Describe how a row is outside the domain, with value and limits; empty if it is inside.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def describe(law: str | None, row: list[float], where: str) -> str:
         Temperature [degC], relative humidity [1], pressure [Pa], CO2 mole fraction [1],
         frequency [Hz].
     where : str
-        What lies outside, for a reader who does not see the row.
+        Position of the row, for a reader who does not see it.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What can go wrong, each with the exit code of the command line."""
+"""Errors and warnings; each error has its exit code of the command line."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,7 +19,7 @@ __all__ = [
 
 
 class EchocalError(Exception):
-    """Any error that a user can mend; its text says how."""
+    """Any error that a user can correct; its text says how."""
 
     exit_code = 1
 
@@ -52,7 +52,7 @@ class DataWarning(UserWarning):
 
 
 class DisagreementWarning(UserWarning):
-    """The causes that a table leaves possible predict differently at the point asked."""
+    """The possible hypotheses predict different values for the requested conditions."""
 
 
 class DomainWarning(UserWarning):
@@ -61,7 +61,7 @@ class DomainWarning(UserWarning):
 
 @contextmanager
 def writing(path: str | Path) -> Iterator[None]:
-    """Turn an operating system's refusal to write into `UsageError`: nothing is wrong with the data.
+    """Raise an operating system's refusal to write as `UsageError`, because the data are not wrong.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Files that are complete or not there: written beside their place, then renamed."""
+"""Files that are complete or absent: written under a temporary name, then renamed."""
 
 import os
 import secrets

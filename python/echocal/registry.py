@@ -23,15 +23,16 @@ class Parameter:
     name, unit : str
         Name, and SI unit (or ``"1"``).
     role : {"size", "shape"}
-        The effect is the identity where every size is neutral; a shape has no influence there.
+        A size measures how large the effect is; a shape is a nonlinear parameter. If every size is neutral,
+        the effect changes nothing.
     neutral : float
-        A size's value at which the effect is the identity; a shape's usual value.
+        For a size, the value at which the effect changes nothing; for a shape, its usual value.
     bounds : tuple of float
         Physical bounds, inclusive.
     prior_scale : float
         Typical magnitude of the deviation from neutral: one standard deviation of its prior.
     known : tuple of float
-        The values that theory or trade fix; empty where none.
+        The values that theory or common practice fix; empty if there are none.
     tried : tuple of float
         The values of a shape at which a search tries the effect, besides `known`.
     tried_along : str or None
@@ -60,7 +61,7 @@ class Parameter:
 
     @classmethod
     def from_core(cls, facts: dict[str, Any]) -> "Parameter":
-        """Type what the core tells."""
+        """Convert the core's data to this type."""
         return cls(**{**facts, **{name: tuple(facts[name]) for name in ("known", "tried")}})
 
 
@@ -75,11 +76,11 @@ class Effect:
     stage : str
         Stage of the measurement chain at which it acts.
     sentence, formula, source : str
-        What it is; primed symbols of the formula are the values after the effect.
+        Description, formula and source; primed symbols are the values after the effect.
     reads : tuple of str
-        Influence quantities that it reacts to.
+        Influence quantities that it depends on.
     requires, excludes : tuple of str
-        Quantities that must, or must not, have been recorded for it to have a meaning.
+        Quantities that must, or must not, be recorded; otherwise the effect has no meaning.
     supplies : str or None
         Quantity whose influence it adds: a law that reads that quantity refuses the effect.
     calls : str or None
@@ -91,11 +92,11 @@ class Effect:
     edges : bool
         Whether its formula has edges, where a derivative jumps.
     recurs : bool
-        Whether another campaign meets it again: what grew or began in the course of one does not.
+        Whether it also applies to another campaign. Effects that began or grew during one do not.
     domain, check : str
         Where it holds, and the measurement that confirms or refutes it.
     firmware : {"folded", "needs", "refused"}
-        How a microcontroller compensates it: within its tables, with a further input, not at all.
+        How a microcontroller compensates it: in its tables, with a further input, or not at all.
     firmware_detail : str or None
         The further input, or the reason for the refusal.
     """
@@ -121,7 +122,7 @@ class Effect:
 
     @classmethod
     def from_core(cls, facts: dict[str, Any]) -> "Effect":
-        """Type what the core tells."""
+        """Convert the core's data to this type."""
         lists = {name: tuple(facts[name]) for name in ("reads", "requires", "excludes", "extends")}
         parameters = tuple(Parameter.from_core(p) for p in facts["parameters"])
         return cls(**{**facts, **lists, "parameters": parameters})

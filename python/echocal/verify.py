@@ -1,4 +1,4 @@
-"""Verification: whether every error of indication stays within the maximum permissible error."""
+"""Verification: whether every error of indication is within the maximum permissible error."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass

@@ -51,7 +51,7 @@ def ceiling(records: Sequence[Record], looks: Sequence[Record]) -> list[Record]:
         found = [(r, s) for r, s in singles if r["causes"] and r["verdict"] != "nothing"]
         rows += [
             _row(design, "first name of the right class, where the engine detects", found, "class", "class"),
-            _row(design, "strict top-1 with nothing", singles, "strict", "strict"),
+            _row(design, "strict top-1 with no effect", singles, "strict", "strict"),
             _row(design, "95 % set: coverage", singles, "covered", "covered"),
             _row(design, "95 % set: size", singles, "credible_sets", "size"),
         ]
@@ -87,7 +87,7 @@ def _detected(design: str, stratum: str, pairs: Sequence[tuple[Record, Record]])
     engine = _power(
         [-r["no_effect_probability"] for r, _ in nulls], [-r["no_effect_probability"] for r, _ in there]
     )
-    figure = f"power at snr sqrt(N) = {strength:.0f}, were {_ALLOWED} of all nulls alarms"
+    figure = f"power at snr sqrt(N) = {strength:.0f}, with {_ALLOWED} false alarms"
     return {"design": design, "figure": figure, "cases": len(there), "engine": engine, **power}
 
 

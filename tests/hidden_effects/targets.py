@@ -87,12 +87,12 @@ TARGETS = (
     Target("power at snr sqrt(N) = 5", _power("power5"), dict.fromkeys("abc", (0.90, None))),
     Target("power at snr sqrt(N) = 8", _power("power8"), dict.fromkeys("abc", (0.99, None))),
     Target(
-        "false alarms, were P(no effect) < 0.5 the rule",
+        "false alarms with the rule P(no effect) < 0.5",
         lambda rs: part(of(rs, "null"), _doubts_nothing),
         dict.fromkeys("abc", (None, None)),
     ),
     Target(
-        "power at 5, were P(no effect) < 0.5 the rule",
+        "power at 5 with the rule P(no effect) < 0.5",
         lambda rs: part(_at_strength(rs, "power5"), _doubts_nothing),
         dict.fromkeys("abc", (None, None)),
     ),
@@ -102,7 +102,7 @@ TARGETS = (
         dict.fromkeys("abc", (0.92, None)),
     ),
     Target(
-        "names in the class told",
+        "names in the reported class",
         lambda rs: resampled(_told(rs), lambda told: float(np.mean([len(r["class_told"]) for r in told]))),
         dict.fromkeys("abc", (None, None)),
     ),
@@ -112,7 +112,7 @@ TARGETS = (
         dict.fromkeys("abc", (None, None)),
     ),
     Target(
-        "strict top-1 with nothing",
+        "strict top-1 with no effect",
         lambda rs: part(of(rs, "null", *SINGLES), lambda r: r["strict"]),
         {"a": (0.55, None), "b": (0.79, None), "c": (0.85, None)},
     ),

@@ -52,7 +52,7 @@ def calibrate(
         Known standard uncertainty of the observations, in the unit of the response [m]. Without
         it the scatter is estimated from the residuals.
     loss : {"linear", "soft_l1", "huber", "cauchy"}
-        How much large residuals count.
+        Loss function. All but ``linear`` limit the influence of large residuals.
     loss_scale : float, optional
         Residual at which the loss turns robust [m, or standard uncertainties where these are
         given]; by default the scatter that the median absolute residual suggests.
@@ -67,7 +67,7 @@ def calibrate(
     UsageError
         If a name or an option is unknown.
     ModelError
-        If the rows cannot identify a parameter; the message names what acts alike.
+        If the rows cannot identify a parameter; the message names the parameters that they cannot separate.
     DataError
         If rows are too few or hold no number.
 
@@ -96,10 +96,10 @@ def calibrate(
     parameters = _bounded(form.parameters, bounds or {})
     used = observations.usable
     sigma = _sigma(standard_uncertainty, len(observations))
-    _demand_rows(int(used.sum()), len(parameters), known=sigma is not None)
+    _require_rows(int(used.sum()), len(parameters), known=sigma is not None)
     observed = form.observed(observations)
     columns = {name: column[used] for name, column in form.columns(observations).items()}
-    _demand_numbers({"the response": observed[used], **columns}, used)
+    _require_numbers({"the response": observed[used], **columns}, used)
     rows_sigma = None if sigma is None else sigma[used]
     solution = solve(Problem(form, observed[used], columns, parameters, rows_sigma), loss, loss_scale)
     residuals = np.full(len(observations), np.nan)
@@ -157,14 +157,14 @@ def _sigma(given: ArrayLike | None, rows: int) -> Column | None:
     return np.broadcast_to(sigma, (rows,))
 
 
-def _demand_rows(rows: int, parameters: int, *, known: bool) -> None:
+def _require_rows(rows: int, parameters: int, *, known: bool) -> None:
     enough = parameters if known else parameters + 1
     if rows < enough:
         message = f"{parameters} parameters need at least {enough} usable rows; the data has {rows}"
         raise DataError(message)
 
 
-def _demand_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:
+def _require_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:
     for name, column in columns.items():
         wrong = np.flatnonzero(~np.isfinite(column))
         if len(wrong):

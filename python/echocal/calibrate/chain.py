@@ -130,7 +130,7 @@ class Chain:
 
 
 def _expand(request: str) -> list[str]:
-    """Names that a request stands for: one parameter, or all of an effect or of the law."""
+    """Names that a request means: one parameter, or all of an effect or of the law."""
     id_, _, parameter = request.partition(".")
     names = list(LAW) if id_ == "law" else [f"{id_}.{facts.name}" for facts in find_effect(id_).parameters]
     if parameter and request not in names:

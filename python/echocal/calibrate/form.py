@@ -1,4 +1,4 @@
-"""What can be calibrated: anything with named parameters, a prediction and exact derivatives."""
+"""A form that can be calibrated: it has named parameters, a prediction and exact derivatives."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Parameter:
     bounds : tuple of float
         Lowest and highest value, inclusive.
     scale : float
-        A typical magnitude, to step away from a start at which nothing moves.
+        A typical magnitude: the step away from a start at which all derivatives vanish.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Parameter:
 
 
 class Form(Protocol):
-    """A form that `calibrate` fits: a physical model or a regression, by the same door."""
+    """A form that `calibrate` fits: a physical model or a regression."""
 
     @property
     def parameters(self) -> Sequence[Parameter]:

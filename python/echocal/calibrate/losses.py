@@ -1,4 +1,4 @@
-"""Robust losses: how much a large residual counts, and what that does to the covariance."""
+"""Robust losses: they limit the influence of large residuals; the covariance accounts for it."""
 
 from collections.abc import Callable
 

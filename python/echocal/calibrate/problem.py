@@ -60,7 +60,7 @@ class Problem:
     def start(self) -> Column:
         """Return the given start, or one scale away from it where some derivative vanishes there.
 
-        An effect with an amplitude and a time constant is blind to the constant at amplitude 0.
+        At amplitude 0, an effect with an amplitude and a time constant does not depend on the constant.
         """
         given = np.array([parameter.start for parameter in self.parameters], dtype=np.float64)
         given = np.clip(given, self.lower, self.upper)
@@ -72,7 +72,7 @@ class Problem:
     def search(self, start: Column, loss: str, scale: float) -> Column:
         """Trust-region search within the bounds, from a start."""
         chosen: Any = "linear" if loss == "linear" else LOSSES[loss]
-        from scipy.optimize import least_squares  # takes long to import: only who fits waits for it
+        from scipy.optimize import least_squares  # slow import: only a fit needs it
 
         found = least_squares(
             self.residuals,

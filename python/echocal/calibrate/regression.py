@@ -1,4 +1,4 @@
-"""Data-driven forms: regressions in columns of the table, by the same door as the physics."""
+"""Data-driven forms: regressions in columns of the table, calibrated like a physical model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -41,7 +41,7 @@ class Regression:
         ``"temperature*relative_humidity"``. Columns are the influence quantities,
         ``"distance"`` (the reference), ``"echo_time"`` and every further column of the table.
     response : str
-        The column to be described; ``"indication"`` is what a device indicates that converts
+        The column to be described; ``"indication"`` is the indication of a device that converts
         the echoes with `law`.
     law : str
         Name or expression of that law.

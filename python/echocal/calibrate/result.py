@@ -64,12 +64,12 @@ class Calibration:
     residuals : ndarray, shape (n,)
         Observed minus predicted, in the unit of the response; NaN for a row that was not used.
     residual_standard_deviation : float
-        From the residuals and the degrees of freedom; in units of the given standard
-        uncertainty where one was given; from the median where the loss is robust.
+        From the residuals and the degrees of freedom; for a robust loss, from the median. In units of
+        the given standard uncertainty if there is one.
     r_squared : float
         Coefficient of determination.
     rows : dict of str to int
-        ``total``, ``used`` and a count per reason of not being used.
+        ``total``, ``used``, and a count for each reason why rows were not used.
     loss : str
         The loss.
     model : Model or object
@@ -129,7 +129,7 @@ class Calibration:
 
     @property
     def at_bounds(self) -> list[str]:
-        """Parameters that ended on a bound: their uncertainties mean little."""
+        """Parameters that ended on a bound: their uncertainties are not reliable."""
         return [
             parameter.name
             for parameter, value in zip(self.parameters, self.values, strict=True)
@@ -156,7 +156,7 @@ class Calibration:
         coverage : float
             Coverage probability.
         """
-        from scipy import stats  # takes long to import: only who asks for an interval waits for it
+        from scipy import stats  # slow import: only an interval needs it
 
         factor = float(stats.t.ppf(0.5 + coverage / 2.0, self.degrees_of_freedom))
         return {

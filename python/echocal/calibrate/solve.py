@@ -49,7 +49,7 @@ def solve(problem: Problem, loss: str, loss_scale: float | None) -> Solution:
         If the rows cannot identify a parameter.
     """
     values = problem.first()
-    _demand_rank(problem.jacobian(values), problem.parameters)
+    _require_rank(problem.jacobian(values), problem.parameters)
     values = problem.polish(values)
     scale = 1.0
     if loss != "linear":
@@ -76,7 +76,7 @@ def _deviation(residuals: Column, parameters: int, loss: str) -> float:
 
 
 def _covariance(matrix: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
-    """Covariance of least squares (GUM H.3): the inverse of the normal matrix, by its root."""
+    """Covariance of least squares (GUM H.3): the inverse of the normal matrix, from its square root."""
     norms = np.linalg.norm(matrix, axis=0)
     _, singular, axes = np.linalg.svd(matrix / norms, full_matrices=False)
     root = axes.T / singular * deviation
@@ -93,8 +93,8 @@ def _sandwich(matrix: NDArray[np.float64], first: Column, second: Column) -> NDA
     return np.asarray(bread @ meat @ bread / np.outer(norms, norms))
 
 
-def _demand_rank(matrix: NDArray[np.float64], parameters: Sequence[Parameter]) -> None:
-    """Refuse what the rows cannot tell apart, by name."""
+def _require_rank(matrix: NDArray[np.float64], parameters: Sequence[Parameter]) -> None:
+    """Raise `ModelError` with the names of the parameters that the rows cannot separate."""
     norms = np.linalg.norm(matrix, axis=0)
     names = [parameter.name for parameter in parameters]
     idle = [name for name, norm in zip(names, norms, strict=True) if norm == 0.0]

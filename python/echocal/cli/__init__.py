@@ -20,7 +20,7 @@ COMMANDS = tuple(sorted(file.stem for file in Path(__file__).parent.glob("[a-z]*
 
 
 class _Commands(TyperGroup):
-    """Loads a command's file when it is asked for: nobody waits for what another command imports."""
+    """Loads the file of a command only when it runs, because imports are slow."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         return list(COMMANDS)

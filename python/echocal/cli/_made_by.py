@@ -1,4 +1,4 @@
-"""Whether a command made a file that is there already, as far as the file itself tells."""
+"""Whether a command made an existing file, according to the file itself."""
 
 import gzip
 import json
@@ -29,7 +29,7 @@ _PICTURES = (b"\x89PNG", b"%PDF", b"%!PS", b"<?xml")
 
 
 def sign(model: Model, command: str, source: Path, out: Path) -> None:
-    """Let a model tell the command and the table that it was made from, and seal what it tells.
+    """Record in a model the command and the table that it was made from, with a checksum.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def causes() -> Recognize:
 
 
 def model(command: str, source: Path) -> Recognize:
-    """A model that the command made from this table, and that nobody has edited."""
+    """A model that the command made from this table and that was not edited since."""
 
     def recognize(file: Path) -> bool:
         content = _json(file)
@@ -122,7 +122,7 @@ def _tried(recognize: Recognize) -> Recognize:
 
 
 def _origin(command: str, source: Path, out: Path) -> dict[str, str]:
-    """What a model file tells of where it comes from; the table as it is found from there."""
+    """The origin that a model file states; the path of the table is relative to the file."""
     try:
         table = Path(os.path.relpath(source.resolve(), out.resolve().parent)).as_posix()
     except ValueError:  # on another drive

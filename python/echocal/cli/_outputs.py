@@ -1,4 +1,4 @@
-"""Whether all outputs of a command can be written, asked before it works for minutes and writes some."""
+"""Check that all outputs of a command can be written, before the command starts its work."""
 
 import os
 import sys
@@ -84,7 +84,7 @@ def check_outputs(
 
 
 def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: Recognize) -> list[Output]:
-    """Outputs in a folder; none where there is no folder."""
+    """Outputs in a folder; none without a folder."""
     return [] if folder is None else [Output(option, folder / name, recognize) for name in names]
 
 

@@ -35,13 +35,14 @@ STRONG = 0.95  # correlation from which two parameters are named
 def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes with reference distances.")],
     fit: Annotated[
-        list[str], typer.Option(metavar="NAME", help="Parameter: zero_error.offset, fixed_delay, law.slope.")
+        list[str],
+        typer.Option(metavar="NAME", help="Parameter to fit: zero_error.offset, fixed_delay, law.slope."),
     ],
     law: Annotated[str | None, typer.Option(help="Law or expression to begin with; default cramer.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file to begin with.")] = None,
     effect: Effects = None,
     loss: Annotated[
-        str, typer.Option(help="linear; soft_l1, huber or cauchy where rows may be wrong.")
+        str, typer.Option(help="Loss: linear; soft_l1, huber or cauchy if rows may be wrong.")
     ] = "linear",
     column: Columns = None,
     missing: Missing = None,
@@ -94,6 +95,6 @@ def _print(found: Calibration, out: Path | None) -> None:
             if abs(found.correlation[i, j]) > STRONG:
                 console.print(f"{second} and {first} are correlated: {found.correlation[i, j]:+.3f}")
     for name in found.at_bounds:
-        console.print(f"{name} ended on a bound: its uncertainty means little", style="yellow")
+        console.print(f"{name} ended on a bound: its uncertainty is not reliable", style="yellow")
     if out is not None:
         console.print(f"wrote {out}", markup=False)

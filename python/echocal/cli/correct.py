@@ -46,7 +46,7 @@ def command(
     transferable: Annotated[
         bool,
         typer.Option(
-            "--transferable", help="Leave out what belongs to the campaign that the model was found in."
+            "--transferable", help="Leave out effects that belong to the measurement campaign of the model."
         ),
     ] = False,
     column: Columns = None,

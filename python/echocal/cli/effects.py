@@ -41,7 +41,7 @@ def list_(json_: Json = None, quiet: Quiet = False, force: Force = False) -> Non
     """List the causes that echocal knows: effects in the order of the chain, then faults and noises."""
     _write([cause.to_dict() for cause in causes()], json_, force=force)
     if not quiet and json_ != "-":
-        hint = Text("echocal effects show ID tells all about one of these.", style="dim")
+        hint = Text("echocal effects show ID shows all facts about one of these.", style="dim")
         Console().print(_overview(), _others(), hint)
 
 
@@ -54,7 +54,7 @@ def show(
     quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Tell all about one cause: formula or signature, parameters, typical size, how to check it."""
+    """Show all facts about one cause: formula or signature, parameters, typical size, check."""
     found = find_cause(cause)
     _write(found.to_dict(), json_, force=force)
     if not quiet and json_ != "-":

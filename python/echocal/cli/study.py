@@ -1,4 +1,4 @@
-"""``echocal study``: the study that echocal began from, recomputed."""
+"""``echocal study``: the study that the project began with, recomputed."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

@@ -38,12 +38,12 @@ def command(
         Path, typer.Argument(metavar="MODEL|DATA", help="Model file (.json), or table with references.")
     ],
     maximum_permissible_error_mm: Annotated[
-        float, typer.Option(metavar="MM", help="Bound for every error [mm].")
+        float, typer.Option(metavar="MM", help="Maximum permissible error [mm].")
     ],
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Correct the table with this model first.")
     ] = None,
-    law: Annotated[str, typer.Option(help="Law that makes indications of echo times.")] = "linear",
+    law: Annotated[str, typer.Option(help="Law that converts echo times to indications.")] = "linear",
     temperature: Annotated[
         str, typer.Option(metavar="RANGE", help="For a model: temperatures [degC].")
     ] = "0:50:1",
@@ -60,7 +60,7 @@ def command(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Examine errors of indication against a bound; exit 1 where one exceeds it."""
+    """Compare errors of indication with a maximum permissible error; exit code 1 if one exceeds it."""
     check_outputs(
         Output("--json", json, result("echocal.verification")),
         inputs=[subject, model, *toml_files(column)],

@@ -1,4 +1,4 @@
-"""Correction: tables in, the same tables with a corrected distance out."""
+"""Correction: it appends a corrected distance to a table."""
 
 from echocal.correct.files import correct_file, correct_folder
 from echocal.correct.tables import Corrected, correct_table

@@ -1,4 +1,4 @@
-"""Columns of a table as Arrow keeps them, so that none changes on the way from file to file."""
+"""Columns of a table in Arrow, so that a correction changes none of them."""
 
 import json
 from typing import Any
@@ -23,7 +23,7 @@ _INDEX = "__index_level_0__"
 
 
 def with_results(table: Table, results: pd.DataFrame) -> Table:
-    """Append the two columns of a correction; all others stay what they are."""
+    """Append the two columns of a correction; all others stay unchanged."""
     pa = arrow()
     for name in RESULTS:
         values = results[name].astype("category") if name == RESULTS[1] else results[name]
@@ -32,7 +32,7 @@ def with_results(table: Table, results: pd.DataFrame) -> Table:
 
 
 def from_text(table: pd.DataFrame, decimal: str) -> Table:
-    """Arrow table of fields that are all text: numbers where that loses nothing, else text; null if empty."""
+    """Arrow table from fields of text: numbers if that loses no digit, else text; null if empty."""
     pa = arrow()
     columns = {name: _of_text(pa.array(table[name], pa.large_string()), decimal) for name in table.columns}
     return pa.table(columns)
@@ -130,7 +130,7 @@ def _fields(column: Any, name: str, pa: Any) -> Any:
     if pa.types.is_timestamp(kind):
         try:
             return column.to_pandas()
-        except pa.ArrowException:  # a zone that nobody knows
+        except pa.ArrowException:  # an unknown time zone
             column = column.cast(pa.timestamp(kind.unit, "UTC" if kind.tz else None))
     texts = column.cast(pa.string()).to_pandas().astype(object)
     far = np.flatnonzero(texts.astype(str).str.startswith("<value out of range"))

@@ -1,4 +1,4 @@
-"""Correct files: CSV and Parquet, one or a folder of them; complete or not there."""
+"""Correct files: CSV and Parquet, one or a folder of them. An output is complete or absent."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -33,16 +33,16 @@ def correct_file(
     layout: Layout | None = None,
     **options: Any,
 ) -> Corrected:
-    """Correct one file; fields of a text file that goes to a text file stay letter for letter.
+    """Correct one file. From text to text, every field stays the same text.
 
     Parameters
     ----------
     source, out : Path
         Text or Parquet; `out` by its ending (.csv, .tsv, either with .gz, .parquet).
     model : Model
-        What nature and device do.
+        The model of air and device.
     columns : mapping of str to str, optional
-        What columns hold.
+        Meaning of columns, by their names.
     layout : Layout, optional
         How a text file is written.
     **options
@@ -64,7 +64,7 @@ def correct_file(
         raise UsageError(message)
     layout = layout or Layout()
     if ending == ".parquet":
-        arrow()  # asked for first
+        arrow()  # fail early without it
     stored, compression = read_parquet(source) if parquet else (None, "SNAPPY")
     corrected = correct_table(load(source if stored is None else stored, layout), model, columns, **options)
     results = corrected.table[list(RESULTS)]

@@ -31,13 +31,13 @@ class Corrected:
     Attributes
     ----------
     table : pandas.DataFrame, shape (n, m + 2)
-        The table as it was, and ``corrected_distance_m`` [m] and ``unusable``, a reason code.
+        The unchanged table, and ``corrected_distance_m`` [m] and ``unusable``, a reason code.
     rows : int
         Number of rows.
     unusable : dict of str to int
         Rows without a corrected distance, by reason code.
     notes : tuple of str
-        What a person should know.
+        Notes for the user.
     """
 
     table: pd.DataFrame
@@ -61,9 +61,9 @@ def correct_table(
     table : pandas.DataFrame, shape (n, m)
         Echoes; see `echocal.read_observations`.
     model : Model
-        What nature and device do.
+        The model of air and device.
     columns : mapping of str to str, optional
-        What columns hold.
+        Meaning of columns, by their names.
     reading_speed : str, optional
         Speed that the firmware made readings with; default: the law of the model.
     **options
@@ -117,6 +117,6 @@ def correct_table(
 
 
 def _without_references(table: pd.DataFrame, requests: dict[str, str]) -> dict[str, str]:
-    """Requests that leave out what a correction has no use for: it must not cost a row."""
+    """Requests that ignore columns that a correction does not need, so that they make no row unusable."""
     held = make(list(load(table).columns), requests).assignments
     return requests | {held[role].column: IGNORE for role in _REFERENCES if role in held}

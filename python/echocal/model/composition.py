@@ -64,15 +64,16 @@ def _by_name(id_: str, values: list[float]) -> dict[str, float]:
 class Model:
     """A law for the speed of sound and the effects that extend it.
 
-    The law is nature's and, at the recorded conditions, the one that the device converts with;
-    effects deviate from both. Methods take the recorded influence quantities as keywords:
+    The law holds for the echo in the true conditions, and the device converts with the same law in the
+    recorded conditions; effects change either of them. Methods take the recorded influence quantities as
+    keywords:
     ``temperature`` [degC], ``relative_humidity`` [1], ``pressure`` [Pa], ``co2_mole_fraction``
     [1], ``elapsed_time`` [s], ``supply_voltage`` [V], ``angle`` [rad], ``wind_speed`` [m/s],
     ``radiation`` [W/m^2], ``amplitude`` [1], and what `read_observations` derives from a table's rows
     (`echocal.quantities.QUANTITIES` has all). They broadcast against the first argument; scalars
     alone give a float; pandas, xarray and dask come back as their own type, and the keywords `out`
     and `n_threads` act as in `echocal.distance`. Without their keyword, humidity is 0, pressure
-    101325 Pa and CO2 0.04 %; NaN in gives NaN out, and `DomainWarning` tells once where a law is
+    101325 Pa and CO2 0.04 %; NaN in gives NaN out, and one `DomainWarning` says where a law is
     used outside its domain.
 
     Parameters
@@ -86,9 +87,9 @@ class Model:
     covariance : array_like, shape (n, n), optional
         Covariance of the parameters in the order of `parameter_names`; zero where one was held.
     provenance : mapping, optional
-        Where the model comes from; saved as it stands, not part of the `hash`.
+        Where the model comes from; saved without change, not part of the `hash`.
     shape : Shape, optional
-        A term that data gave and nobody explains, added to every indication; no firmware has it.
+        An unexplained term that is added to every indication; no firmware can contain it.
 
     Raises
     ------
@@ -215,7 +216,7 @@ class Model:
             If the file cannot be read, is not JSON, has another or a newer schema, does not match
             its hash, or describes no valid model; the text names the file and the place.
         """
-        from echocal.model.reading import read  # validation only costs who reads files
+        from echocal.model.reading import read  # slow import: only reading a file needs it
 
         origin = Path(path)
         arguments, covariance, listed = read(origin)
@@ -292,13 +293,13 @@ class Model:
         return self._core.jacobian(first, rest).reshape(*shape, -1)
 
     def with_shape(self, shape: Shape | None) -> "Model":
-        """The same model with a term that nobody explains."""
+        """The same model with an unexplained term."""
         same = Model(self.law, self.effects, air=self.air, provenance=self.provenance, shape=shape)
         same.covariance = self.covariance
         return same
 
     def without_shape(self) -> "Model":
-        """The same model without the term that nobody explains."""
+        """The same model without its unexplained term."""
         return self.with_shape(None)
 
     @property
@@ -326,16 +327,16 @@ class Model:
         return same
 
     def refuse_shape(self, what: str) -> None:
-        """Raise `ModelError` where `what` would leave a shape out in silence."""
+        """Raise `ModelError` if the model has an unexplained term, which `what` cannot use."""
         if self.shape is not None:
             message = (
-                f"the model has a shape against {self.shape.against} that nobody explains, and {what} cannot "
-                "take it into account; Model.without_shape() leaves it out"
+                f"the model has an unexplained term against {self.shape.against}, and {what} cannot "
+                "use it; Model.without_shape() removes it"
             )
             raise ModelError(message)
 
     def _shift(self, distance: Any, given: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """What the shape adds, and the conditions for the rest."""
+        """Shift by the unexplained term, and the conditions for the rest of the model."""
         assert self.shape is not None
         if given.get("out") is not None:
             message = "a model with a shape makes a new array: leave out= away"

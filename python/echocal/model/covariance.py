@@ -42,7 +42,7 @@ def checked(given: ArrayLike | None, names: tuple[str, ...]) -> NDArray[np.float
 def arranged(
     given: ArrayLike | None, listed: tuple[str, ...], names: tuple[str, ...]
 ) -> NDArray[np.float64] | None:
-    """Return a covariance of listed parameters in the order of names; who is not listed was held."""
+    """Return a covariance of listed parameters in the order of names; those not listed were held fixed."""
     matrix = checked(given, listed)
     if matrix is None:
         return None

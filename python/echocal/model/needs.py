@@ -1,4 +1,4 @@
-"""What a model must know about the air, and whether it is used where it holds."""
+"""Conditions that a model needs, and whether it is used inside its domain."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ __all__ = ["Needs", "assumed", "of"]
 
 @dataclass(frozen=True)
 class Needs:
-    """Influence quantities that a model requires or excludes, each with who says so.
+    """Influence quantities that a model requires or excludes, each with the law or effect that does so.
 
     Attributes
     ----------
     required : mapping of str to str
         Quantities that must be given, with the law or effect that needs them.
     excluded : mapping of str to str
-        Quantities that must not be given, with the effect that stands for them.
+        Quantities that must not be given, with the effect that replaces them.
     laws : mapping of str to str or None
         Laws whose domain counts, with the effect that calls them (None: the model's own).
     """
@@ -48,7 +48,7 @@ class Needs:
         for name, who in self.excluded.items():
             if name in conditions:
                 message = (
-                    f"{who} stands for {name} that nobody recorded, but {name} is given and would "
+                    f"{who} replaces a {name} that was not recorded, but {name} is given and would "
                     f"count twice; drop the effect, or do not give {name}"
                 )
                 raise DataError(message)

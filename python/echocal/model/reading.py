@@ -1,4 +1,4 @@
-"""Model files on the way in: nothing is believed that was not checked."""
+"""Reading of model files: every value is checked."""
 
 import json
 import re
@@ -129,7 +129,7 @@ def _arguments(file: _File) -> dict[str, Any]:
     ids = [effect.id for effect in file.effects]
     repeated = next((id_ for id_ in ids if ids.count(id_) > 1), None)
     if repeated:
-        message = f"effect '{repeated}' stands twice"
+        message = f"effect '{repeated}' is listed twice"
         raise ModelError(message)
     for effect in file.effects:
         _check_units(effect)

@@ -1,4 +1,4 @@
-"""A term of a model that data gave and nobody explains."""
+"""An unexplained term of a model: a function of one column, estimated from data."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,10 +19,10 @@ DISTANCE = "distance"
 
 @dataclass(frozen=True)
 class Shape:
-    """What readings are off by, as a function of one column, and nobody knows why.
+    """An unexplained term: deviation of the readings as a function of one column, without a known cause.
 
-    Between its knots it is linear, outside the range that was seen it is held flat. It is added to
-    the indication after everything that has a cause; microcontrollers get no firmware of it.
+    It is linear between its knots and constant outside the observed range. It is added to the
+    indication after all effects. No firmware can contain it.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Shape:
     at : tuple of float
         Knots, ascending, in the unit of the column (SI for quantities, degC for temperatures).
     shift : tuple of float
-        What readings are off by there [m].
+        Deviation of the readings there [m].
     standard_uncertainty : tuple of float
         Of the shifts [m].
 
@@ -81,7 +81,7 @@ class Shape:
         """Values of its column among what is given."""
         if self.against not in conditions:
             message = (
-                f"the model has a shape against {self.against} that nobody explains, and {self.against} is "
+                f"the model has an unexplained term against {self.against}, and {self.against} is "
                 "not given: record it, or use the model without its shape (Model.without_shape)"
             )
             raise DataError(message)

@@ -103,7 +103,7 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
     seen : (float, float)
         Their `ends`.
     trusted : collection of str
-        Columns that the user vouches for.
+        Columns that the user declares to be right.
 
     Raises
     ------

@@ -29,7 +29,7 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> tuple[Insta
     Parameters
     ----------
     time_zone : str
-        IANA name of the zone of times that carry no offset.
+        IANA name of the time zone for times without an offset.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Influence quantities that a table derives from its rows, for effects that remember earlier rows."""
+"""Influence quantities that a table derives from its rows, for effects that depend on other rows."""
 
 from collections.abc import Iterator, Mapping
 
@@ -52,7 +52,7 @@ def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.in
 def _rate(elapsed: Column, values: Column) -> Column:
     """Rate of change at each row, from the row before to the row after.
 
-    Over `_WINDOW` where rows stand closer. At either end of the table half of that is known.
+    Over `_WINDOW` if the rows are closer. At either end of the table only half of the window is known.
     """
     rate = np.full(len(values), np.nan)
     half = 0.5 * _WINDOW

@@ -17,7 +17,7 @@ __all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]
 Column = NDArray[np.float64]
 
 DEFAULT_SPEED = "linear"
-"""Law that firmware is taken to convert with where nobody says."""
+"""Law that the firmware is assumed to use if the user does not state one."""
 
 
 class FirmwareSpeed:
@@ -76,7 +76,7 @@ class FirmwareSpeed:
         """
         used = {name: np.where(usable, values, np.nan) for name, values in self._conditions.items()}
         echo_time = self._model.time_of_flight(reading, **(used or self._given()))
-        if used and not usable.all():  # unusable rows are told already
+        if used and not usable.all():  # unusable rows have been reported
             with warnings.catch_warnings(action="ignore", category=DomainWarning):
                 echo_time = self._model.time_of_flight(reading, **self._given())
         wrong = np.flatnonzero(usable & ~((echo_time > 0.0) & (echo_time < np.inf)))

@@ -20,13 +20,13 @@ EXACT = 2.0**53
 """Integers of this size and more are not all floats: each that is not becomes one that is."""
 
 EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
-"""Texts that stand for no value in a column of numbers."""
+"""Texts that mean "no value" in a column of numbers."""
 
 Column = NDArray[np.float64]
 
 
 class Missing:
-    """The error codes that stand for "no value", in the units of the file.
+    """The error codes that mean "no value", in the units of the file.
 
     Parameters
     ----------

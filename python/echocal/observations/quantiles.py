@@ -14,7 +14,7 @@ __all__ = ["Grouped", "median", "quantiles", "spread"]
 Column = NDArray[np.float64]
 
 _LARGE = 1000  # rows of a group that are worth a partition of their own
-_MOST = 100_000  # rows that stand for all
+_MOST = 100_000  # rows that represent all
 _RUN = 97  # rows that follow each other among those: a prime, so that no period of a table is missed
 
 

@@ -1,8 +1,8 @@
 """Quotation marks of delimited text: a stray one must not swallow the rows that follow.
 
 Within quotation marks a field may legally span lines: a spreadsheet writes remarks so. A stray mark
-opens a field in the same way, and the field ends at whichever mark comes next. The two are told
-apart by what stands on the lines: swallowed lines are rows of the table.
+opens a field in the same way, and the field ends at whichever mark comes next. The text of the lines
+shows which of the two it is: swallowed lines are rows of the table.
 """
 
 import re
@@ -25,7 +25,7 @@ class Marks:
     path : str
         How messages name the text.
     separator : str
-        What stands between fields.
+        The separator of fields.
     fields : int
         Fields of the header.
     """

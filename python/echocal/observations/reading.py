@@ -25,9 +25,9 @@ def read_observations(
 ) -> Observations:
     """Read a table of echoes: check it, convert it to SI units, account for every row.
 
-    Units stand in the names of columns (``echo_us``, ``temperature_C``, ``humidity_percent``, ...);
+    The names of columns include their units (``echo_us``, ``temperature_C``, ``humidity_percent``, ...);
     a name that begins like one of these and has no known unit is an error, never a guess. Rows
-    are never dropped and never reordered: a row that cannot be used carries a reason code. In
+    are never dropped and never reordered: a row that cannot be used has a reason code. In
     messages, row 1 is the first row below the header.
 
     Parameters
@@ -84,7 +84,7 @@ def read_observations(
     >>> len(data), list(data.conditions), data.notes
     (3, ['temperature'], ())
     """
-    # pandas takes long to import: only who reads a table waits for it
+    # slow import: only reading a table needs pandas
     from echocal.observations import plan
     from echocal.observations.assembly import Assembly
     from echocal.observations.numbers import Missing

@@ -30,7 +30,7 @@ class Observations:
         Reference distance [m]; None where the source has none.
     unusable : ndarray of str, shape (n,)
         Reason code for each row that cannot be used, e.g. ``"temperature_C out of range"``;
-        empty for a usable row. Values of such rows stand as recorded, NaN where missing.
+        empty for a usable row. Values of such rows are kept as recorded, NaN where missing.
     reading : ndarray, shape (n,), or None
         What the device indicated [m]; None where the source has only echo times.
     time : ndarray of datetime64[ns], shape (n,), or None
@@ -39,7 +39,7 @@ class Observations:
         Integer codes of ``stand`` and ``group``, numbered as they appear, and values of
         ``order``, where the source has them; -1 where empty.
     extra : mapping of str to ndarray, shape (n,)
-        Further numeric columns as they stand: candidates for "unknown, against column X".
+        Further numeric columns, unchanged: candidates for unexplained terms.
     source_names : mapping of str to str
         Name of the source's column by quantity, for messages and plots.
     notes : tuple of str

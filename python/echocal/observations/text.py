@@ -85,7 +85,7 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class _Body:
-    """What stands below a file's header."""
+    """The rows below a file's header."""
 
     path: Path
     layout: Layout

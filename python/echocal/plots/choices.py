@@ -1,4 +1,4 @@
-"""Plots of what firmware costs against what it errs."""
+"""Plot of flash, time and error of firmware."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -143,7 +143,7 @@ def sweep_figure(grid: xr.Dataset) -> Figure:
     fixed = [_value(grid, str(name), grid[name]) for name in grid.coords if not grid[name].ndim]
     figure.suptitle("; ".join([grid.attrs["model"], *fixed]), fontsize="medium")
     figure.align_ylabels()
-    for above, ax in pairwise(axes[:, 0]):  # the same legend twice tells nothing
+    for above, ax in pairwise(axes[:, 0]):  # the second legend would be the same
         if _entries(ax) and _entries(ax) == _entries(above):
             ax.get_legend().set_visible(False)
     return figure
@@ -155,7 +155,7 @@ def _entries(ax: Axes) -> list[str]:
 
 
 def _varies(values: NDArray[np.float64]) -> bool:
-    """Whether there is more to see than rounding."""
+    """Whether the values vary by more than rounding."""
     return float(np.ptp(values)) > _ROUNDING
 
 

@@ -16,7 +16,7 @@ FACTS = QuantityFacts(
             ("elapsed time",),
             holds=(
                 "when (`time` is ISO 8601); counts from the earliest row; times of day (in `--time-zone`) "
-                "also tell where the sun stands"
+                "also give the position of the sun"
             ),
         ),
     ),

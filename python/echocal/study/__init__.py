@@ -16,9 +16,9 @@ from echocal.study.verdict import CHECKS, Claim, Finding, Verdict
 __all__ = ["DEFINITION", "Claim", "Finding", "Study", "Tables", "Verdict", "claims", "given", "run"]
 
 DEFINITION = (
-    "reproduced: some inputs that round to the printed ones give a result that rounds to the printed one. "
-    "not reproduced: none does. "
-    "physically wrong: the arithmetic aside, it says something about air or echoes that is not so."
+    "reproduced: the printed inputs can give the printed result, both within their rounding. "
+    "not reproduced: they cannot. "
+    "physically wrong: the claim contradicts the physics of air or echoes, whatever its arithmetic."
 )
 
 assert checks.__all__  # importing the package registers the checks

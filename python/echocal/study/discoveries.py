@@ -1,4 +1,4 @@
-"""What the tables give away and the study does not say."""
+"""What the tables show and the study does not say."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -42,7 +42,7 @@ class Discovery:
 
 
 def discoveries(tables: Tables) -> list[Discovery]:
-    """Everything that the tables give away, each with its numbers."""
+    """Everything that the tables show beside the claims, each with its numbers."""
     return [_law(tables), _thermometer(tables), _second_table(tables), _odd_row(tables), _change(tables)]
 
 
@@ -84,20 +84,19 @@ def _thermometer(tables: Tables) -> Discovery:
     best = max(counts, key=lambda bits: counts[bits])
     tried = ", ".join(f"{count} with {bits} bits" for bits, count in counts.items())
     text = (
-        f"With {_plain(law)} at the temperatures as printed, {exact} of {len(table)} speeds come out to "
-        f"the last digit; "
-        f"at temperatures read by a converter over 0–{full_scale:g} °C: {tried}."
+        f"{_plain(law)} gives {exact} of {len(table)} speeds to the last digit at the printed temperatures. "
+        f"At temperatures that a converter over 0–{full_scale:g} °C would give, the numbers are: {tried}."
     )
     numbers = {"exact": exact, "best": counts[best], "bits": best}
     if counts[best] <= exact:
         return Discovery("thermometer", "Table 1's temperatures are as printed", text, numbers)
     text += _leftover(table, law, converted(table.temperature, best, full_scale))
-    title = f"Table 1's temperatures look read through a {best}-bit converter"
+    title = f"Table 1's temperatures seem to come from a {best}-bit converter"
     return Discovery("thermometer", title, text, numbers)
 
 
 def _leftover(table: Table, law: str, temperature: Array) -> str:
-    """Tell what the rows that no converter explains would need."""
+    """Say what the rows that no converter explains would need."""
     told = ""
     for row in np.flatnonzero(~_matches(table, law, temperature)):
         value = table.values("actual_speed_m_s")[row]
@@ -107,9 +106,9 @@ def _leftover(table: Table, law: str, temperature: Array) -> str:
         needed: float = brentq(lambda t, value=value: float(speed(law, t)) - value, LOWEST, HIGHEST)
         expected, used = f"{temperature[row]:.2f}", f"{needed:.2f}"
         told += (
-            f" The row at {table.temperature[row]:g} °C needs {used} °C where the converter gives {expected}"
+            f" The row at {table.temperature[row]:g} °C needs {used} °C, and the converter gives {expected}"
         )
-        told += ": the same digits, two of them swapped." if used in _swaps(expected) else "."
+        told += ": the same digits with two of them exchanged." if used in _swaps(expected) else "."
     return told
 
 
@@ -147,27 +146,26 @@ def _odd_row(tables: Tables) -> Discovery:
     ]
     numbers = {"temperature": at, "score": float(scores[row])}
     text = (
-        f"Around a constant offset, Tinkercad's {printed[row]} m at {at:g} °C lies "
-        f"{fit.residuals[row] * 1e3:+.1f} mm "
-        f"away, {abs(scores[row]):.1f} robust standard deviations"
+        f"The fit of a constant offset leaves a residual of {fit.residuals[row] * 1e3:+.1f} mm for "
+        f"Tinkercad's {printed[row]} m at {at:g} °C: {abs(scores[row]):.1f} robust standard deviations"
     )
     if twins:
         numbers["twin"] = twins[0]
-        text += f"; the same number stands at {twins[0]:g} °C, as if one reading had been entered twice"
-    return Discovery("odd_row", f"The Tinkercad reading at {at:g} °C does not belong", f"{text}.", numbers)
+        text += f". The row at {twins[0]:g} °C has the same number; perhaps one reading was entered twice"
+    return Discovery("odd_row", f"The Tinkercad reading at {at:g} °C is an outlier", f"{text}.", numbers)
 
 
 def _change(tables: Tables) -> Discovery:
     listed = alternatives(tables)
     low, high = listed[0].residual_standard_deviation, listed[-1].residual_standard_deviation
     text = (
-        f"Any one of {len(listed)} changes explains the Tinkercad column and leaves {low * 1e3:.2f} to "
-        f"{high * 1e3:.2f} mm "
-        f"(see the alternatives): a difference of {(high / low - 1.0) * 100.0:.0f} %, too little to choose by"
+        f"Each of {len(listed)} changes alone explains the Tinkercad column, with a residual of "
+        f"{low * 1e3:.2f} to {high * 1e3:.2f} mm (see the alternatives). "
+        f"A difference of {(high / low - 1.0) * 100.0:.0f} % is too small to choose one of them"
     )
     try:
         explain(tables, list(CAUSES)[:2])
     except ModelError as error:
-        text += f". Two together: {str(error).partition(';')[0]}"
-    title = "A constant shift explains Tinkercad; its kind needs a second distance"
+        text += f". Two together cannot be fitted: {str(error).partition(';')[0]}"
+    title = "A constant shift explains Tinkercad; only a second distance can show its cause"
     return Discovery("change", title, f"{text}.", {"low": low, "high": high})

@@ -33,7 +33,7 @@ def show(study: Study, console: Console) -> None:
     console.print(_first_table(study), "", _second_table(study))
     for group in dict.fromkeys(finding.claim.group for finding in study.findings):
         console.print("", _claims(group, [f for f in study.findings if f.claim.group == group]))
-    console.print("", Rule("what the tables give away", style="cyan", align="left"))
+    console.print("", Rule("what the tables show and the study does not say", style="cyan", align="left"))
     for number, discovery in enumerate(study.discoveries, 1):
         console.print(Text(f"{number}. {discovery.title}", style="bold"))
         console.print(Text(discovery.text, style="dim"))
@@ -73,7 +73,7 @@ def _first_table(study: Study) -> Table:
     names = ("table1-speed", "table1-time", "table1-distance", "table1-error", "table1-sign")
     speed, time, distance, error, sign = (study[name].cells for name in names)
     table = _grid(
-        "Table 1 as printed, beside 331.4 + 0.6 T (stated) and air at 50 % RH (true)",
+        "Table 1 as printed, with 331.4 + 0.6 T (stated) and air at 50 % RH (true)",
         ("°C", "speed", "stated", "true", "time", "distance", "true", "error %", "signed"),
     )
     for row in range(len(speed)):
@@ -94,7 +94,7 @@ def _first_table(study: Study) -> Table:
 def _second_table(study: Study) -> Table:
     calculation, tinkercad = study["table2-calculation"].cells, study["table2-tinkercad"].cells
     table = _grid(
-        "Table 2 as printed, beside 331.4 + 0.6 T; Tinkercad within ±3 mm of the calculation",
+        "Table 2 as printed, with 331.4 + 0.6 T; Tinkercad: within ±3 mm of the calculation?",
         ("°C", "calculation", "stated", "true", "Tinkercad", "difference mm"),
     )
     for left, right in zip(calculation, tinkercad, strict=True):
@@ -138,7 +138,7 @@ def _claims(group: str, findings: list[Finding]) -> Table:
 
 def _alternatives(study: Study) -> Table:
     table = _grid(
-        "Single changes that explain the Tinkercad column", ("change", "parameter", "value", "leaves")
+        "Single changes that explain the Tinkercad column", ("change", "parameter", "value", "residual")
     )
     table.columns[0].justify = table.columns[1].justify = "left"
     for alternative in study.alternatives:

@@ -1,4 +1,4 @@
-"""Printed numbers: what they can stand for, and what can follow from them."""
+"""Printed numbers: the values that round to them, and what can follow from these."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Printed:
     Parameters
     ----------
     text : str
-        The number as it stands, e.g. ``"2.071"`` or ``"6.13e-6"``.
+        The number as printed, e.g. ``"2.071"`` or ``"6.13e-6"``.
 
     Examples
     --------

@@ -58,7 +58,7 @@ class Claim:
         return Printed(self.printed)
 
     def found(self, verdict: Verdict | bool, recomputed: str, because: str, **more: Any) -> "Finding":
-        """Return the finding; True and False stand for reproduced and not reproduced."""
+        """Return the finding; True means reproduced and False means not reproduced."""
         if not isinstance(verdict, Verdict):
             verdict = Verdict.REPRODUCED if verdict else Verdict.NOT_REPRODUCED
         numbers = {name: float(value) for name, value in more.pop("numbers", {}).items()}

@@ -36,7 +36,7 @@ def sweep(
     Parameters
     ----------
     model : Model or str
-        What nature and device do; the name or expression of a law is the base simulation.
+        The model of air and device; the name or expression of a law is the base simulation.
     temperature : range
         Air temperature [degC]. A range is one value, a tuple (start, stop, step) with the stop
         included, or an array or list of values, shape (n,).

@@ -25,8 +25,8 @@ def ascription(tables: Tables, claim: Claim) -> Finding:
     line = best_line("cramer", temperature)
     a, b = line["law.intercept"].value, line["law.slope"].value
     because = (
-        f"Cramer's equation has 16 coefficients and is not linear: in dry air 331.4 + 0.6 T lies "
-        f"{away.min():+.2f} to {away.max():+.2f} m/s from it, and the best line through it over 0–50 °C is "
+        f"Cramer's equation has 16 coefficients and is not linear; in dry air 331.4 + 0.6 T differs from it "
+        f"by {away.min():+.2f} to {away.max():+.2f} m/s; the best line for it over 0–50 °C is "
         f"{a:.2f} + {b:.4f} T"
     )
     wrong = np.abs(away).max() > 300e-6 * a  # Cramer's own stated uncertainty, 300 ppm
@@ -46,9 +46,9 @@ def validity(tables: Tables, claim: Claim) -> Finding:
     worst = int(np.abs(off).argmax())
     holds = temperature[np.abs(off) < claim.number.value]
     because = (
-        f"in dry air it is {off[worst]:+.2f} % off at {temperature[worst]:g} °C "
+        f"in dry air its error is {off[worst]:+.2f} % at {temperature[worst]:g} °C "
         f"({off[worst] * DISTANCE * 10.0:+.1f} mm at 2 m); "
-        f"within the claimed {claim.printed} % up to {holds.max():.0f} °C only"
+        f"it is within the claimed {claim.printed} % only up to {holds.max():.0f} °C"
     )
     wrong = np.abs(off).max() >= claim.number.value
     verdict = Verdict.PHYSICALLY_WRONG if wrong else Verdict.REPRODUCED

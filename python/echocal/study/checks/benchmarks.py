@@ -66,7 +66,7 @@ def smallest_error(tables: Tables, claim: Claim, *, low: float, high: float) -> 
         for humidity in (0.0, 0.5, 1.0)
     }
     because = (
-        f"331.4 + 0.6 T passes 343 m/s at {stated:.2f} °C; true air at {real[0.0]:.2f} °C when dry, "
+        f"331.4 + 0.6 T is 343 m/s at {stated:.2f} °C; in true air this is at {real[0.0]:.2f} °C when dry, "
         f"{real[0.5]:.2f} at 50 % RH, {real[1.0]:.2f} at 100 % RH"
     )
     numbers = {"stated": stated, "dry": real[0.0], "half": real[0.5], "saturated": real[1.0]}

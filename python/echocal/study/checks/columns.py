@@ -56,8 +56,8 @@ def speeds(tables: Tables, claim: Claim) -> Finding:
     good, _ = score(found)
     away = table.values("actual_speed_m_s") - stated
     because = (
-        f"{good} of {len(table)} speeds are what 331.4 + 0.6 T gives; "
-        f"the printed ones lie {away.min():+.3f} to {away.max():+.3f} m/s from it"
+        f"{good} of {len(table)} speeds agree with 331.4 + 0.6 T; "
+        f"the printed ones differ from it by {away.min():+.3f} to {away.max():+.3f} m/s"
     )
     physical = f"{real[0]:.1f} to {real[-1]:.1f} m/s at 50 % RH"
     numbers = {"away_low": away.min(), "away_high": away.max()}
@@ -75,8 +75,8 @@ def times(tables: Tables, claim: Claim) -> Finding:
     good, wrong = score(found)
     resolution = float(reading(2.0 * table.half("time_s")[0]))
     because = (
-        f"{good} of {len(table)} are 4 m at the printed speed{wrong}; "
-        f"a digit of 1 ms is {resolution * 1e3:.0f} mm, so the column cannot give the distances beside it"
+        f"{good} of {len(table)} are the time for 4 m at the printed speed{wrong}; a step of 1 ms is "
+        f"{resolution * 1e3:.0f} mm, so the printed distances cannot be computed from this column"
     )
     return claim.found(good == len(table), f"{good}/{len(table)}", because, cells=found)
 
@@ -119,7 +119,11 @@ def error_signs(tables: Tables, claim: Claim) -> Finding:
     )
     dropped = table.temperature[~kept]
     because = f"the sign is dropped in {len(dropped)} of {len(table)} rows"
-    because += f", all from {dropped.min():g} °C up, where the sensor reads too short" if len(dropped) else ""
+    because += (
+        f", all of them from {dropped.min():g} °C up, where the readings are too short"
+        if len(dropped)
+        else ""
+    )
     return claim.found(bool(kept.all()), f"{int(kept.sum())}/{len(table)}", because, cells=found)
 
 
@@ -134,8 +138,8 @@ def calculation_column(tables: Tables, claim: Claim) -> Finding:
     good, _ = score(found)
     away = (table.values("measured_distance_calculation_m") - stated) * 1e3
     because = (
-        f"{good} of {len(table)} follow from 331.4 + 0.6 T; {int((away > 0.0).sum())} lie above it, "
-        f"by {away.mean():.2f} mm on average, while rounding scatters to both sides"
+        f"{good} of {len(table)} follow from 331.4 + 0.6 T; {int((away > 0.0).sum())} are above it, "
+        f"by {away.mean():.2f} mm on average; rounding would deviate in both directions"
     )
     if good == len(table):
         because = f"all {len(table)} follow from 331.4 + 0.6 T"

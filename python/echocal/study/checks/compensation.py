@@ -30,7 +30,7 @@ def compensated(tables: Tables, claim: Claim, *, of: str) -> Finding:
     because = (
         f"the printed distances leave up to {worst[row]:.3f} % (at {temperature[row]:g} °C), "
         f"{over} of {len(table)} rows at {claim.printed} % or more; "
-        f"the best that rounds to them leaves {smallest.max():.3f} %"
+        f"within their rounding, the smallest possible value is {smallest.max():.3f} %"
     )
     numbers = {"worst": worst.max(), "best": smallest.max()}
     return claim.found(

@@ -20,7 +20,7 @@ def within_datasheet(tables: Tables, claim: Claim) -> Finding:
     because = (
         f"±{claim.printed} mm at 2 m holds from {stated[0]:.1f} to {stated[1]:.1f} °C by the study's "
         f"equation; "
-        f"{outside} of {len(table)} rows of Table 1 lie outside"
+        f"{outside} of {len(table)} rows of Table 1 are outside"
     )
     physical = f"{real[0]:.1f} to {real[1]:.1f} °C at 50 % RH"
     numbers = {"low": stated[0], "high": stated[1]}

@@ -31,7 +31,7 @@ def humidity_coefficient(tables: Tables, claim: Claim) -> Finding:
     true = {t: _gain(t, 1.0) / 100.0 for t in (0.0, ROOM, 50.0)}
     because = (
         f"true air gains {true[0.0]:.2g} per % RH at 0 °C, {true[ROOM]:.2g} at 20 °C and {true[50.0]:.2g} "
-        f"at 50 °C: "
+        f"at 50 °C; "
         f"no constant fits, and {claim.printed} is {HUMIDITY_COEFFICIENT / true[ROOM]:.1f} times too much "
         f"at 20 °C"
     )
@@ -75,7 +75,7 @@ def humidity_negligible(tables: Tables, claim: Claim) -> Finding:
         for t in (0.0, ROOM, 50.0)
     }
     because = (
-        f"from dry to 100 % RH the reading at 2 m moves by {shift[0.0]:.1f} mm at 0 °C, {shift[ROOM]:.1f} "
+        f"from dry to 100 % RH the reading at 2 m changes by {shift[0.0]:.1f} mm at 0 °C, {shift[ROOM]:.1f} "
         f"mm at 20 °C "
         f"and {shift[50.0]:.0f} mm at 50 °C, against the ±{claim.printed} mm of the datasheet"
     )
@@ -102,7 +102,7 @@ def pressure_percent(tables: Tables, claim: Claim) -> Finding:
     claimed = [float(refuted_pressure(100.0, STANDARD_PRESSURE * f)) - 100.0 for f in (0.9, 1.1)]
     true = [_pressure_gain(change) for change in (-0.1, 0.1)]
     because = (
-        f"the square root gives {claimed[0]:+.2f} and {claimed[1]:+.2f} %, so the arithmetic holds; "
+        f"the square root gives {claimed[0]:+.2f} and {claimed[1]:+.2f} %, so the arithmetic is right; "
         f"true air at 20 °C, 50 % RH changes by {true[0]:+.3f} and {true[1]:+.3f} %, "
         f"{abs(claimed[1] / true[1]):.0f} times less"
     )
@@ -128,8 +128,8 @@ def pressure_exponent(tables: Tables, claim: Claim) -> Finding:
     low, high = (float(np.log1p(_pressure_gain(change) / 100.0) / np.log1p(change)) for change in (-0.1, 0.1))
     exponent = 0.5 * (low + high)
     because = (
-        f"at fixed temperature pressure and density rise together, and c follows p to the power "
-        f"{exponent:+.4f}, "
+        f"at fixed temperature, pressure and density rise together; the speed is proportional to p to the "
+        f"power {exponent:+.4f}, "
         f"not {claim.printed}"
     )
     return claim.found(
@@ -149,8 +149,8 @@ def pressure_altitude(tables: Tables, claim: Claim, *, pressure: float) -> Findi
     spoiled = (claimed / true - 1.0) * DISTANCE * 1e3
     gain = (true / float(speed(REFERENCE_LAW, ROOM, relative_humidity=0.5)) - 1.0) * DISTANCE * 1e3
     because = (
-        f"at {pressure / 100.0:.0f} hPa (about 1900 m) the truth changes by {gain:+.1f} mm at 2 m, "
-        f"the claimed compensation would spoil the reading by {spoiled:+.0f} mm"
+        f"at {pressure / 100.0:.0f} hPa (about 1900 m) the true reading changes by {gain:+.1f} mm at 2 m; "
+        f"the claimed compensation would change it by {spoiled:+.0f} mm"
     )
     right = abs(gain) > claim.number.value
     return claim.found(

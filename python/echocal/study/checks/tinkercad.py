@@ -30,7 +30,7 @@ def replicates(tables: Tables, claim: Claim) -> Finding:
     )
     because = (
         f"{int(inside.sum())} of {len(table)} rows agree within ±{claim.printed} mm; "
-        f"every reading is short, by {-away.max():.0f} to {-away.min():.0f} mm, {-away.mean():.1f} mm on "
+        f"every reading is too short, by {-away.max():.0f} to {-away.min():.0f} mm, {-away.mean():.1f} mm on "
         f"average"
     )
     if away.max() >= 0.0:
