@@ -1,26 +1,25 @@
-"""Outliers: rows with another echo, or without a real reading."""
+"""Outliers: rows that no noise and no air explains."""
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.preprocess.off_station import far_as_a_whole
 from echocal.diagnose.preprocess.stations import stations
 from echocal.diagnose.preprocess.usable import Usable, some
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations
-from echocal.observations.quantiles import Grouped, median
+from echocal.observations.quantiles import median
 
-__all__ = ["FAR", "OFF_STATION", "far_rows", "robust", "without_outliers"]
+__all__ = ["FAR", "far_rows", "robust", "without_far_rows"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 
 FAR = "far from its neighbors or from the base simulation"
-OFF_STATION = "far from the usual reading at its station: another echo"
-"""Reasons why a row is left out."""
+"""Why a row is left out."""
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
 
@@ -93,69 +92,10 @@ def _alone(
     return alone
 
 
-def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
-    """Find the rows of stations most of whose rows are far: an error of the station, not outliers.
-
-    Parameters
-    ----------
-    far : ndarray of bool, shape (n,)
-    labels : ndarray of int, shape (n,)
-        Placement of the target of each row.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-    """
-    members = np.bincount(labels)
-    far_ones = np.bincount(labels, far)
-    most = (far_ones > settings.as_a_whole * members) & (members >= settings.station_tells)
-    return np.asarray(most[labels])
-
-
-def far_from_station(
-    indication: Column, labels: Labels, temperature: Column | None, settings: RowSettings
-) -> Mask:
-    """Find rows far from the usual reading at their station, because of another echo.
-
-    If most of the last rows of the table are far, this is a step and not a set of outliers.
-
-    Parameters
-    ----------
-    indication : ndarray, shape (n,)
-        Readings [m], in the order recorded.
-    labels : ndarray of int, shape (n,)
-        Placement of the target of each row.
-    temperature : ndarray, shape (n,), or None
-        Air temperature [degC]; limits the possible change by the air.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-    """
-    none = np.zeros(len(indication), dtype=bool)
-    members = np.bincount(labels)
-    if np.median(members[members > 0]) < settings.station_tells:
-        return none
-    by_station = Grouped(labels)
-    centers, usual, farthest = by_station.scatter(indication)
-    least = max(settings.off_station * _MAD_TO_SD * float(np.nanmedian(usual)), settings.far_least)
-    if farthest <= least:
-        return none
-    off = np.abs(indication - centers[labels])
-    limit = np.full(len(indication), least)
-    if temperature is not None:
-        warming = temperature - by_station.median(temperature)[labels]
-        limit += settings.per_kelvin * np.abs(warming * indication)
-    far = (off > limit) & (members[labels] >= settings.station_tells)
-    first = int(far.argmax())
-    is_step = len(far) - first >= settings.station_tells and far[first:].mean() > settings.as_a_whole
-    return none if far.any() and is_step else np.asarray(far)
-
-
-def without_outliers(
+def without_far_rows(
     observations: Observations, usable: Usable, reference: Column | None, settings: RowSettings
-) -> tuple[Usable, Labels | None]:
-    """Leave out outliers.
+) -> Usable:
+    """Leave out rows farther off than noise or the air can explain, but not a whole station.
 
     Parameters
     ----------
@@ -164,41 +104,18 @@ def without_outliers(
     reference : ndarray, shape (total,), or None
         Reference distance of every row of the source [m]; None where it is not known.
     settings : RowSettings
-
-    Returns
-    -------
-    Usable
-    ndarray of int, or None
-        Station of each row that is left; None where the reference is not known.
     """
+    rows = usable.rows
     columns = (reference, observations.conditions.get("temperature"))
 
     def orders() -> list[Column]:
         """Columns by which neighbors are found: the row, the distance and the temperature."""
-        rows = usable.rows
         return [rows.astype(np.float64), *(some(column, rows) for column in columns if column is not None)]
 
-    if reference is None:
-        far = far_rows(usable.indication, None, orders, settings)
-        return _without(usable, far, FAR), None
-    far = far_rows(usable.indication, some(reference, usable.rows), orders, settings)
-    if far.any():
-        far &= ~far_as_a_whole(far, stations(observations, reference, usable.rows, settings), settings)
-    usable = _without(usable, far, FAR)
-    if not len(usable.rows):
-        return usable, None
-    labels, warm = stations(observations, reference, usable.rows, settings), columns[1]
-    temperature = None if warm is None else some(warm, usable.rows)
-    far = far_from_station(usable.indication, labels, temperature, settings)
-    if far.any():
-        usable = _without(usable, far, OFF_STATION)
-        labels = stations(observations, reference, usable.rows, settings)
-    return usable, labels
-
-
-def _without(usable: Usable, rows: Mask, reason: str) -> Usable:
-    """Leave out some of the rows."""
-    if not rows.any():
+    expected = None if reference is None else some(reference, rows)
+    far = far_rows(usable.indication, expected, orders, settings)
+    if reference is not None and far.any():
+        far &= ~far_as_a_whole(far, stations(observations, reference, rows, settings), settings)
+    if not far.any():
         return usable
-    left_out = Counter(usable.left_out) + Counter({reason: int(rows.sum())})
-    return Usable(usable.rows[~rows], usable.indication[~rows], left_out)
+    return Usable(rows[~far], usable.indication[~far], {**usable.left_out, FAR: int(far.sum())})

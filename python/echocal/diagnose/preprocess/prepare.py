@@ -6,7 +6,8 @@ import numpy as np
 
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.level_steps import level_steps
-from echocal.diagnose.preprocess.outliers import without_outliers
+from echocal.diagnose.preprocess.off_station import without_other_echoes
+from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
 from echocal.diagnose.preprocess.series import series_starts
 from echocal.diagnose.preprocess.table import Table
@@ -49,7 +50,9 @@ def prepare(
     """
     reference = reference_of(observations, reference_distance, constant_distance)
     usable = usable_rows(observations, base, reference)
-    usable, stations = without_outliers(observations, usable, reference, settings)
+    usable, stations = without_far_rows(observations, usable, reference, settings), None
+    if reference is not None and len(usable.rows):
+        usable, stations = without_other_echoes(observations, usable, reference, settings)
     rows, indication = usable.rows, usable.indication
     unusable = dict(sorted(usable.left_out.items()))
     if len(rows) < settings.fewest:
