@@ -1,4 +1,4 @@
-"""What cannot be told apart is said, from the data's own columns."""
+"""Causes that the data cannot separate are listed, from the columns of the data."""
 
 import numpy as np
 import pytest

@@ -35,12 +35,12 @@ def test_a_stand_that_is_far_as_a_whole_is_kept(random: np.random.Generator) -> 
     assert diagnosis.rows["used"] == len(distance) - 1
     assert [cause.id for cause in diagnosis.causes if cause.in_model] == ["beam_edge"]
     assert not diagnosis.refuted  # the other stands know nothing of it, for or against
-    (note,) = [note for note in diagnosis.notes if note.startswith("beam_edge shows in too few")]
-    assert "says nothing about it" in note
+    (note,) = [note for note in diagnosis.notes if note.startswith("beam_edge acts in too few")]
+    assert "neither confirm nor refute it" in note
 
 
 def test_white_noise_is_reckoned_with_beside_two_causes(random: np.random.Generator) -> None:
-    """Beside either cause alone, what the other does looks like noise that remembers."""
+    """Beside either cause alone, the signal of the other looks like autocorrelated noise."""
     rows = 3000
     distance, celsius = random.uniform(0.3, 4.0, rows), random.uniform(5.0, 25.0, rows)
     first = int(random.integers(600, 2400))

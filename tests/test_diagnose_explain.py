@@ -23,12 +23,12 @@ def diagnosis() -> echocal.Diagnosis:
 @pytest.mark.parametrize(
     ("causes", "said"),
     [
-        ((EFFECT,), "The data name clock_error (or oblique_target)"),
-        ((replace(EFFECT, indistinguishable_from=("a", "b")),), "(or one of 2 that look the same)"),
-        ((EFFECT, SLIP), "and in single rows or in the scatter cycle_slip"),
-        ((SLIP,), "in single rows or in the scatter, cycle_slip; no cause of a shift"),
-        ((replace(EFFECT, doubt="it has no one size"), SLIP), "in single rows or in the scatter, cycle_slip"),
-        ((replace(EFFECT, probability=0.6), SLIP), "in single rows or in the scatter, cycle_slip"),
+        ((EFFECT,), "The data name the cause clock_error (or oblique_target)"),
+        ((replace(EFFECT, indistinguishable_from=("a", "b")),), "(or one of 2 similar causes)"),
+        ((EFFECT, SLIP), "They also name cycle_slip, which acts on the noise"),
+        ((SLIP,), "The data name no cause that shifts the readings. They name cycle_slip, which acts"),
+        ((replace(EFFECT, doubt="its size differs"), SLIP), "no cause that shifts the readings. They name"),
+        ((replace(EFFECT, probability=0.6), SLIP), "no cause that shifts the readings. They name"),
     ],
 )
 def test_the_first_sentence_names_what_is_named_and_no_more(
@@ -40,16 +40,20 @@ def test_the_first_sentence_names_what_is_named_and_no_more(
 def test_nothing_is_said_to_be_gained_where_nothing_extends_the_base(diagnosis: echocal.Diagnosis) -> None:
     assert diagnosis.verdict == "nothing"
     text = explain(diagnosis)
-    assert text.startswith("Nothing is found beyond noise.\n60 of 60 rows are used.\n")
+    assert text.startswith("No effect is detected.\n60 of 60 rows are used.\n")
     assert "extended model" not in text
-    assert "no effect extends it" in text
+    assert "No effect extends the base." in text
 
 
 def test_a_doubt_and_a_fault_are_told_once(diagnosis: echocal.Diagnosis) -> None:
-    doubted = replace(EFFECT, doubt="clock_error has no one size")
-    notes = ("clock_error has no one size", "cycle_slip: some rows jump", "3 of 60 rows cannot be used: 3")
+    doubted = replace(EFFECT, doubt="the size of clock_error differs")
+    notes = (
+        "the size of clock_error differs",
+        "cycle_slip: some rows jump",
+        "3 of 60 rows cannot be used: 3",
+    )
     text = explain(replace(diagnosis, verdict="unknown", causes=(doubted, SLIP), notes=notes))
-    assert text.count("no one size") == 1
+    assert text.count("the size of clock_error differs") == 1
     assert text.count("some rows jump") == 1
     assert "cannot be used" not in text
 
@@ -57,12 +61,10 @@ def test_a_doubt_and_a_fault_are_told_once(diagnosis: echocal.Diagnosis) -> None
 def test_a_proposal_reads_as_a_person_would_say_it() -> None:
     at = {"distance": [3.0], "temperature": [35.0], "rows": [10]}
     one = proposal_text(NextMeasurement(at, ("nothing", "speed_slope"), 0.9, 0.6))
-    assert one.startswith("to tell whether speed_slope is at work: measure 10 rows at 3 m, 35 degC (")
+    assert one.startswith("to test for speed_slope: measure 10 rows at 3 m, 35 degC. The")
     at = {"distance": [0.3, 3.0], "rows": [4, 6]}
     two = proposal_text(NextMeasurement(at, ("clock_error", "zero_error", "nothing"), 0.9, 0.6))
-    assert (
-        "to tell clock_error from zero_error, and from nothing: measure 10 rows, 4 at 0.3 m; 6 at 3 m" in two
-    )
+    assert "to separate clock_error, zero_error and no effect: measure 10 rows (4 at 0.3 m; 6 at 3 m)." in two
 
 
 def test_places_that_read_the_same_are_one_place() -> None:

@@ -1,4 +1,4 @@
-"""Noise that remembers: in long tables, where most memories are never summed, and in warm cells of air."""
+"""Autocorrelated noise: in long tables, where most correlations are excluded early, and convection."""
 
 import numpy as np
 import pytest

@@ -92,7 +92,7 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
         named = [c for c in diagnosis.causes if c.kind == "effect" and c.probability >= 0.9]
         assert diagnosis.verdict != "named" or not named, say
     elif gain.rms_after_m == gain.rms_before_m:  # no row held out can judge it, and that is said
-        assert any("says nothing about it" in note for note in diagnosis.notes), say
+        assert any("neither confirm nor refute it" in note for note in diagnosis.notes), say
     if diagnosis.verdict == "nothing":
         assert probability_of_nothing(diagnosis) >= 0.1, say
     assert not FIRMWARE & {id_ for ids, _ in diagnosis.posterior for id_ in ids}, say
@@ -164,11 +164,11 @@ def test_the_base_is_what_is_left_and_all_say_so(
     together = [refuted for refuted in diagnosis.refuted if refuted.together]
     for refuted in together:
         assert refuted.rms_with_m >= refuted.rms_without_m == diagnosis.gain.rms_before_m, say
-    (note,) = [note for note in diagnosis.notes if "no better than the base on rows never fitted" in note]
+    (note,) = [note for note in diagnosis.notes if "no better than the base on" in note]
     assert all(refuted.id in note for refuted in together), say
     text = diagnosis.explain()
     assert note in text
-    assert "no effect extends it" in text
+    assert "No effect extends the base." in text
     assert "The data name" not in text
     console = Console(record=True, width=1000)
     print_diagnosis(diagnosis, console)
@@ -224,7 +224,7 @@ def test_echo_times_know_no_firmware_whatever_the_readings_beside_them(random: n
     for given in (table, both):
         diagnosis = echocal.diagnose(given)
         check(diagnosis, diagnosis.explain())
-    (note,) = [note for note in diagnosis.notes if "both recorded" in note]
+    (note,) = [note for note in diagnosis.notes if "has readings and echo times" in note]
     assert '--column "echo_us=ignore"' in note
     readings = echocal.diagnose(both, columns={"echo_us": "ignore"})
     assert "fixed_speed" in readings.model.effects
@@ -255,7 +255,7 @@ def test_a_shape_that_does_not_carry_over_extends_no_model(
     assert found.rms_with_m is not None
     assert found.rms_without_m == diagnosis.gain.rms_after_m
     figures = f"{1e3 * found.rms_without_m:.2f} mm without it, {1e3 * found.rms_with_m:.2f} mm with it"
-    assert figures in diagnosis.explain()
+    assert f"on held-out rows, the RMS error is {figures.replace(',', ' and')}." in diagnosis.explain()
     data, model = tmp_path / "data.csv", tmp_path / "model.json"
     pd.DataFrame(table).to_csv(data, index=False)
     asked = ("--hold-out-after", "24000", "--model", str(model), "--with-shape")
@@ -267,8 +267,8 @@ def test_a_shape_that_does_not_carry_over_extends_no_model(
         assert "shape" in json.loads(model.read_text())
         return
     assert found.rms_with_m > found.rms_without_m
-    with pytest.raises(UsageError, match=f"makes rows never fitted no better .{figures}"):
+    with pytest.raises(UsageError, match=f"does not reduce the error on held-out rows .{figures}"):
         _ = diagnosis.model_with_shape
     assert (told.returncode, told.stderr.count("\n")) == (2, 1)
-    assert "leave --with-shape out" in told.stderr
+    assert "omit --with-shape" in told.stderr
     assert not model.exists()

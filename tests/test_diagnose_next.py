@@ -13,7 +13,7 @@ from echocal import Model
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.experiment_design.design import best_plan
 from echocal.diagnose.experiment_design.prospect import Prospect
-from echocal.diagnose.experiment_design.ranges import grid, guards, parsed_ranges
+from echocal.diagnose.experiment_design.ranges import corners_and_middle, grid, parsed_ranges
 from echocal.diagnose.inference.noise import Noise
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
@@ -68,15 +68,15 @@ def test_without_another_distance_less_can_be_told(
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ({"humidity": (0, 1)}, r"does not record; it can be distance \(in m\), temperature \(in degC\):"),
+        ({"humidity": (0, 1)}, r"does not record; it can name distance \(in m\), temperature \(in degC\)\."),
         ({"temperature_rate": (0, 1)}, "does not record"),
         ({"distance": (4.0, 0.2)}, "lower one first"),
-        ({"distance": (0.0, 2.0)}, "give a positive one"),
+        ({"distance": (0.0, 2.0)}, "give a positive distance"),
         ({"temperature": (1.0,)}, "two ends"),
         ({"temperature": 3.0}, "two ends"),
         ({"temperature": ("a", "b")}, "two ends"),
-        ({"temperature": (-400.0, 5.0)}, "a table holds -95 to 100 degC"),
-        ({"distance": (0.2, 400.0)}, "a table holds 0 to 100 m"),
+        ({"temperature": (-400.0, 5.0)}, "a table can have -95 to 100 degC"),
+        ({"distance": (0.2, 400.0)}, "a table can have 0 to 100 m"),
         ({"temperature": (1.0, float("nan"))}, "two ends"),
     ],
 )
@@ -153,7 +153,7 @@ def test_a_promise_is_kept_by_its_own_members(random: np.random.Generator) -> No
 @pytest.mark.parametrize("names", [("distance",), ("temperature",), ("distance", "temperature")])
 def test_the_guards_are_the_corners_and_the_middle(names: tuple[str, ...]) -> None:
     places = grid({name: RANGES[name] for name in names})
-    *ends, middle = guards(places)
+    *ends, middle = corners_and_middle(places)
     corners = {tuple(column[i] for column in places.values()) for i in ends}
     assert corners == set(product(*(RANGES[name] for name in names)))
     center = {"distance": (0.2 * 4.0) ** 0.5, "temperature": 22.5}
@@ -172,7 +172,7 @@ def test_the_average_warns_where_causes_part(random: np.random.Generator) -> Non
         assert reading.value == pytest.approx(weights @ np.array(list(reading.by_cause.values())))
         near, far = reading.standard_uncertainty
         closer += reading.agreed[0] and abs(reading.value[0] - 2.006) < 1e-3 and near < far
-    # one in eight such tables leaves open whether its one level is noise that remembers: no agreement at all
+    # one in eight such tables leaves open whether its one level is autocorrelated noise: no agreement at all
     assert closer >= 1
 
 
@@ -200,4 +200,4 @@ def test_every_proposal_says_what_it_is_for(seed: int | None, random: np.random.
     diagnosis = echocal.diagnose(data)
     assert diagnosis.next_measurements
     assert all(proposal.separates for proposal in diagnosis.next_measurements)
-    assert "Next: to tell " in diagnosis.explain()
+    assert "Next: to separate " in diagnosis.explain()

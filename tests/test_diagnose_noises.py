@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.preprocess.quantization_grid import find_lattice
+from echocal.diagnose.preprocess.quantization_grid import find_grid
 
 N = 400
 Table = dict[str, np.ndarray]
@@ -118,7 +118,7 @@ def remembering(keep: float, random: Random) -> Table:
     return table
 
 
-def test_noise_that_remembers_is_named_but_no_verdict() -> None:
+def test_autocorrelated_noise_is_named_but_no_verdict() -> None:
     table = remembering(0.8, np.random.default_rng(2))
     diagnosis = echocal.diagnose(table)
     assert diagnosis.verdict == "nothing"
@@ -140,7 +140,7 @@ def test_a_long_memory_may_be_something_unknown(random: np.random.Generator) -> 
             alone += 1
             continue
         assert all("in another order" in noise.because for noise in noises)
-        assert not noises or "something unknown" in diagnosis.explain()
+        assert not noises or "an effect outside the catalogue" in diagnosis.explain()
     assert alone < 3
 
 
@@ -179,5 +179,5 @@ def test_a_harmless_step_is_a_note() -> None:
     ],
 )
 def test_the_step_of_a_column(values: np.ndarray, step: float | None) -> None:
-    found = find_lattice(values)
+    found = find_grid(values)
     assert (found.step if found else None) == (pytest.approx(step) if step else None)

@@ -77,13 +77,13 @@ def test_a_shift_that_hardly_varies_is_told_as_a_shift() -> None:
     delay = 79e-6 * (331.4 + 0.6 * temperature) / 2  # 13.1 to 14.0 mm
     recorded = Recorded({"temperature": temperature})
     text = tendency(delay, delay, recorded)
-    assert text.startswith("every reading is off by nearly the same: +13.56 mm")
+    assert text.startswith("the mean residual is +13.56 mm; this cause predicts nearly the same error")
     assert tendency(10 * temperature, 10 * temperature, recorded).startswith("the fifth")
 
 
 def _figures(sentence: str) -> tuple[str, str]:
-    _, _, rest = sentence.partition(" reads ")
-    found, _, rest = rest.partition(" against ")
+    _, _, rest = sentence.partition(" mean residual of ")
+    found, _, rest = rest.partition(" relative to ")
     return found, rest.partition("predicts ")[2]
 
 
@@ -208,7 +208,7 @@ def test_reference_distances_that_are_not_used_are_told(random: np.random.Genera
     table = {"reading_m": 1.5 + random.normal(0, 1e-3, 80), "temperature_C": np.linspace(5, 30, 80)}
     table["distance_m"] = np.repeat([1.5, 1.6], 40)
     diagnosis = echocal.diagnose(table, constant_distance=True)
-    assert any("1.5 to 1.6 m, were not used" in note for note in diagnosis.notes)
+    assert any("(1.5 to 1.6 m) are not used" in note for note in diagnosis.notes)
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from rich.console import Console
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.results.grouped import grouped
-from echocal.plots.diagnosis import plot_gain, save_diagnosis, telling
+from echocal.plots.diagnosis import by_correlation, plot_gain, save_diagnosis
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
@@ -28,10 +28,10 @@ def diagnosis() -> echocal.Diagnosis:
     return echocal.diagnose(table)
 
 
-def test_the_telling_column_comes_first(diagnosis: echocal.Diagnosis) -> None:
+def test_the_column_with_the_clearest_trend_comes_first(diagnosis: echocal.Diagnosis) -> None:
     assert diagnosis.verdict == "named"
-    assert telling(diagnosis)[0] == "temperature"
-    assert set(telling(diagnosis)) <= set(diagnosis.traces.against)
+    assert by_correlation(diagnosis)[0] == "temperature"
+    assert set(by_correlation(diagnosis)) <= set(diagnosis.traces.against)
 
 
 def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> None:
@@ -129,7 +129,7 @@ def test_no_title_is_wider_than_its_figure(diagnosis: echocal.Diagnosis) -> None
     causes = tuple(Cause(id_, "noise", 0.99, (), (), "rows") for id_ in ids)
     gain = diagnosis.gain
     assert gain is not None
-    gain = replace(gain, scheme="rows from 2022-07-20 12:00 on, held out from everything that is fitted")
+    gain = replace(gain, scheme="rows from 2022-07-20 12:00 on; causes are selected and fitted without them")
     long = replace(diagnosis, causes=causes, refuted=(), posterior=((ids, 0.9), ((), 0.1)), gain=gain)
     for plot, size in ((plot_posterior, (8.0, 3.2)), (plot_gain, (6.0, 2.8))):
         figure = Figure(figsize=size, layout="constrained")

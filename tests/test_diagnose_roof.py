@@ -70,7 +70,7 @@ def test_june_finds_temperature_and_claims_no_humidity(roof: Path, base: str) ->
 def test_june_with_temperature_accounted_for_claims_no_humidity(roof: Path) -> None:
     diagnosis = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
     assert "humidity" not in ids(diagnosis)
-    assert any("temperature is at work" in note for note in diagnosis.notes)
+    assert any("the temperature changes the echo times" in note for note in diagnosis.notes)
 
 
 def test_june_reports_the_step_and_does_not_blame_the_air(roof: Path) -> None:
@@ -84,8 +84,8 @@ def test_the_tension_of_the_humidity_term_is_told(roof: Path) -> None:
     july = diagnose(roof, base="linear", reading_speed="331.4", since=JULY["since"], until=JULY["until"])
     june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
     for diagnosis, size in ((july, 1.4), (june, 0.0)):
-        (note,) = [note for note in diagnosis.notes if "theory says 1" in note]
-        plain = float(note.split("size of humidity is ")[1].split(" ")[0])
+        (note,) = [note for note in diagnosis.notes if "humidity" in note and "theoretical size" in note]
+        plain = float(note.split("fitted size is ")[1].split(" ")[0])
         assert plain == pytest.approx(size, abs=0.15)
 
 
@@ -93,16 +93,16 @@ def test_what_makes_both_true_is_said(roof: Path) -> None:
     july = diagnose(roof, base="linear", reading_speed="331.4", since=JULY["since"], until=JULY["until"])
     june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
     for diagnosis in (july, june):
-        (note,) = [note for note in diagnosis.notes if "theory says 1" in note]
-        plain, reckoned = note.split("size of humidity is ")[1].split(" by plain least squares and ")
-        size, uncertainty = (float(part) for part in reckoned.split(" with noise")[0].split(" +/- "))
+        (note,) = [note for note in diagnosis.notes if "humidity" in note and "theoretical size" in note]
+        plain, reckoned = note.split("fitted size is ")[1].split(" by plain least squares, and ")
+        size, uncertainty = (float(part) for part in reckoned.split(" with autocorrelated")[0].split(" +/- "))
         least, too_sure = (float(part) for part in plain.split(" +/- "))
         assert uncertainty > 2 * too_sure  # rows that owe each other something know less
         assert abs(size - 1) < abs(least - 1)
         reasons = (
-            "the rows are not independent",
-            "closer to theory beside",
-            "of the opposite sign may hide it",
+            "The rows are not independent",
+            "closer to theory if fitted beside",
+            "of the opposite sign hides it",
         )
         assert any(reason in note for reason in reasons)
 
@@ -125,4 +125,4 @@ def test_level_steps_before_june_are_steps(roof: Path) -> None:
     assert "humidity" not in {r.id for r in diagnosis.refuted}
     named = {cause.id for cause in diagnosis.causes if cause.probability >= 0.5}
     assert not named & {"step_change", "drift"}  # they stand for steps that were missed
-    assert any("the level jumps" in note for note in diagnosis.notes)
+    assert any("the level changes in steps" in note for note in diagnosis.notes)

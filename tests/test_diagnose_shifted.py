@@ -41,7 +41,7 @@ def test_a_right_cause_holds_outside(random: np.random.Generator) -> None:
     assert diagnosis.gain is not None
     for one in diagnosis.gain.shifted:
         assert one.rms_after_m < 1.4e-3 < one.rms_before_m
-    assert "Under other conditions: fitted where distance is" in diagnosis.explain()
+    assert "Under other conditions: the model is fitted to rows with distance from" in diagnosis.explain()
     assert diagnosis.to_dict()["gain"]["shifted"][0]["against"] == "distance"
 
 

@@ -15,7 +15,7 @@ def table(scale: np.ndarray, offset: float, random: np.random.Generator) -> pd.D
 
 
 def sizes(diagnosis: echocal.Diagnosis) -> list[str]:
-    return [note for note in diagnosis.notes if "no one size" in note]
+    return [note for note in diagnosis.notes if "differs between" in note]
 
 
 def test_an_offset_beside_a_scale_has_one_size(random: np.random.Generator) -> None:
@@ -35,7 +35,7 @@ def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named(random:
     for cause in effects:
         assert {cause.id, *cause.indistinguishable_from} >= {"speed_slope", "temperature_gain"}
         assert cause.doubt in sizes(diagnosis)
-        assert f"But {cause.doubt}" in diagnosis.explain()
+        assert f"Doubt: {cause.doubt}." in diagnosis.explain()
 
 
 def test_sessions_that_differ_are_not_one_cause(random: np.random.Generator) -> None:

@@ -41,4 +41,4 @@ def test_held_out_rows_gain_what_can_be_gained(diagnosis: echocal.Diagnosis) -> 
 
 
 def test_one_distance_is_admitted_to_hide_an_error_of_the_reference(diagnosis: echocal.Diagnosis) -> None:
-    assert any("one distance" in note for note in diagnosis.notes)
+    assert any("the same reference distance" in note for note in diagnosis.notes)

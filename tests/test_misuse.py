@@ -149,7 +149,7 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "reading a table that is read": (
         lambda: echocal.diagnose(echocal.read_observations(TABLE), reading_speed="343"),
         UsageError,
-        "reading_speed concerns the reading of a table; pass it to read_observations",
+        "reading_speed is an argument for reading a table; pass it to read_observations",
     ),
     "a table where observations are due": (
         lambda: echocal.calibrate(TABLE, Model("linear"), fit=["zero_error"]),  # type: ignore[arg-type]
@@ -316,7 +316,7 @@ def test_a_window_without_rows_is_refused() -> None:
     with pytest.raises(UsageError, match="the first time is the later one"):
         echocal.diagnose({**TABLE, "time": time}, since="2024-01-03", until="2024-01-02")
     with pytest.raises(
-        UsageError, match=r"no row lies in the time asked for \(2030-01-01 .. \); the table's: 2024"
+        UsageError, match=r"no row is in the requested period \(2030-01-01 .. \); the rows: 2024"
     ):
         echocal.diagnose({**TABLE, "time": time}, since="2030-01-01")
 

@@ -47,8 +47,8 @@ def test_another_number_decides_another_verdict() -> None:
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"claim": {}}, "'claim' is none of the settings; there are rows, priors"),
-        ({"claims": {"name": 1}}, "'name' is none of the claims; there are claim_below"),
+        ({"claim": {}}, "'claim' is not one of the settings; there are rows, priors"),
+        ({"claims": {"name": 1}}, "'name' is not one of the claims; there are claim_below"),
         ({"claims": {"named": "high"}}, "settings give claims.named the value 'high'; give one like 0.9"),
         ({"rows": {"folds": 2.5}}, "settings give rows.folds the value 2.5; give one like 5"),
         ({"terms": {"degrees": 4}}, "settings give terms.degrees the value 4; give one like (4, 16)"),

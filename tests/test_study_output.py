@@ -34,7 +34,7 @@ def test_page_is_fresh() -> None:
 
 def test_page_of_the_diagnosis_is_fresh_and_its_sentences_stand() -> None:
     answers = ask()
-    assert [answer.question.title for answer in answers if not answer.stands] == []
+    assert [answer.question.title for answer in answers if not answer.holds] == []
     fresh = render_diagnosed(answers)
     assert DIAGNOSED.read_text(encoding="utf-8") == fresh, "run: echocal study --out docs --quiet"
 

@@ -41,7 +41,7 @@ def command(
         float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
     ] = None,
     constant_distance: Annotated[
-        bool, typer.Option("--constant-distance", help="The target never moved; its distance is not known.")
+        bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
     ] = False,
     reading_speed: ReadingSpeed = None,
     missing: Missing = None,
@@ -56,14 +56,14 @@ def command(
     ] = None,
     hold_out_after: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="Hold out rows from this time on: ISO 8601, or seconds."),
+        typer.Option(metavar="TIME", help="Hold out the rows from this time on: ISO 8601, or seconds."),
     ] = None,
     model: Annotated[Path | None, typer.Option(metavar="OUT.json", help="Write the extended model.")] = None,
     with_shape: Annotated[
         bool,
         typer.Option(
             "--with-shape",
-            help="Let the model have the shape that nobody explains, as a term that data gave.",
+            help="Add the unexplained term, a smooth function without a known cause, to the model.",
         ),
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
@@ -81,7 +81,7 @@ def command(
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
     if with_shape and model is None:
-        raise UsageError("--with-shape says what the model has: give --model OUT.json, too")
+        raise UsageError("--with-shape adds a term to the model that is written: give --model OUT.json, too")
     check_outputs(
         Output("--model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
@@ -91,7 +91,7 @@ def command(
         force=force,
     )
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-    with _bar(quiet) as bar, noted(quiet, DomainWarning):  # what a DataWarning would say is among the notes
+    with _bar(quiet) as bar, noted(quiet, DomainWarning):  # the notes repeat each DataWarning
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
@@ -125,14 +125,14 @@ def _pictures(folder: Path | None) -> list[Output]:
 
 
 def _bar(quiet: bool) -> Progress:
-    """A bar for whoever watches; none in a log or a pipe."""
+    """Progress bar on a terminal; none in a log or a pipe."""
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, console=console, transient=True, disable=quiet or not console.is_terminal)
 
 
 def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, *, with_shape: bool) -> None:
-    if plots is not None:  # first: it makes the folder, and the model may go into it
+    if plots is not None:  # first: it creates the folder, which may also receive the model
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 
         save_diagnosis(diagnosis, plots)
@@ -143,7 +143,7 @@ def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, *, with
 def _ranges(first: list[str] | None, more: list[str] | None) -> dict[str, tuple[float, float]] | None:
     """Ranges after ``--can-vary``, however many follow it."""
     if more and not first:
-        message = f"'{more[0]}' is one argument too many: a diagnosis reads one table"
+        message = f"'{more[0]}' is an unexpected argument: a diagnosis reads one table"
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *(more or ())) for text in joined.split()]
     return parsed_ranges(texts) or None

@@ -1,23 +1,23 @@
-"""Name the cause: from a table of echoes to what the base simulation gets wrong.
+"""From a table of echoes to the causes of what the base simulation gets wrong.
 
-Its rooms, from the ground up; each imports what stands below it alone:
+The packages, in layers from the lowest to the highest; each imports lower ones only:
 
 ``findings``
-    What the stages hand on: facts of a cause, findings, claims, gains.
+    What the stages pass on: facts of a cause, findings, claims, gains.
 ``preprocess``
     Which rows are used, and how they belong together.
 ``candidates``
-    What each cause, and each smooth function without a cause, would add to the readings.
+    What each cause, and each unexplained term, would add to the readings.
 ``inference``
     Sums over the rows, the noise models, and the posterior over sets of causes.
 ``noises``, ``faults``
-    Causes in the scatter and in single rows, a file each.
+    Causes that act on the noise, on single rows or on whole columns, a file each.
 ``selection``
     Which causes are claimed, with those that the data cannot separate from them.
 ``validation``
-    The claims on held-out rows, and the gain measured there.
+    The claims and the gain on cross-validated or held-out rows.
 ``experiment_design``
-    What the members of a credible set predict, and the rows that separate them.
+    What the members of a credible set predict, and the measurements that separate them.
 ``results``
     The diagnosis as data and as sentences.
 """

@@ -1,4 +1,4 @@
-"""Both registries under one roof: effects on the mean, and everything else."""
+"""All causes: the registry of effects on the mean, and those of faults and noises."""
 
 from echocal.diagnose.faults import gross_faults, row_faults
 from echocal.diagnose.findings.facts import CauseFacts
@@ -9,7 +9,7 @@ __all__ = ["causes", "find_cause", "irregularities"]
 
 
 def irregularities() -> tuple[CauseFacts, ...]:
-    """Causes that are no effect on the mean: gross faults, faults of rows, noises."""
+    """Causes that are not effects on the mean: gross faults, faults of rows, noises."""
     return (*gross_faults(), *row_faults(), *noises())
 
 
@@ -20,7 +20,7 @@ def causes() -> tuple[Effect | CauseFacts, ...]:
 
 
 def find_cause(id_: str) -> Effect | CauseFacts:
-    """Return what is known about a cause of either registry.
+    """Return the facts of a cause of any registry.
 
     Raises
     ------

@@ -40,42 +40,44 @@ def diagnose(
 ) -> Diagnosis:
     """Name what a base simulation gets wrong about a table of echoes.
 
-    Every effect that the table could show, every pair of effects and the best larger sets compete
-    with no effect and with smooth functions that have no cause (docs/method.md). Autocorrelated
-    noise and an error per station are part of every hypothesis. The gain is measured on rows that
-    no parameter was fitted to.
+    Hypotheses are compared by their posterior probabilities: no effect, each effect that the table
+    can show, each pair of effects, the best larger sets, and unexplained terms, which are smooth
+    functions without a cause (docs/method.md). Every hypothesis includes autocorrelated noise and
+    an error per station. The gain is measured on cross-validated or held-out rows.
 
     Parameters
     ----------
     observations : Observations, path, DataFrame, or mapping of str to array_like
-        What is no `Observations` yet goes through `echocal.read_observations`.
+        Everything but `Observations` is read with `echocal.read_observations`.
     base : str, float or Model
-        The base simulation: a law (``"linear"``), an expression, a fixed speed (``"343"``: a
-        reading is taken for the distance), or a model.
+        The base simulation: a law (``"linear"``), an expression, a fixed speed (``"343"``: the
+        reading itself is the predicted distance), or a model.
     reference_distance : float, optional
         Distance of the target in every row [m], where the table has no column for it.
     constant_distance : bool
-        The target never moved but its distance is not known: the level is found, stretch by
-        stretch.
+        The target did not move, but its distance is not known. The level is then estimated, for
+        each segment between two steps of the level.
     columns, missing
         Passed to `echocal.read_observations`.
     reading_speed : str or float, optional
-        Speed that the device made its readings with; default: the base.
+        Speed of sound that the device converts with; default: that of the base.
     since, until : str, optional
         Use only rows from and up to these times, ISO 8601; a date means its whole day.
     hold_out_after : str or float, optional
-        Rows from this time on are held out from everything: ISO 8601, or seconds since the first
-        row. Default: folds take turns.
+        Rows from this time on are held out: causes are selected and fitted without them. ISO 8601,
+        or seconds since the first row. Default: a cross-validation.
     can_vary : mapping of str to (float, float), optional
-        What can be varied for the next measurements, and how far: ``{"distance": (0.2, 4.0),
-        "temperature": (5.0, 40.0)}`` in m and degC; names are those of recorded conditions.
+        Conditions that can be varied for the next measurements, with their ranges:
+        ``{"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}`` in m and degC. The names are those
+        of recorded conditions.
     seed : int
-        Seed of the resampling behind the interval of the gain, not negative.
+        Seed of the resampling for the interval of the gain, not negative.
     settings : Settings or mapping, optional
         Other values of the numbers that decide a verdict, by group and name, as a diagnosis records
         them: ``{"claims": {"named": 0.95}}``. `echocal.diagnose.settings` lists all.
     progress : callable, optional
-        Called as each stage begins, with what it does, the number of stages done and their number.
+        Called as each stage begins, with its name, the number of stages done and the number of all
+        stages.
     **table
         Further arguments of `echocal.read_observations`: ``trust``, ``time_zone``, ...
 
@@ -92,7 +94,7 @@ def diagnose(
 
     Examples
     --------
-    A device that forgets the temperature, a meter and a half from a wall:
+    A device that ignores the temperature, 1.5 m from a wall:
 
     >>> import numpy as np
     >>> import echocal

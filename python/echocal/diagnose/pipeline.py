@@ -1,7 +1,7 @@
-"""The whole diagnosis, on one screen: each stage takes what the stages before it found.
+"""The whole diagnosis on one screen: each stage takes the results of the stages before it.
 
-Every loop over the rows is here. One more level step, and the columns are built again. Noise whose
-autocorrelation grows with the distance, and the hypotheses are fitted again.
+Both repetitions are visible here. After each new level step, the columns are built again. If the
+variance of autocorrelated noise may grow with the distance, the posterior is computed again.
 """
 
 import warnings
@@ -38,7 +38,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     reading : Reading
     request : Request
     work : Steps
-        Told as each stage begins.
+        Receives the name of each stage as it begins.
 
     Returns
     -------
@@ -54,8 +54,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     """
     settings = request.settings
     base, distance, constant = request.base, request.reference_distance, request.constant_distance
-    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final model's is a note
-        work.begin("looking for faults")
+    with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final one is a note
+        work.begin("searching for faults")
         observations = between(reading.observations, request.since, request.until)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
         if reading.refusal is not None and not faults.explain_a_refusal:
@@ -69,20 +69,20 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             folds = Folds.of(table, observations, request.hold_out_after, settings.rows)
             case = examine(table, base, folds, request.seed, settings)
 
-            work.begin("weighing causes")
+            work.begin("comparing causes")
             inference = infer(case)
             if growing := convections(case, inference.fits, inference.carried):
                 case = case.with_correlations(growing)
-                del inference  # of a wide table it is large
+                del inference  # it is large for a wide table
                 inference = infer(case)
 
-            work.begin("weighing noises")
+            work.begin("comparing noises")
             carried = inference.carried
             shares = infer_noises(case, inference.fits, carried, faults.quantizations)
             ranking = rank(shares.fits, case.found.competing, settings)
             selection = select(case, ranking, shares, carried)
 
-            work.begin("validating on held-out rows")
+            work.begin("validating claims")
             validation = validate(case, selection)
             step = validation.further_level_step(table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:

@@ -1,38 +1,38 @@
-"""How far a diagnosis is, for whoever waits for it."""
+"""Progress of a diagnosis."""
 
 from collections.abc import Callable
 
 __all__ = ["STAGES", "Progress", "Steps"]
 
 Progress = Callable[[str, int, int], object]
-"""Called with what is being done, the number of stages done, and their number."""
+"""Called with the name of the stage, the number of stages done, and the number of all stages."""
 
 STAGES = (
     "reading",
-    "looking for faults",
+    "searching for faults",
     "building columns",
-    "weighing causes",
-    "weighing noises",
-    "validating on held-out rows",
+    "comparing causes",
+    "comparing noises",
+    "validating claims",
     "planning measurements",
 )
-"""What a diagnosis does, in order; from the columns on again for each level step that it finds."""
+"""Stages in order. For each level step that is found, the work starts again at the columns."""
 
 
 class Steps:
-    """Tells a listener which stage begins; does nothing where nobody listens."""
+    """Reports to a listener which stage begins, if there is a listener."""
 
     def __init__(self, listener: Progress | None) -> None:
         self._listener = listener
-        self.level_steps = 0  # found so far: for each the work begins again
+        self.level_steps = 0  # found so far; each starts the work again
 
     def begin(self, stage: str) -> None:
-        """Tell that a stage of `STAGES` begins."""
+        """Report that a stage of `STAGES` begins."""
         if self._listener is not None:
-            text = f"{stage}, {self.level_steps} level steps more" if self.level_steps else stage
+            text = f"{stage} (again, level steps found: {self.level_steps})" if self.level_steps else stage
             self._listener(text, STAGES.index(stage), len(STAGES))
 
     def end(self) -> None:
-        """Tell that everything is done."""
+        """Report that all stages are done."""
         if self._listener is not None:
             self._listener("done", len(STAGES), len(STAGES))

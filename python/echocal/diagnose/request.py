@@ -1,4 +1,4 @@
-"""What is asked of a table."""
+"""The request of a user."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ __all__ = ["Request"]
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What a user asks, checked as far as it can be without the table.
+    """What a user requests, checked as far as this is possible without the table.
 
     Attributes
     ----------
@@ -29,13 +29,13 @@ class Request:
     constant_distance : bool
         Whether the distance is only known to be constant.
     since, until : str or None
-        Window of time, ISO 8601.
+        Ends of the period, ISO 8601.
     hold_out_after : str, float or None
-        Rows from this time on are held out from everything.
+        Rows from this time on are held out.
     can_vary : mapping of str to (float, float), or None
         What can be varied for the next measurements.
     seed : int
-        Seed of the resampling behind the interval of the gain.
+        Seed of the resampling for the interval of the gain.
     settings : Settings
         Every number that decides a verdict.
     """
@@ -58,12 +58,12 @@ class Request:
         settings: Settings | Mapping[str, Mapping[str, Any]] | None,
         **others: Any,
     ) -> "Request":
-        """Read what a user gave.
+        """Read the arguments of a user.
 
         Raises
         ------
         UsageError
-            If it contradicts itself or physics.
+            If an argument contradicts another one or physics.
         """
         simulated = Base.of(base)
         refuse_distance(others["reference_distance"])
@@ -73,5 +73,5 @@ class Request:
         return cls(base=simulated, seed=int(seed), settings=Settings.of(settings), **others)
 
     def ranges(self, recorded: Sequence[str]) -> Ranges | None:
-        """What can be varied, checked against the conditions that the table records."""
+        """Ranges that can be varied, checked against the conditions that the table records."""
         return None if self.can_vary is None else checked_ranges(self.can_vary, recorded)

@@ -1,4 +1,4 @@
-"""The verdict, in one of four words, and the smallest credible set."""
+"""The verdict, one of four words, and the credible set."""
 
 from echocal.diagnose.findings.parts import Verdict
 from echocal.diagnose.selection.claims import Ranking
@@ -10,11 +10,11 @@ __all__ = ["credible_set", "verdict"]
 
 
 def verdict(ranking: Ranking, selection: Selection, validation: Validation, joint: Joint) -> Verdict:
-    """What is to be said first.
+    """Choose the verdict.
 
-    A noise or a fault of rows is no answer where something shifts the readings and no cause of that
-    is claimed, or none that has one size: then it is listed, and the shift is left open. Where something
-    shifts the readings, the verdict is not `nothing` either, even if held-out rows refute every cause.
+    A noise or a fault alone makes the verdict ``named`` only if no shift of the readings is open. A
+    shift is open if it is certain and no cause of it is claimed, or if a claimed cause has no
+    constant size. An open shift is never ``nothing``, even if every cause of it is refuted.
     """
     named = ranking.settings.claims.named
     steady = [c.probability for c in validation.kept if c.cause not in selection.varying]
@@ -24,18 +24,18 @@ def verdict(ranking: Ranking, selection: Selection, validation: Validation, join
     is_open = len(steady) < len(validation.kept) or shifted
     if not is_open and any(f.probability >= named for f in joint.decisive):
         return "named"
-    if selection.remainder is not None:
+    if selection.term is not None:
         return "unknown"
     return "ambiguous" if is_open or validation.kept or joint.decisive else "nothing"
 
 
 def _shifted(ranking: Ranking) -> bool:
-    """Whether the rows that were fitted leave no doubt that something shifts the readings."""
+    """Whether the posterior leaves no doubt that an effect shifts the readings."""
     return sum(p for ids, p in ranking.sets if not ids) < 1 - ranking.settings.claims.named
 
 
 def credible_set(joint: Joint) -> tuple[tuple[str, ...], ...]:
-    """The most probable sets of causes, as few as hold the probability of the credible set."""
+    """The fewest sets of causes that together have the probability of a credible set."""
     total, chosen = 0.0, []
     for ids, p in joint.sets.items():
         chosen.append(ids)

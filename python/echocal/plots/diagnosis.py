@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.findings.sentences import Recorded, shown, telling_column
+from echocal.diagnose.findings.sentences import Recorded, most_correlated, shown
 from echocal.errors import writing
 from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
@@ -18,30 +18,34 @@ from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
 
-__all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis", "telling"]
+__all__ = ["PICTURES", "by_correlation", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png")
-"""Names of the files that `save_diagnosis` writes; the last one where something is unexplained."""
+"""Names of the files that `save_diagnosis` writes; the last one if there is an unexplained term."""
 
-_BEFORE, _AFTER, _FLOOR = "#e0862a", "#155a75", "#8a8a8a"  # light and dark: apart without color, too
+_BEFORE, _AFTER, _FLOOR = (
+    "#e0862a",
+    "#155a75",
+    "#8a8a8a",
+)  # light and dark: different without color, too
 _BINS = 30
 _PANELS = 4
 _LABEL = 55  # characters of a line below a panel
-_FEW = 200  # rows that one can see one by one
-_ENOUGH = 5  # rows whose mean is worth drawing
-_SAME = 1e-6  # m, far below what any sensor of this kind resolves
+_FEW = 200  # rows that are visible one by one
+_ENOUGH = 5  # fewest rows of a mean that is drawn
+_SAME = 1e-6  # m, far below the resolution of such sensors
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     """Write ``residuals.png``, ``gain.png``, ``posterior.png`` and ``next.png``.
 
-    Where something is left that no cause explains, ``unexplained.png`` shows it.
+    If there is an unexplained term, ``unexplained.png`` shows it.
 
     Parameters
     ----------
     diagnosis : Diagnosis
     folder : path
-        Made where it is not there.
+        Created if it does not exist.
 
     Returns
     -------
@@ -77,7 +81,7 @@ def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Fi
 
 
 def _residuals(diagnosis: Diagnosis) -> Figure:
-    against = telling(diagnosis)[:_PANELS]
+    against = by_correlation(diagnosis)[:_PANELS]
     rows = max(1, -(-len(against) // 2))
     figure = Figure(figsize=(10.0, 0.4 + 2.7 * rows), layout="constrained")
     axes = figure.subplots(rows, min(2, max(1, len(against))), squeeze=False).ravel()
@@ -94,17 +98,17 @@ def _residuals(diagnosis: Diagnosis) -> Figure:
 def _summary(diagnosis: Diagnosis) -> str:
     gain = diagnosis.gain
     if gain is None:
-        return "reading less reference, against the most telling columns"
-    text = f"RMS on rows never fitted: {1e3 * gain.rms_before_m:.2f} mm with the base"
+        return "residuals, against the columns that they follow most"
+    text = f"RMS error on {gain.judged_rows}: {1e3 * gain.rms_before_m:.2f} mm with the base"
     if len(gain.ladder) > 1:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
-    return f"{text}; the most telling column first"
+    return f"{text}; the column with the clearest trend first"
 
 
-def telling(diagnosis: Diagnosis) -> list[str]:
-    """Columns that vary, those first that what the model changes (or the residual) follows most.
+def by_correlation(diagnosis: Diagnosis) -> list[str]:
+    """Columns that vary, those first that the change by the model (or the residual) follows most.
 
-    The very first is the one that sentences about causes would name.
+    The first one is the column that a sentence about the whole change would name.
 
     Parameters
     ----------
@@ -120,12 +124,12 @@ def telling(diagnosis: Diagnosis) -> list[str]:
     signal = changed if np.nanstd(changed) > _SAME else traces.before
     known = np.isfinite(signal)
     varied = {name: column[known] for name, column in traces.against.items() if _varies(column)}
-    first = telling_column(signal[known], Recorded(varied))
-    return sorted(varied, key=lambda name: (name != first, -_followed(varied[name], signal[known])))
+    first = most_correlated(signal[known], Recorded(varied))
+    return sorted(varied, key=lambda name: (name != first, -_explained_variance(varied[name], signal[known])))
 
 
-def _followed(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Part of the variance that the means of the bins have."""
+def _explained_variance(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    """Part of the variance of y that the means of bins of x explain."""
     bins = _bins(x)
     rows = np.bincount(bins)
     filled = rows > 0
@@ -138,7 +142,7 @@ def _varies(column: NDArray[np.float64]) -> bool:
 
 
 def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
-    """Residual against one column, before and after, with the means of thirty bins.
+    """Residuals against one column, of the base and of the model, with the means of thirty bins.
 
     Parameters
     ----------
@@ -155,7 +159,7 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
             traces.before,
             _BEFORE,
             *((1.6, "base, not extended") if same else (3.2, "base")),
-        ),  # wide: seen below
+        ),  # wide, so that it is visible below the other
         (traces.after, _AFTER, 1.6, "extended model"),
     )[: 1 if same else 2]:
         finite = np.isfinite(residual)
@@ -171,7 +175,7 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
 
 
 def _opacity(rows: int) -> float:
-    """Lower with more points, so that neither a few vanish nor many hide the mean."""
+    """Lower with more points: few points stay visible, and many do not hide the mean."""
     return float(np.clip(200 / max(rows, 1), 0.12, 0.9))
 
 
@@ -187,7 +191,7 @@ def _bins(x: NDArray[np.float64]) -> NDArray[np.int64]:
 def _binned(
     x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Means of bins with about equally many rows; where many rows are, no line hangs on a few."""
+    """Means of bins with about equally many rows; of many rows, bins with few rows are left out."""
     bins = _bins(x)
     rows = np.bincount(bins)
     filled = rows >= (1 if len(x) <= _FEW else min(_ENOUGH, rows.max()))
@@ -196,7 +200,7 @@ def _binned(
 
 
 def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Error on rows never fitted, as the causes join.
+    """Error on cross-validated or held-out rows, as the causes are added.
 
     Parameters
     ----------
@@ -205,7 +209,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     """
     gain = diagnosis.gain
     if gain is None:
-        ax.text(0.5, 0.5, "no rows were held out", ha="center", transform=ax.transAxes)
+        ax.text(0.5, 0.5, "the gain was not measured", ha="center", transform=ax.transAxes)
         return
     rungs = [(f"+ {ids[-1]}" if ids else "base", rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
@@ -217,13 +221,12 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.margins(x=0.18)
-    ax.set_xlabel("RMS error on rows never fitted [mm]")
+    ax.set_xlabel(f"RMS error on {gain.judged_rows} [mm]")
     after = (
-        f" to {1e3 * gain.rms_after_m:.2f} mm"
-        if len(gain.ladder) > 1
-        else " mm, and no effect extends the base"
+        f" to {1e3 * gain.rms_after_m:.2f} mm" if len(gain.ladder) > 1 else " mm; no effect extends the base"
     )
-    error = f"error: {1e3 * gain.rms_before_m:.2f}{after}, on {gain.held_out_rows} rows ({gain.scheme})"
+    rows = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})"
+    error = f"RMS error on {rows}: {1e3 * gain.rms_before_m:.2f}{after}"
     width = title_beside(names, ax)
-    lines = (error, "dotted: what every recorded column together could reach")
+    lines = (error, "dotted line: error that all recorded columns together could reach")
     ax.set_title("\n".join(textwrap.fill(line, width) for line in lines), fontsize=8, loc="left")

@@ -10,7 +10,7 @@ from echocal.outputs import replacing
 __all__ = ["save_figure"]
 
 _MAKER = {"png": "Software", "svg": "Creator", "pdf": "Creator", "ps": "Creator", "eps": "Creator"}
-"""Under which name each format tells what made it."""
+"""Name of the metadata field for the maker of a figure, by format."""
 
 
 def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
@@ -21,7 +21,7 @@ def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> Non
     figure : Figure
     path : Path
     command : str
-        Command that made it, which the file tells where its format allows.
+        Command that made it; written to the file if its format allows.
     **options
         As for `Figure.savefig`.
 

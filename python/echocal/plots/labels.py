@@ -1,4 +1,4 @@
-"""Names that somebody else chose, as matplotlib can draw them."""
+"""Labels and titles: text of any length, as matplotlib can draw it."""
 
 import textwrap
 from collections.abc import Iterable
@@ -13,14 +13,14 @@ _MARGIN = 0.2  # inches
 
 
 def title_beside(labels: Iterable[str], ax: Axes) -> int:
-    """Characters of a line of a title that begins where the labels of the vertical axis end."""
+    """Characters in a line of a title that begins to the right of the labels of the vertical axis."""
     longest = max((len(line) for label in labels for line in label.splitlines()), default=0)
     inches = ax.figure.bbox.width / ax.figure.dpi
     return max(20, int((inches - _MARGIN - _LABEL_CHARACTER * longest) / _TITLE_CHARACTER))
 
 
 def fitted(text: str, width: int) -> str:
-    r"""Text in a few lines of `width` characters, cut off after them; no part of it is taken for mathematics.
+    r"""Text in at most three lines of `width` characters; dollar signs do not begin mathematics.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What to measure next, as a picture."""
+"""Plot of the next measurements."""
 
 import textwrap
 
@@ -18,12 +18,12 @@ _SEEN, _PROPOSED = "#a9b6bd", "#b5530f"
 
 
 def next_figure(diagnosis: Diagnosis) -> Figure:
-    """Rows proposed among the rows measured, and side measurements in words."""
+    """Proposed rows among the measured rows, and side measurements in words."""
     sides = [p for p in diagnosis.next_measurements if p.expected_probability is None]
     rows = len(sides) < len(diagnosis.next_measurements)
     lines = [textwrap.fill(proposal_text(p), _WIDTH, subsequent_indent="   ") for p in sides]
     if not rows and not sides:
-        lines = ["nothing is left to separate"]
+        lines = ["no further causes are to be separated"]
     text = "\n".join(lines)
     heights = [3.8] * rows + [0.25 + 0.16 * (1 + text.count("\n"))] * bool(lines)
     figure = Figure(figsize=(6.5, sum(heights)), layout="constrained")
@@ -37,7 +37,7 @@ def next_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Rows proposed among the rows measured, over the two conditions that the proposal varies.
+    """Proposed rows among the measured rows, over the two conditions that the proposal varies.
 
     Parameters
     ----------
@@ -47,7 +47,13 @@ def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
     plans = [p for p in diagnosis.next_measurements if p.expected_probability is not None]
     if not plans:
         ax.axis("off")
-        ax.text(0.0, 1.0, "no rows in reach would help", va="top", transform=ax.transAxes)
+        ax.text(
+            0.0,
+            1.0,
+            "no rows in these ranges would separate the causes",
+            va="top",
+            transform=ax.transAxes,
+        )
         return
     (plan, *_) = plans
     names = [name for name in plan.conditions if name != "rows"][:2]
@@ -55,7 +61,7 @@ def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
         ax.set(**{f"{axis}label": shown(name, np.zeros(1))[1]})
     _measured(diagnosis, names, ax)
     _places(plan, names, ax)
-    for side in (ax.xaxis, ax.yaxis):  # one place alone would stand in a range of nothing
+    for side in (ax.xaxis, ax.yaxis):  # a single place has a range of zero
         low, high = side.get_data_interval()
         room = max(0.15 * (high - low), 0.1 * abs(high))
         side.set_view_interval(low - room, high + room, ignore=True)
@@ -64,7 +70,7 @@ def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
 
 
 def _measured(diagnosis: Diagnosis, names: list[str], ax: Axes) -> None:
-    """Rows measured; where one of the two conditions is not known, ticks along the other's axis."""
+    """Measured rows; where one of the two conditions is not recorded, ticks along the other axis."""
     columns = [diagnosis.traces.against.get(name) for name in names]
     known = {name: shown(name, c)[0] for name, c in zip(names, columns, strict=True) if c is not None}
     if len(known) == len(names) == 2:
@@ -83,7 +89,7 @@ def _places(plan: NextMeasurement, names: list[str], ax: Axes) -> None:
     if len(values) == 1:
         values.append(np.zeros(len(rows)))
         ax.set_yticks([])
-    alike = len(set(rows)) == 1  # then said once: neighbors leave no room for it
+    alike = len(set(rows)) == 1  # then the legend says it once
     label = f"to measure, {rows[0]} rows each" if alike else "to measure"
     ax.plot(*values, "D", color=_PROPOSED, markersize=9, label=label)
     for place, (x, y, count) in enumerate(zip(*values, rows, strict=True)):
@@ -95,6 +101,6 @@ def _places(plan: NextMeasurement, names: list[str], ax: Axes) -> None:
 def _title(plan: NextMeasurement) -> str:
     shown_names = ", ".join(plan.separates[:4]) + (", ..." if len(plan.separates) > 4 else "")
     return (
-        f"tells apart: {shown_names}\nthe first name is right with a probability of "
-        f"{plan.probability_now:.2f} now, {plan.expected_probability:.2f} then"
+        f"separates: {shown_names}\nprobability of the most probable set of effects: "
+        f"{plan.probability_now:.2f} now, {plan.expected_probability:.2f} expected afterwards"
     )

@@ -1,4 +1,4 @@
-"""How probable the sets of causes are, as a picture."""
+"""Plot of the probabilities of sets of causes."""
 
 import textwrap
 from collections.abc import Set
@@ -14,12 +14,12 @@ __all__ = ["plot_posterior"]
 
 _COLOR = "#155a75"
 _MOST = 6  # bars
-_FEWEST = 2  # bars that there is room for: one alone is no wall
+_FEWEST = 2  # bars that there is always room for, so that a single one is not too high
 _WIDTH = 46  # characters of a label's line
 
 
 def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Probability of the sets of causes, those that cannot be told apart in one bar.
+    """Probability of the sets of causes; sets that the data cannot separate share a bar.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def _remarks(groups: list[Group], common: Set[str]) -> list[str]:
     if common:
         remarks.append(f"in every set: {', '.join(sorted(common))}")
     if any(len(group.shares) > 1 and group.shares[1] >= LEAST for group in groups):
-        remarks.append("the parts of a bar are sets that these data cannot tell apart")
+        remarks.append("the parts of a bar are sets that these data cannot separate")
     for name, members in {name: m for group in groups for name, m in group.members.items()}.items():
         remarks.append(f"{name}: {', '.join(members[1:])}")
     return remarks

@@ -37,7 +37,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     for cause in diagnosis.causes:
         console.print(_cause(cause))
     if diagnosis.unexplained is not None:
-        console.print(Text.assemble(("not explained  ", "magenta"), diagnosis.unexplained.description))
+        console.print(Text.assemble(("unexplained  ", "magenta"), diagnosis.unexplained.description))
         console.print()
     if diagnosis.gain is not None:
         console.print(_gain(diagnosis.gain, _bars(console)))
@@ -52,7 +52,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
 
 
 def _bars(console: Console) -> int:
-    """Characters of the longest bar: one that is cut off tells a wrong proportion."""
+    """Characters of the longest bar, so that the terminal cuts off none."""
     return min(_LONGEST, max(4, (console.width - 12) // 3))
 
 
@@ -73,7 +73,7 @@ def _cause(cause: Cause) -> RenderableType:
     )
     lines = [
         Text.assemble(
-            "" if cause.in_model or cause.kind != "effect" else "or else  ",
+            "" if cause.in_model or cause.kind != "effect" else "possible instead: ",
             (cause.id, "bold"),
             f"  {sizes}  ",
             (f"probability {cause.probability:.3f}", "green"),
@@ -82,15 +82,15 @@ def _cause(cause: Cause) -> RenderableType:
         Text(f"  check: {cause.because}", style="italic"),
     ]
     if cause.doubt:
-        lines.append(Text(f"  not named: {cause.doubt}", style="yellow"))
+        lines.append(Text(f"  doubt: {cause.doubt}", style="yellow"))
     if cause.indistinguishable_from:
-        lines.append(Text(f"  cannot be told from: {', '.join(rivals_of(cause))}", style="yellow"))
+        lines.append(Text(f"  not separable from: {', '.join(rivals_of(cause))}", style="yellow"))
     return Group(*lines, Text())
 
 
 def _gain(gain: Gain, longest: int) -> RenderableType:
     table = Table(
-        title=f"error on {gain.held_out_rows} rows never fitted ({gain.scheme})", title_justify="left"
+        title=f"error on {gain.held_out_rows} {gain.judged_rows} ({gain.scheme})", title_justify="left"
     )
     table.add_column("model")
     table.add_column(Text("RMS [mm]"), justify="right")  # a unit is no markup
@@ -98,7 +98,7 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
     rungs = [(" + ".join(("base", *ids)), rms) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m))
-    rungs.append(("every recorded column (floor)", gain.rms_floor_m))
+    rungs.append(("all recorded columns (floor)", gain.rms_floor_m))
     largest = max(rms for _, rms in rungs)
     for name, rms in rungs:
         bar = "━" * max(1, round(longest * rms / largest))
@@ -107,15 +107,15 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
     if len(gain.ladder) > 1:
         low, high = (1e3 * end for end in gain.interval_95)
         part = gain.fraction_of_reachable
-        reached = "" if part is None else f"; {100 * part:.0f} % of what can be reached"
-        lines.append(Text(f"gain {low:.2f} to {high:.2f} mm (95 %){reached}"))
+        reached = "" if part is None else f"; {100 * part:.0f} % of the reachable mean square error"
+        lines.append(Text(f"gain {low:.2f} to {high:.2f} mm (95 % interval){reached}"))
         lines += [Text(shifted_text(one)) for one in gain.shifted]
     return Group(*lines, Text())
 
 
 def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
-    """Sets of causes; what the data cannot tell apart in one line, what all have in common below."""
-    table = Table(title="how probable", title_justify="left", show_header=False)
+    """Sets of causes, inseparable ones in one line; the causes that all sets have stand above."""
+    table = Table(title="probability of each set of causes", title_justify="left", show_header=False)
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)
     for group in groups:

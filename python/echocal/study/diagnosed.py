@@ -10,7 +10,7 @@ from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 
 __all__ = ["QUESTIONS", "Answer", "Question", "ask", "render"]
 
-_BELIEVED = 0.5
+_LISTED_FROM = 0.5
 _OVERTAKEN = "The diagnosis no longer finds the causes that the former sentence described."
 _LAW_OF_THE_TABLES = "331.3+0.6*T"
 
@@ -65,10 +65,10 @@ class Answer:
     @property
     def causes(self) -> list[Cause]:
         """Causes more probable than not."""
-        return [cause for cause in self.diagnosis.causes if cause.probability >= _BELIEVED]
+        return [cause for cause in self.diagnosis.causes if cause.probability >= _LISTED_FROM]
 
     @property
-    def stands(self) -> bool:
+    def holds(self) -> bool:
         """Whether the diagnosis still says what the sentence is about."""
         found = [{cause.id, *cause.indistinguishable_from} for cause in self.causes]
         every = set().union(*found)
@@ -177,8 +177,8 @@ def _section(answer: Answer) -> str:
         lines += [f"| {_class(cause)} | {_sizes(cause)} |" for cause in answer.causes]
     if diagnosis.gain is not None:
         before, after = 1e3 * diagnosis.gain.rms_before_m, 1e3 * diagnosis.gain.rms_after_m
-        lines += ["", f"Error on cross-validated rows: {before:.1f} mm before, {after:.1f} mm after."]
-    lines += ["", f"**For the study:** {question.means if answer.stands else _OVERTAKEN}", ""]
+        lines += ["", f"Error on {diagnosis.gain.judged_rows}: {before:.1f} mm before, {after:.1f} mm after."]
+    lines += ["", f"**For the study:** {question.means if answer.holds else _OVERTAKEN}", ""]
     return "\n".join(lines)
 
 

@@ -1,1 +1,1 @@
-"""What each cause, and each shape without one, would add to the readings."""
+"""What each cause, and each unexplained term, would add to the readings."""

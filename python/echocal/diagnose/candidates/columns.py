@@ -1,4 +1,4 @@
-"""Columns of candidate causes: recipes, made block by block where a pass over the rows needs them."""
+"""Columns of candidate causes: recipes that are computed block by block in a pass over the rows."""
 
 from collections.abc import Mapping, Sequence
 
@@ -17,18 +17,18 @@ Labels = NDArray[np.int64]
 
 
 class Columns:
-    """Columns of one table, each known by its position.
+    """Columns of one table, each identified by its position.
 
     Parameters
     ----------
     base : Model
         The base simulation.
     distance : ndarray, shape (n,)
-        Reference distance, or the level of each row's stretch [m].
+        Reference distance, or the level of the segment of each row [m].
     conditions : mapping of str to ndarray
         Recorded influence quantities.
     groups : ndarray of int, shape (n,), or None
-        Stretch of each row where the level is unknown; None where the distance is.
+        Segment of each row if the level is unknown; None if the distance is known.
     """
 
     def __init__(
@@ -49,25 +49,25 @@ class Columns:
         return column
 
     def at(self, positions: Sequence[int], rows: Labels | None = None) -> Column:
-        """Make some columns, one per line, at some rows in ascending order or at all."""
+        """Compute some columns, one per line, at all rows or at some rows in ascending order."""
         wanted = None if rows is None else np.ascontiguousarray(rows, dtype=np.uintp)
         made: Column = self._core.made(list(positions), wanted)
         return made
 
     def combined(self, positions: Sequence[int], factors: Column) -> Column:
-        """Sum of some columns, each times its factor, at all rows."""
+        """Sum of some columns, each multiplied by its factor, at all rows."""
         return self._core.combined(list(zip(positions, factors.tolist(), strict=True)))
 
     def slope(self) -> int:
-        """Derivative of the base's reading to the distance."""
+        """Add the derivative of the base's reading with respect to the distance."""
         return self._core.slope()
 
     def store(self, column: Column) -> int:
-        """Keep a column as it is."""
+        """Add a column by its values."""
         return self._core.store(np.ascontiguousarray(column))
 
     def shift(self, id_: str, at: Mapping[str, float], levels: Column | None) -> int:
-        """Change of the reading [m] by an effect; `levels` of the stretches if it were there [m]."""
+        """Add the change of the reading by an effect [m]; `levels` are those of the segments with it [m]."""
         return self._core.shift(id_, list(at.items()), levels)
 
     def tangent(
@@ -80,7 +80,7 @@ class Columns:
         at_work: bool = False,
         levels: Column | None = None,
     ) -> int:
-        """Derivative of the reading to a parameter of an effect, times a scale.
+        """Add the derivative of the reading with respect to a parameter of an effect, times a scale.
 
         Parameters
         ----------
@@ -90,46 +90,46 @@ class Columns:
             Parameters at which it is taken.
         scale : float
         at_work : bool
-            Whether the effect does something there.
+            Whether the effect acts at these parameters.
         levels : ndarray, optional
-            Level of each stretch if it does [m].
+            Level of each segment if it does [m].
         """
         return self._core.tangent(id_, list(at.items()), at_work, levels, name, scale)
 
     def legendre(
         self, column: Column, low: float, high: float, scales: Sequence[float], *, first: int = 1
     ) -> list[int]:
-        """Legendre polynomials of a column scaled to -1..1 between two values, without their means.
+        """Add Legendre polynomials of a column, scaled to -1..1 between two values, without their means.
 
         Parameters
         ----------
         column : ndarray, shape (n,)
         low, high : float
         scales : sequence of float
-            What they are multiplied with, one for each degree.
+            Factor of each degree.
         first : int, default: 1
-            Lowest degree; if 2, all are without the straight line that is nearest to them.
+            Lowest degree. If it is 2, the straight line that fits best is subtracted from each.
         """
         return self._core.legendre(np.ascontiguousarray(column), low, high, first, list(scales))
 
     def waves(self, column: Column, period: float, scales: Sequence[float]) -> list[int]:
-        """Sine and cosine of multiples of a column's phase, without their means.
+        """Add sine and cosine of multiples of the phase of a column, without their means.
 
         Parameters
         ----------
         column : ndarray, shape (n,)
         period : float
         scales : sequence of float
-            What they are multiplied with, one for each multiple from the first on.
+            Factor of each multiple, from the first on.
         """
         return self._core.waves(np.ascontiguousarray(column), period, list(scales))
 
     def settle(self) -> None:
-        """Find what unknown levels take up of each column, once all are there."""
+        """Subtract from each column what unknown levels fit, once all columns are added."""
         self._core.settle()
 
     def gram(self) -> Column:
-        """Products of every pair of columns, summed over all rows; settles them."""
+        """Products of all pairs of columns, summed over all rows; settles the columns."""
         self._core.settle()
         gram: Column = self._core.gram()
         return gram

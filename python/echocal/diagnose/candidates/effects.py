@@ -1,4 +1,4 @@
-"""The columns of every effect that the data could show."""
+"""The columns of all effects that the data can show."""
 
 from dataclasses import replace
 from itertools import product
@@ -17,10 +17,10 @@ Column = NDArray[np.float64]
 
 
 def effect_candidates(found: Candidates, scene: Scene) -> None:
-    """Add the columns of every effect that the data could show.
+    """Add the columns of all effects that the data can show.
 
-    A size that theory knows enters with coefficient one, at every value of its shape that the
-    trade uses and beside the shape's tangent; any other size enters by its tangent.
+    A size that theory fixes enters with coefficient one, at each usual value of the nonlinear
+    parameters, and once with their tangents. Any other size enters by its tangent.
     """
     for effect in effects():
         reason = _why_not(effect, scene)
@@ -45,7 +45,7 @@ def _why_not(effect: Effect, scene: Scene) -> str:
     if not scene.base.allows(effect):
         return "the base accounts for it"
     asked = effect.id == "fixed_speed" and scene.base.device_speed is not None
-    if scene.echoes and effect.stage == "firmware" and not asked:  # the device's own arithmetic comes after
+    if scene.echoes and effect.stage == "firmware" and not asked:  # the device's arithmetic acts later
         return "echo times were recorded"
     if missing:
         return f"not recorded: {', '.join(missing)}"
@@ -57,10 +57,10 @@ def _why_not(effect: Effect, scene: Scene) -> str:
 
 
 def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
-    id_, shapes = effect.id, [p for p in effect.parameters if p.role == "shape"]
+    id_, nonlinear = effect.id, [p for p in effect.parameters if p.role == "shape"]
     sizes = {p.name: float(p.known[0]) for p in effect.parameters if p.role == "size"}
     speed = scene.base.device_speed
-    if id_ == "fixed_speed" and speed is not None:  # the base says which speed it is
+    if id_ == "fixed_speed" and speed is not None:  # the base gives the speed
         at = {**sizes, "speed": speed}
         return [Variant(id_, at, found.columns.shift(id_, at, scene.levels(id_, at)))]
     variants = [
@@ -69,18 +69,20 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
             at := {**sizes, p.name: float(value)},
             found.columns.shift(id_, at, scene.levels(id_, at)),
         )
-        for p in shapes
+        for p in nonlinear
         for value in p.known
     ]
-    at = {**sizes, **{p.name: p.neutral for p in shapes}}
+    at = {**sizes, **{p.name: p.neutral for p in nonlinear}}
     levels = scene.levels(id_, at)
     whole = Variant(id_, at, found.columns.shift(id_, at, levels))
     for name, size in sizes.items():
         column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
         found.size_tangents[id_] = (column, size)
-    usual = [p.prior_scale for p in shapes]
-    variants.append(_freed(found, whole, shapes, usual, at_work=True, levels=levels) if shapes else whole)
-    if effect.extends and effect.calls:  # it stands in for the law: the law's own uncertainty comes in
+    if nonlinear:
+        usual = [p.prior_scale for p in nonlinear]
+        whole = _freed(found, whole, nonlinear, usual, at_work=True, levels=levels)
+    variants.append(whole)
+    if effect.extends and effect.calls:  # it replaces the law and has the uncertainty of the law
         middle = scene.settings.priors.law_middle
         law = scene.settings.priors.law_uncertainty * scene.base.expected(scene.distance, scene.conditions)
         celsius = np.asarray(scene.conditions.get("temperature", middle))
@@ -91,7 +93,7 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
 
 
 def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
-    """Sizes by their tangents, for every shape that is tried, with the usual and with a tail's prior."""
+    """Sizes by their tangents, at all nonlinear parameters, with the usual and the wide prior."""
     sizes = [p for p in effect.parameters if p.role == "size"]
     neutral = {p.name: p.neutral for p in effect.parameters}
     variants = []
@@ -113,21 +115,21 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
 
 
 def _forms(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]:
-    """Values of the nonlinear parameters that are tried, each with its share of the prior."""
-    shapes = [p for p in effect.parameters if p.role == "shape"]
+    """Values of the nonlinear parameters that are tried, each with its part of the prior."""
+    nonlinear = [p for p in effect.parameters if p.role == "shape"]
     fixed = [
         [(p.name, float(x)) for x in (*p.known, *p.tried) or (p.neutral,)]
-        for p in shapes
+        for p in nonlinear
         if not p.tried_along
     ]
     at = [(dict(values), 1.0) for values in product(*fixed)]
-    for p in (p for p in shapes if p.tried_along):
+    for p in (p for p in nonlinear if p.tried_along):
         at = [({**a, p.name: x}, w) for a, _ in at for x, w in places(effect, p, a, scene)]
     return at
 
 
 def _scale(parameter: Parameter, scene: Scene) -> float:
-    """Prior standard deviation of a size in a table that spans this much."""
+    """Prior standard deviation of a size, for the span of this table."""
     if parameter.over is None:
         return parameter.prior_scale
     quantity, usual = parameter.over
@@ -144,7 +146,7 @@ def _freed(
     at_work: bool = False,
     levels: Column | None = None,
 ) -> Variant:
-    """Let parameters of a variant move around where they stand, by prior standard deviations."""
+    """Add tangents of parameters, in units of their prior standard deviations, to a variant."""
     each = list(zip(parameters, scales, strict=True))
     low_high = [tuple((b - variant.at[p.name]) / scale for b in p.bounds) for p, scale in each]
     tangents = [

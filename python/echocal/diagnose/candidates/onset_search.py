@@ -1,4 +1,4 @@
-"""What an effect explains, wherever it may begin."""
+"""Search for the onset of an effect: what the effect explains for each possible onset."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,25 +17,25 @@ __all__ = ["OnsetSearch", "PrefixSumSearch"]
 Column = NDArray[np.float64]
 Matrix = NDArray[np.floating[Any]]
 
-_ALIKE = 1e-9  # part of a column's square below which it is what others are
+_ALIKE = 1e-9  # relative ridge, for columns that are linearly dependent
 
 
 @dataclass(kw_only=True)
 class OnsetSearch:
-    """What the sizes of an effect explain beside a level, wherever the effect may begin.
+    """What the sizes of an effect explain beside a level, for each onset.
 
     Attributes
     ----------
     effect : Effect
     parameters : mapping of str to float
-        Where the tangents are taken; the place is put in.
+        Parameters at which the tangents are taken, except the onset.
     place : str
-        Name of the parameter that says where.
+        Name of the parameter that is the onset.
     scene : Scene
     of : sequence of ndarray, shape (n,)
-        What is to be explained [m]: either of these.
+        Columns to be explained [m].
     known : dict of float to ndarray
-        Products of the level, the sizes' tangents and what is to be explained, by place.
+        Products of the level, the tangents and the columns to be explained, by onset.
     """
 
     effect: Effect
@@ -46,13 +46,13 @@ class OnsetSearch:
     known: dict[float, Matrix] = field(default_factory=dict)
 
     def at(self, wanted: Sequence[float]) -> None:
-        """OnsetSearch at some places."""
+        """Compute the products at some onsets."""
         new = [value for value in dict.fromkeys(wanted) if value not in self.known]
         if new:
             self.known |= self._products(new)
 
     def squares(self, value: float, of: int) -> float:
-        """Squares that are explained at a place, of one of what is to be explained."""
+        """Sum of squares of one column that the effect explains with an onset."""
         products = self.known[value]
         own = len(products) - len(self.of)
         among, along = products[:own, :own], products[:own, own + of]
@@ -60,7 +60,7 @@ class OnsetSearch:
         return float(np.linalg.solve(among + ridge, along) @ along)
 
     def _products(self, values: Sequence[float]) -> dict[float, Matrix]:
-        """Pass over the rows once, for all these places."""
+        """Products at all these onsets, from one pass over the rows."""
         columns = self.scene.columns()
         slope = columns.slope()
         tangents = {value: self._tangents(columns, value) for value in values}
@@ -77,14 +77,16 @@ class OnsetSearch:
 
 @dataclass(kw_only=True)
 class PrefixSumSearch(OnsetSearch):
-    """The same of an effect that is one and the same in all rows beyond its place, of known distance.
+    """The same for an effect that does not depend on its onset in the rows beyond it.
+
+    The distance must be known.
 
     Attributes
     ----------
     column : ndarray, shape (n,)
-        What the places lie along.
+        Column along which onsets are searched.
     first : float
-        The earliest place: what the effect does in the rows beyond a place, it does from here on.
+        The earliest onset. With it, the effect acts in all rows that matter.
     """
 
     column: Column
@@ -104,7 +106,7 @@ class PrefixSumSearch(OnsetSearch):
 
     @cached_property
     def _sums(self) -> tuple[Column, Matrix, list[list[Column]]]:
-        """The column in order; products over all rows; those with each tangent, from each row on."""
+        """The sorted column; products over all rows; products with each tangent, from each row on."""
         columns = self.scene.columns()
         made = [columns.slope(), *self._tangents(columns, self.first)]
         lines = [*(columns.combined([position], np.ones(1)) for position in made), *self.of]
@@ -118,5 +120,5 @@ class PrefixSumSearch(OnsetSearch):
 
 
 def _onward(values: Column) -> Column:
-    """Sum from each row to the last."""
+    """Sums from each row to the last."""
     return np.cumsum(values[::-1])[::-1]

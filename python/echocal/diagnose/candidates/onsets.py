@@ -1,4 +1,4 @@
-"""Places along a column at which an effect may begin, closer where it explains most."""
+"""Onsets of an effect along a column, with a finer grid where the effect explains most."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,11 +19,11 @@ Column = NDArray[np.float64]
 def places(
     effect: Effect, parameter: Parameter, at: Mapping[str, float], scene: Scene
 ) -> list[tuple[float, float]]:
-    """Places at which an effect may begin, each with its share of the prior.
+    """Onsets that are tried, each with its part of the prior.
 
-    The share of a place is the part of the rows that is nearer to it than to any other. What begins
-    in time is sought in what a scale and the temperature leave; and, where distances follow each
-    other, so that these two take up what a step does, in all that is there.
+    The part of an onset is the part of the rows that is nearer to it than to any other onset. An
+    onset in time is searched in the residual of a scale and the temperature. It is also searched in
+    the whole residual, because these two may fit a step if the distances are in order.
     """
     along = parameter.tried_along
     assert along is not None
@@ -40,27 +40,27 @@ def places(
         "of": [scene.residual] if along == "distance" else [scene.leftover, scene.residual],
     }
     divides = parameter.divides == along and scene.groups is None
-    look = PrefixSumSearch(**given, column=column, first=reach[0]) if divides else OnsetSearch(**given)
+    onset = PrefixSumSearch(**given, column=column, first=reach[0]) if divides else OnsetSearch(**given)
     found: set[float] = set()
-    for of in range(len(look.of)):
-        found |= _closer(look, of, parameter, ascending, reach)
+    for of in range(len(onset.of)):
+        found |= _refined(onset, of, parameter, ascending, reach)
     return _shares(ascending, sorted(found)) if found else []
 
 
-def _closer(
-    look: OnsetSearch, of: int, parameter: Parameter, ascending: Column, reach: tuple[float, float]
+def _refined(
+    onset: OnsetSearch, of: int, parameter: Parameter, ascending: Column, reach: tuple[float, float]
 ) -> set[float]:
-    """Where a place explains most, halve the distance to the next one until it is half a row."""
+    """Halve the distance between onsets around the best one, until it is half a row."""
 
     def explained(tried: Sequence[float]) -> dict[float, float]:
         values = dict(zip(tried, _quantiles(ascending, tried), strict=True))
         shown = {q: value for q, value in values.items() if reach[0] <= value <= reach[1]}
-        look.at(list(shown.values()))
-        return {q: look.squares(value, of) for q, value in shown.items()}
+        onset.at(list(shown.values()))
+        return {q: onset.squares(value, of) for q, value in shown.items()}
 
     scores = explained(parameter.tried)
     step = float(np.diff(parameter.tried).min()) / 2
-    while scores and step * len(ascending) > look.scene.settings.search.onset_resolution:
+    while scores and step * len(ascending) > onset.scene.settings.search.onset_resolution:
         best = max(scores, key=lambda q: scores[q])
         scores |= explained((best - step, best + step))
         step /= 2
@@ -76,7 +76,7 @@ def _shares(ascending: Column, quantiles: Sequence[float]) -> list[tuple[float, 
 
 
 def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
-    """Quantiles of a sorted column, between neighbors where none of its rows is at the place."""
+    """Quantiles of a sorted column, interpolated between its rows."""
     at = np.asarray(parts, dtype=np.float64) * (len(ascending) - 1)
     before = np.floor(at).astype(np.int64)
     low, high = ascending[before], ascending[np.minimum(before + 1, len(ascending) - 1)]
@@ -84,7 +84,7 @@ def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
 
 
 def _reach(ascending: Column, parameter: Parameter, search: SearchSettings) -> tuple[float, float]:
-    """First and last distance at which an effect may begin: one that begins before is an offset."""
+    """First and last distance at which an effect may begin; an earlier one would be an offset."""
     distinct = ascending[np.append(True, ascending[1:] > ascending[:-1])]
     before = max(search.fewest_distances_before, int(np.ceil(search.distances_before * len(distinct))))
     if len(distinct) <= before:

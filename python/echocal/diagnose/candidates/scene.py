@@ -1,4 +1,4 @@
-"""Where the candidates are evaluated."""
+"""The table as candidates are evaluated on it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ __all__ = ["Scene"]
 
 Column = NDArray[np.float64]
 
-_CACHED = 8192  # rows that are worked on at a time, so that their columns stay near the processor
+_CACHED = 8192  # rows of a block whose columns fit into the cache of a processor
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Where the candidates are evaluated: the table as they see it.
+    """The table as candidates are evaluated on it.
 
     Attributes
     ----------
@@ -32,9 +32,9 @@ class Scene:
     conditions : mapping of str to ndarray
         Recorded influence quantities.
     relevel : callable
-        ``relevel(model)`` is every row's distance [m] if that model were right.
+        ``relevel(model)`` is the distance of every row by that model [m].
     groups : ndarray of int, shape (n,), or None
-        Segment of each row where the level is unknown; None where the distance is.
+        Segment of each row if the level is unknown; None if the distance is known.
     residual : ndarray, shape (n,)
         Reading less what the base simulation predicts [m].
     settings : Settings
@@ -53,9 +53,9 @@ class Scene:
 
     @cached_property
     def leftover(self) -> Column:
-        """Residual less what a scale and the temperature may have done, shape (n,) [m].
+        """Residual after a fit of a scale and the temperature, shape (n,) [m].
 
-        Where something begins in time shows there, whatever else is wrong.
+        An onset in time is visible in it, even if other effects act.
         """
         warm = np.asarray(self.conditions.get("temperature", 0.0))
         mean, spread = np.mean(warm), max(float(np.std(warm)), 1e-12)
@@ -83,11 +83,11 @@ class Scene:
         return left
 
     def columns(self) -> Columns:
-        """A table's columns, of which there is none yet."""
+        """An empty set of columns of the table."""
         return Columns(self.base.plain, self.distance, self.conditions, self.groups)
 
     def levels(self, id_: str, at: Mapping[str, float]) -> Column | None:
-        """Level of each segment [m] if an effect were there; None where the distance is known."""
+        """Level of each segment with an effect [m]; None if the distance is known."""
         if self.groups is None:
             return None
         firsts = np.unique(self.groups, return_index=True)[1]

@@ -1,4 +1,4 @@
-"""Unexplained terms: smooth functions without a cause, which compete when no effect of the catalogue fits."""
+"""Unexplained terms: smooth functions of one column without a cause, which compete with the effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,20 +16,20 @@ __all__ = ["HOUR", "Basis", "column_of", "degrees_of", "term_candidates"]
 Column = NDArray[np.float64]
 
 HOUR = "hour of day"
-"""Name of the periodic shape that is tried where a table spans days."""
+"""Name of the periodic term that is tried if a table spans days."""
 
 _DAY = 86400.0  # s
 
 
 @dataclass(frozen=True)
 class Basis:
-    """Smooth functions of one column.
+    """Basis functions of one column.
 
     Attributes
     ----------
     against : str
     low, high : float
-        Range of the column that the functions are made for: nearly all of its values.
+        Range of the functions: nearly all values of the column.
     settings : TermSettings
     """
 
@@ -40,14 +40,14 @@ class Basis:
 
     @classmethod
     def of(cls, against: str, column: Column, settings: TermSettings) -> "Basis":
-        """Functions for a column; for the time of day, of the time [s]."""
+        """Basis functions for a column; for `HOUR`, for the time [s]."""
         if against == HOUR:
             return cls(HOUR, 0.0, 24.0, settings)
-        low, high = quantiles(spread(column), settings.range)  # a few far values must not bend the shape
+        low, high = quantiles(spread(column), settings.range)  # a few outliers must not widen the range
         return cls(against, low, high, settings)
 
     def at(self, values: Column) -> list[Column]:
-        """Every function, times its prior standard deviation [m]: docs/method.md, Eq. 2a, with its mean."""
+        """All functions of docs/method.md, Eq. 2a, times their prior standard deviations, means included [m]."""
         if self.against == HOUR:
             return list(_core.wave_values(values, 24.0, _harmonics(self.settings)))
         return list(_core.legendre_values(values, self.low, self.high, _scales(self.settings)))
@@ -64,30 +64,30 @@ def _harmonics(settings: TermSettings) -> list[float]:
 
 
 def column_of(name: str, against: Mapping[str, Column]) -> Column:
-    """Values of a column that a shape is a function of; the hour of the day comes from the time."""
+    """Values of the column of a term; the hour of the day is computed from the time."""
     return against["time"] % _DAY / 3600.0 if name == HOUR else against[name]
 
 
 def term_candidates(
     found: Candidates, against: Mapping[str, Column], settings: TermSettings, *, known_distance: bool
 ) -> None:
-    """Add a smooth shape against each column that could show one.
+    """Add an unexplained term against each column with enough values.
 
-    A shape has a mean: who does not know what it is cannot know that its mean is nought, and an
-    offset would be named for it. Against the distance it has neither mean nor straight line, for
-    there an offset and a scale are causes of the catalog. Whether they are more than what such a
-    shape would have of its own is asked later, of the candidates' `line`.
+    A term has a mean. Without it, an offset would be claimed for the mean of an unknown effect. A
+    term against the distance has neither a mean nor a linear part, because an offset and a scale
+    are causes of the catalogue. The candidates' `line` is used later to check that these two are
+    more than parts of an unknown effect.
 
     Parameters
     ----------
     found : Candidates
         Extended in place.
     against : mapping of str to ndarray, shape (n,)
-        Columns by the name that a person knows them by. ``"time"`` in seconds also gives the
-        hour of the day, where it spans more than two days.
+        Columns by their names for people. ``"time"`` in seconds also gives the hour of the day, if
+        it spans more than two days.
     settings : TermSettings
     known_distance : bool
-        Of every row; an unknown level has the mean already.
+        Whether the distance of every row is known. An unknown level includes the mean.
     """
     constant = np.full(len(next(iter(against.values()))), settings.size)
     mean = [found.columns.store(constant)] if known_distance else []
@@ -99,21 +99,21 @@ def term_candidates(
             if name == "distance":
                 line += found.columns.legendre(column, basis.low, basis.high, [settings.size])
                 own, first = [], 2
-            shapes = found.columns.legendre(
+            functions = found.columns.legendre(
                 column, basis.low, basis.high, _scales(settings)[first - 1 : most], first=first
             )
             for degree in sorted({min(degree, most) for degree in settings.degrees}):
-                found.variants.append(_shape([*own, *shapes[: degree + 1 - first]], name))
+                found.variants.append(_term([*own, *functions[: degree + 1 - first]], name))
     if line:
-        found.line = replace(_shape(line, ""), scales=(settings.size,) * len(line))
+        found.line = replace(_term(line, ""), scales=(settings.size,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > settings.fewest_days * _DAY:
         waves = found.columns.waves(elapsed, _DAY, _harmonics(settings))
-        found.variants.append(_shape([*mean, *waves], HOUR))
+        found.variants.append(_term([*mean, *waves], HOUR))
 
 
 def degrees_of(column: Column, settings: TermSettings) -> int:
-    """Highest degree of a shape against a column; 0 where it has gaps or too few values to show one."""
+    """Highest degree of a term against a column; 0 if the column has gaps or too few values."""
     most = max(settings.degrees)
     enough = most * settings.values_per_degree
     values = _distinct(column, enough) if np.isfinite(column).all() else 0
@@ -121,10 +121,10 @@ def degrees_of(column: Column, settings: TermSettings) -> int:
 
 
 def _distinct(column: Column, enough: int) -> int:
-    """Number of distinct values, or some number that is enough."""
+    """Number of distinct values, or a smaller number that is enough."""
     few = len(np.unique(column[:1000]))
     return few if few >= enough else len(np.unique(column[: 10**5]))
 
 
-def _shape(columns: Sequence[int], name: str) -> Variant:
+def _term(columns: Sequence[int], name: str) -> Variant:
     return Variant(UNKNOWN, free=tuple(columns), bounds=((-np.inf, np.inf),) * len(columns), against=name)

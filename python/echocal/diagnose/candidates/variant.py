@@ -1,4 +1,4 @@
-"""A cause as columns: its linear forms, and the forms of all that compete."""
+"""Causes as columns: the linear forms of each cause that competes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from echocal.diagnose.candidates.columns import Columns
 __all__ = ["UNKNOWN", "Candidates", "Variant"]
 
 UNKNOWN = "unknown"
-"""Id under which an unexplained term competes: a smooth function without a cause."""
+"""Id of an unexplained term: a smooth function of one column without a cause."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Variant:
     at : mapping of str to float
         Parameters of the fixed column, or at which the free ones are linearized.
     offset : int or None
-        Column that enters with coefficient one.
+        Column with coefficient one.
     free : tuple of int
-        Columns with a coefficient to be found, in units of its prior standard deviation.
+        Columns whose coefficients are fitted, in units of their prior standard deviations.
     names, scales : tuple
         Parameter and its prior standard deviation, per free column.
     bounds : tuple of (float, float)
@@ -32,7 +32,7 @@ class Variant:
     weight : float
         Probability among the variants of its cause.
     against : str
-        For `UNKNOWN`, the column that the term is a function of.
+        For `UNKNOWN`, the column of the function.
     """
 
     cause: str
@@ -53,9 +53,9 @@ class Variant:
 
 @dataclass
 class Candidates:
-    """Columns so far, the variants that use them, and what was left out and why.
+    """Columns so far, the variants that use them, and skipped causes with the reasons.
 
-    `aside` are further columns of the table that no unexplained term is tried against, for there are many.
+    `aside` are further columns of the table without an unexplained term, because there are too many.
     """
 
     columns: Columns
@@ -72,6 +72,6 @@ class Candidates:
 
     @property
     def terms(self) -> dict[str, Variant]:
-        """The freest unexplained term against each column."""
+        """The unexplained term with the most coefficients against each column."""
         terms = sorted((v for v in self.variants if v.cause == UNKNOWN), key=lambda v: len(v.free))
         return {v.against: v for v in terms}

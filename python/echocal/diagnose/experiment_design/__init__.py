@@ -1,1 +1,1 @@
-"""What the members of a credible set predict, and the rows that tell them apart."""
+"""What the members of a credible set predict, and the measurements that separate them."""

@@ -1,4 +1,4 @@
-"""Predict with everything that the data leave possible, and say where it disagrees."""
+"""Predict with all possible sets of causes, and report where they disagree."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -15,25 +15,25 @@ __all__ = ["Estimate", "Member", "averaged"]
 
 Column = NDArray[np.float64]
 
-_APART = 2.0  # standard deviations of one reading from which on members disagree
-_HEARD = 0.05  # probability below which nobody is warned of a member's own opinion
+_APART = 2.0  # standard deviations of one reading: a larger difference is a disagreement
+_COUNTED = 0.05  # smallest probability of a member whose disagreement is reported
 
 
 @dataclass(frozen=True)
 class Member:
-    """A set of causes that may be at work.
+    """A possible set of causes.
 
     Attributes
     ----------
     ids : tuple of str
-        Empty: nothing is wrong.
+        Empty: no effect.
     probability : float
-        Relative to the other members; together they hold one.
+        Relative to the other members; the sum over all members is one.
     model : Model
         The base extended by these causes, with the covariance of their parameters.
     posterior : float
-        Of these causes and nothing unexplained, among all sets that compete; the members together
-        hold less than one.
+        Of these causes without an unexplained term, among all sets; the sum over all members is
+        less than one.
     """
 
     ids: tuple[str, ...]
@@ -51,13 +51,12 @@ class Estimate:
     value : ndarray
         Mean over the possible sets of causes, by their probability [m].
     standard_uncertainty : ndarray
-        From the parameters and from not knowing which set it is; without the noise of one
-        reading [m].
+        From the uncertainty of the parameters and of the set; without the noise of one reading [m].
     agreed : ndarray of bool
-        False where two sets that each hold 5 % or more differ by more than twice the noise of
-        one reading.
+        False where two sets of at least 5 % each differ by more than twice the noise of one
+        reading.
     by_cause : mapping of tuple of str to ndarray
-        What each set says [m].
+        Value of each set [m].
     """
 
     value: Column
@@ -75,27 +74,27 @@ def averaged(
 ) -> Estimate:
     """Average `method` of the members' models; warn where they disagree."""
     if not members:
-        message = "this diagnosis was made without its members; diagnose the table again"
+        message = "this diagnosis has no members; diagnose the table again"
         raise UsageError(message)
     given: Mapping[str, Any] = conditions
-    members, values = _heard(members, method, first, given)
+    members, values = _computable(members, method, first, given)
     share = np.array([m.probability for m in members]).reshape(-1, *[1] * (values.ndim - 1))
     mean = (share * values).sum(axis=0)
     variance = np.zeros_like(mean)
     for member, value in zip(members, values, strict=True):
         own = _variance(member.model, first if method == "indicate" else value, given)
         variance += member.probability * (own + (value - mean) ** 2)
-    heard = values[[m.probability >= _HEARD or m is members[0] for m in members]]
-    agreed = ~(np.ptp(heard, axis=0) > _APART * noise)
-    _warn(agreed, heard)
+    counted = values[[m.probability >= _COUNTED or m is members[0] for m in members]]
+    agreed = ~(np.ptp(counted, axis=0) > _APART * noise)
+    _warn(agreed, counted)
     by_cause = {m.ids: v for m, v in zip(members, values, strict=True)}
     return Estimate(mean, np.sqrt(variance), agreed, by_cause)
 
 
-def _heard(
+def _computable(
     members: Sequence[Member], method: str, first: ArrayLike, given: Mapping[str, Any]
 ) -> tuple[list[Member], Column]:
-    """What those members say that need no more than is given."""
+    """Members whose models need no further conditions, and their values."""
     able: list[Member] = []
     values, unable = [], []
     for member in members:
@@ -109,15 +108,15 @@ def _heard(
     total = sum(member.probability for member in able)
     if unable:
         message = (
-            f"{len(unable)} of {len(members)} possible sets of causes, with {1 - total:.2f} of their "
-            f"probability, are left out: {unable[0]}"
+            f"{len(unable)} of {len(members)} possible sets of causes are left out; together they have a "
+            f"probability of {1 - total:.2f}: {unable[0]}"
         )
         warnings.warn(message, DataWarning, stacklevel=4)
     return [replace(m, probability=m.probability / total) for m in able], np.array(values, dtype=float)
 
 
 def _variance(model: Model, distance: ArrayLike, conditions: Mapping[str, Any]) -> Column | float:
-    """Variance of a distance (or, nearly the same, of a reading) from the parameters [m^2]."""
+    """Variance of a distance, or approximately of a reading, from the parameters [m^2]."""
     if model.covariance is None:
         return 0.0
     jacobian = model.jacobian(distance, **conditions)
@@ -126,13 +125,13 @@ def _variance(model: Model, distance: ArrayLike, conditions: Mapping[str, Any]) 
     return variance
 
 
-def _warn(agreed: NDArray[np.bool_], heard: Column) -> None:
+def _warn(agreed: NDArray[np.bool_], counted: Column) -> None:
     if agreed.all():
         return
-    worst = 1e3 * float(np.nanmax(np.ptp(heard, axis=0)))
+    worst = 1e3 * float(np.nanmax(np.ptp(counted, axis=0)))
     where = f"at {int((~agreed).sum())} of {agreed.size} points" if agreed.size > 1 else "here"
     message = (
-        f"the causes that the data leave possible disagree {where}, by up to {worst:.1f} mm: see by_cause, "
-        "and next_measurements for what would settle it"
+        f"the possible causes predict different values {where}, by up to {worst:.1f} mm: by_cause has all "
+        "values, and next_measurements has measurements that separate the causes"
     )
     warnings.warn(message, DisagreementWarning, stacklevel=4)

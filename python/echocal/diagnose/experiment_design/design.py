@@ -1,4 +1,4 @@
-"""Designs of measurements that tell the members of a credible set apart."""
+"""Designs of measurements that separate the members of a credible set."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,27 +13,27 @@ __all__ = ["Plan", "best_plan"]
 
 Matrix = NDArray[np.float64]
 
-_ALIKE = 0.9  # overlap from which on no design tells two members apart
+_ALIKE = 0.9  # overlap: with a larger one, a design does not separate two members
 _DRAWS = 400  # readings of each member
 _BETTER = 0.01  # probability that a further place must add
 _MOST = 5  # places
-_SPREAD = 20  # places, evenly over the grid and its ends, that say whether members can be told apart
-_ROUNDS = 4  # of exchanging every place for a better one
+_SPREAD = 20  # places, evenly over the grid, at which members are compared
+_ROUNDS = 4  # rounds in which every place is exchanged for a better one
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Places, rows at each, and what they promise.
+    """Places, rows at each, and the expected probability.
 
     Attributes
     ----------
     places : tuple of int
     rows : tuple of int
     classes : tuple of tuple of int
-        Members that no place in reach tells apart.
+        Members that no place separates.
     now, expected : float
-        Probability that the first name is right (it or an exact alias) before, and its expectation
-        after.
+        Probability of the most probable member and its exact aliases now, and its expected value
+        after the measurement.
     """
 
     places: tuple[int, ...]
@@ -49,31 +49,31 @@ def best_plan(
     same: NDArray[np.int64],
     rows: int,
     seed: int,
-    guards: NDArray[np.int64] | None = None,
+    fixed: NDArray[np.int64] | None = None,
 ) -> Plan:
-    """Find the places to measure at, and what they promise.
+    """Find the places to measure at, and the expected probability.
 
-    Every corner of what can be varied and its middle, where there are rows enough: no choice by
-    what the members predict did better where it was tried (docs/diagnose.md), and these places
-    guard against causes that are not among the members.
+    If there are enough rows, the fixed places are taken: all corners of the ranges, and their
+    middle. In our trials no choice from the predictions of the members was better
+    (docs/diagnose.md), and these places also show causes that are not among the members.
 
-    Where the guards are too many, places join one by one, each where the union bound on the
-    probability of error that the Bhattacharyya coefficients of the predictive distributions give
-    [1]_ is least, and are then exchanged one by one until none is better elsewhere. A further
-    place is kept if the promise gains by it.
+    Otherwise places are added one by one. Each minimizes the union bound on the probability of
+    error, from the Bhattacharyya coefficients of the predictive distributions [1]_. Then places are
+    exchanged one by one as long as this reduces the bound. A further place is kept if it increases
+    the expected probability enough.
 
     Parameters
     ----------
     prospect : Prospect
     probability : ndarray, shape (m,)
-        Of each member; what they leave of one is of causes that no rows are known to tell.
+        Of each member. The rest up to one belongs to causes that have no model.
     same : ndarray of int, shape (m,)
-        The class of exact aliases that each is of.
+        Class of exact aliases of each member.
     rows : int
-        To be shared between the places.
+        Rows that the places share.
     seed : int
-    guards : ndarray of int, optional
-        Places to measure at whatever the members say.
+    fixed : ndarray of int, optional
+        Places that do not depend on the members.
 
     References
     ----------
@@ -85,11 +85,11 @@ def best_plan(
 
     def plan(places: NDArray[np.int64]) -> Plan:
         shares = _shares(rows, len(places))
-        expected = _promise(prospect, probability, same, places, shares, seed)
+        expected = _expected(prospect, probability, same, places, shares, seed)
         return Plan(tuple(places.tolist()), shares, classes, now, expected)
 
-    if guards is not None and 1 < len(guards) <= rows:
-        return plan(guards)
+    if fixed is not None and 1 < len(fixed) <= rows:
+        return plan(fixed)
     places = np.empty(0, dtype=np.int64)
     best: Plan | None = None
     for count in range(1, _MOST + 1):
@@ -105,7 +105,7 @@ def best_plan(
 def _exchanged(
     prospect: Prospect, probability: Matrix, places: NDArray[np.int64], shares: tuple[int, ...]
 ) -> NDArray[np.int64]:
-    """Move each place, the newest first, to where the members overlap least; again until none moves."""
+    """Move each place to the least overlap of the members, the newest first, until none moves."""
     for _ in range(_ROUNDS):
         before = places.copy()
         for which in reversed(range(len(places))):
@@ -118,7 +118,7 @@ def _exchanged(
 def _moved(
     prospect: Prospect, probability: Matrix, places: NDArray[np.int64], shares: tuple[int, ...], which: int
 ) -> NDArray[np.int64]:
-    """Move one place to where the members overlap least."""
+    """Move one place to the least overlap of the members."""
     anywhere = np.arange(prospect.shift.shape[1])
     designs = np.tile(places, (len(anywhere), 1))
     designs[:, which] = anywhere
@@ -130,7 +130,7 @@ def _shares(rows: int, places: int) -> tuple[int, ...]:
 
 
 def _overlaps(prospect: Prospect, designs: NDArray[np.int64], rows: Sequence[int]) -> Matrix:
-    """Bhattacharyya coefficient of every two members under every design; shape (m, m, designs)."""
+    """Bhattacharyya coefficients of all pairs of members under all designs, shape (m, m, designs)."""
     spread = prospect.covariance(designs, rows)
     mean = prospect.shift[:, designs]
     m = len(mean)
@@ -144,7 +144,7 @@ def _overlaps(prospect: Prospect, designs: NDArray[np.int64], rows: Sequence[int
 
 
 def _distances(covariance: Matrix, apart: Matrix) -> tuple[Matrix, Matrix]:
-    """Squared Mahalanobis distances, and log determinants: of many small matrices, row by row."""
+    """Squared Mahalanobis distances and log determinants of many small matrices."""
     rest, left = covariance.copy(), apart.copy()
     square, log = np.zeros(apart.shape[:-1]), np.zeros(apart.shape[:-1])
     for i in range(apart.shape[-1]):
@@ -164,7 +164,7 @@ def _least(overlap: Matrix, probability: Matrix) -> int:
 
 
 def _classes(prospect: Prospect, rows: int) -> tuple[tuple[int, ...], ...]:
-    """Members that no two places (of some, all over the grid) tell apart, chained."""
+    """Connected groups of members that no pair of places, spread over the grid, separates."""
     from scipy.sparse.csgraph import connected_components  # takes long to import
 
     count = prospect.shift.shape[1]
@@ -175,7 +175,7 @@ def _classes(prospect: Prospect, rows: int) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(np.flatnonzero(labels == label).tolist()) for label in dict.fromkeys(labels.tolist()))
 
 
-def _promise(
+def _expected(
     prospect: Prospect,
     probability: Matrix,
     same: NDArray[np.int64],
@@ -183,10 +183,10 @@ def _promise(
     rows: tuple[int, ...],
     seed: int,
 ) -> float:
-    """Simulate how probable the most probable class would be after measuring.
+    """Simulate the probability of the most probable class after the measurement.
 
-    Readings are drawn from each member in turn and judged by all. Nobody learns of a cause that is
-    not among the members, so what probability they leave of one is lost.
+    Readings are drawn from each member, and the posterior over all members is computed. The
+    probability of causes that are not among the members counts as zero.
     """
     mean = prospect.shift[:, places]
     roots = np.linalg.cholesky(prospect.covariance(places[None], rows)[:, 0])

@@ -1,4 +1,4 @@
-"""The credible set as models."""
+"""The possible sets of causes, each with its model."""
 
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
@@ -20,19 +20,19 @@ __all__ = ["members"]
 
 Ids = tuple[str, ...]
 
-_SHARE = 0.99  # probability that the members hold together
+_SHARE = 0.99  # probability of all members together
 _MOST = 10
-_LEAST = 1e-4  # of a rival that only its implausible size speaks against
+_LEAST = 1e-4  # probability given to a rival that only its implausible size makes improbable
 
 
 def members(
     case: Case, ranking: Ranking, claimed: Sequence[Claim], validation: Validation, stack: Stack
 ) -> tuple[Member, ...]:
-    """Return the sets of causes that the data leave possible, most probable first.
+    """Return the possible sets of causes, most probable first.
 
-    A shape without a cause says nothing about conditions that nobody measured, so it stands in
-    no model: sets that differ in it alone are one. Neither does a cause that rows never fitted
-    speak against, nor a set that needs a shape, or a refuted cause, to explain the rows.
+    An unexplained term is in no model, because it predicts nothing outside its range. Sets that
+    differ only in such a term are one member. Refuted causes are in no model either. A set that
+    explains the rows only together with a term or a refuted cause is no member.
     """
     refuted = {id_ for r in validation.refuted for id_ in (r.id, *r.indistinguishable_from)}
     left_out = {UNKNOWN, *refuted}
@@ -62,7 +62,7 @@ def _named(ids: Iterable[str], left_out: Set[str]) -> Ids:
 
 
 def _chosen(shares: Mapping[Ids, float], claimed: Sequence[Claim]) -> list[Ids]:
-    """Sets that hold most of the probability, and those that the geometry cannot tell from the best."""
+    """Sets with most of the probability, and those that the data cannot separate from the best."""
     ordered = sorted(shares, key=lambda named: -shares[named])
     chosen, held = [], 0.0
     for named in ordered[:_MOST]:
@@ -77,7 +77,7 @@ def _chosen(shares: Mapping[Ids, float], claimed: Sequence[Claim]) -> list[Ids]:
 
 
 def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
-    """The most probable set with one cause replaced by one that it cannot be told from."""
+    """The most probable set with one cause replaced by a rival of it."""
     return [
         tuple(sorted(rival if id_ == claim.cause else id_ for id_ in best))
         for claim in claimed
@@ -86,7 +86,7 @@ def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
 
 
 def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack, undecided: float) -> HypothesisFit:
-    """The best hypothesis of a set; fitted again without what is left out, if it had any of it."""
+    """The best hypothesis of a set; fitted again if it contains causes that are left out."""
     best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes], undecided)
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:
@@ -97,28 +97,28 @@ def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack, undec
 def _models(
     case: Case, best: Mapping[Ids, HypothesisFit], stack: Stack, *, doubtful: bool
 ) -> dict[Ids, Model]:
-    """Model of each set of causes, but of those that leave the fitted rows further off than the base.
+    """Model of each set of causes, except those whose error on the fitted rows exceeds the base's.
 
-    Beside a shape sizes may be anything that the shape makes up for, and no model has the shape:
-    then they are those without it. Where causes were refuted it is doubtful that what was fitted
-    beside them stands without them.
+    Beside an unexplained term, the sizes of causes may compensate the term, which no model has.
+    Such sizes are replaced by those of a fit without the term. Where causes are refuted, each model
+    is checked again, because its causes were fitted beside the refuted ones.
     """
     models: dict[Ids, Model] = {}
     base: float | None = None
     for named, fit in best.items():
-        model, shaped = _model(case, fit), UNKNOWN in fit.hypothesis.causes
-        if shaped or doubtful:
-            base = _off(case, case.base.plain) if base is None else base
-            if shaped and _off(case, model) > base:
+        model, has_term = _model(case, fit), UNKNOWN in fit.hypothesis.causes
+        if has_term or doubtful:
+            base = _mean_square(case, case.base.plain) if base is None else base
+            if has_term and _mean_square(case, model) > base:
                 model = _model(case, fit_hypothesis(without(fit.hypothesis, UNKNOWN), stack))
-            if _off(case, model) > base:
+            if _mean_square(case, model) > base:
                 continue
         models[named] = model
     return models or {(): _model(case, fit_hypothesis(Hypothesis((), 1.0), stack))}
 
 
-def _off(case: Case, model: Model) -> float:
-    """Mean square error of the rows that a fit may see [m^2]."""
+def _mean_square(case: Case, model: Model) -> float:
+    """Mean square error of the rows that are not held out [m^2]."""
     fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
     return float(np.nanmean(errors(case.table, model, fit)[fit] ** 2))
 

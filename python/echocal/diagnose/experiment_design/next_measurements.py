@@ -1,4 +1,4 @@
-"""What to measure next: where causes that these data cannot separate would differ."""
+"""What to measure next: conditions under which causes that these data cannot separate differ."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.experiment_design.design import Plan, best_plan
 from echocal.diagnose.experiment_design.prospect import Prospect
-from echocal.diagnose.experiment_design.ranges import Ranges, grid, guards
+from echocal.diagnose.experiment_design.ranges import Ranges, corners_and_middle, grid
 from echocal.diagnose.findings.parts import NextMeasurement
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.selection.select import Selection
@@ -22,12 +22,12 @@ __all__ = ["propose"]
 Column = NDArray[np.float64]
 
 _WORKSHOP = {"distance": (0.3, 3.0)} | {q.id: q.workshop for q in QUANTITIES.values() if q.workshop}
-"""What anybody can vary, in m and degC: a tape, a fridge and a warm box."""
+"""Default ranges, in m and degC: a tape, a fridge and a warm box are enough for them."""
 
 _ROWS = 10  # rows proposed
-_WORTH = 0.05  # probability that rows must add to be worth the work
+_WORTH = 0.05  # smallest increase of the expected probability for which rows are proposed
 _SURE = 0.999
-_LIKELY = 0.05  # probability from which on a cause is worth a side measurement where nothing is found
+_LIKELY = 0.05  # smallest probability of a cause that gets a side measurement where no effect is detected
 _MOST = 6  # side measurements, of the most probable rivals
 
 
@@ -38,29 +38,29 @@ def propose(
     validation: Validation,
     can_vary: Ranges | None,
 ) -> tuple[NextMeasurement, ...]:
-    """Propose the rows that best separate what is possible, and side measurements for the rest."""
+    """Propose rows that separate the possible causes, and side measurements for the others."""
     if len(members) < 2 or members[0].probability >= _SURE:
         return ()
     claimed = [claim.cause for claim in validation.kept]
     noise, variance = selection.noise, selection.best.variance
     ranges = _ranges(case, can_vary)
-    stands = _stands(case)
-    varied = grid(ranges, {"distance": stands})
+    stations = _stations(case)
+    varied = grid(ranges, {"distance": stations})
     conditions = _conditions(case, varied)
     known = case.table.reference is not None or "distance" in ranges
     base = replace(case.base, air={**case.base.air, **case.table.air()}).model()
-    prospect = Prospect.of(members, base, conditions, noise, variance, known, stands)
+    prospect = Prospect.of(members, base, conditions, noise, variance, known, stations)
     if not np.isfinite(prospect.shift).all() or not np.isfinite(prospect.spread).all():
         return _sides(members, (tuple(range(len(members))),), claimed)
     probability = np.array([member.posterior for member in members])
     same = prospect.aliases([len(member.ids) for member in members])
-    plan = best_plan(prospect, probability, same, _ROWS, case.seed, guards(varied))
+    plan = best_plan(prospect, probability, same, _ROWS, case.seed, corners_and_middle(varied))
     rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
     return (*rows, *_sides(members, plan.classes, claimed))
 
 
-def _stands(case: Case) -> Column:
-    """Distances at which the target stands already, if they are few [m]."""
+def _stations(case: Case) -> Column:
+    """Distances of the stations of the table, if they are few [m]."""
     reference = case.table.reference
     if reference is None:
         return np.empty(0)
@@ -75,7 +75,7 @@ def _ranges(case: Case, can_vary: Ranges | None) -> Ranges:
 
 
 def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
-    """Conditions of each place: what varies, and the median of everything else; later than all rows."""
+    """Conditions of each place: the varied ones, else the median; the time is that of the last row."""
     places = len(next(iter(varied.values())))
     recorded = {
         name: np.full(places, column.max() if QUANTITIES[name].runs_on else np.median(column))
@@ -87,17 +87,17 @@ def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
 
 def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -> NextMeasurement:
     merged: dict[tuple[float, ...], int] = {}
-    for place, rows in zip(plan.places, plan.rows, strict=True):  # places that a person cannot tell apart
+    for place, rows in zip(plan.places, plan.rows, strict=True):  # places that are equal when rounded
         at = tuple(float(f"{column[place]:.3g}") for column in varied.values())
         merged[at] = merged.get(at, 0) + int(rows)
     where = {name: [at[i] for at in merged] for i, name in enumerate(varied)}
-    classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]  # rows help a bit
+    classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]
     separates = _differing([members[group[0]].ids for group in classes])
     return NextMeasurement({**where, "rows": list(merged.values())}, separates, plan.expected, plan.now)
 
 
 def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
-    """Causes that some of these sets have and others have not; an empty set is ``nothing``."""
+    """Causes that are in some of these sets and not in all; an empty set is ``nothing``."""
     shared = set.intersection(*(set(ids) for ids in sets))
     names = [id_ for ids in sets for id_ in ids or ("nothing",) if id_ not in shared]
     return tuple(dict.fromkeys(names))
@@ -106,7 +106,7 @@ def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
 def _sides(
     members: Sequence[Member], classes: Sequence[tuple[int, ...]], claimed: Collection[str]
 ) -> tuple[NextMeasurement, ...]:
-    """A check of each cause that no row in reach tells from the claimed, or the first, of its class."""
+    """A check of each cause that no row separates from the claimed, or the first, of its class."""
     sides: dict[tuple[str, ...], NextMeasurement] = {}
     for group in classes:
         pivot = next((m for m in group if set(members[m].ids) == set(claimed)), group[0])
@@ -119,4 +119,4 @@ def _sides(
                 sides[pair] = NextMeasurement(check, pair, None)
     simple = {id_ for pair in sides if len(pair) <= 2 for id_ in pair}
     wanted = [side for pair, side in sides.items() if len(pair) <= 2 or not simple.issuperset(pair)]
-    return tuple(wanted)[:_MOST]  # sets that differ in two ways are settled by one way after the other
+    return tuple(wanted)[:_MOST]  # single differences also separate sets with several

@@ -1,4 +1,4 @@
-"""What each member of a credible set predicts where one could measure."""
+"""What each member of a credible set predicts at possible places of measurement."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,31 +14,31 @@ __all__ = ["Prospect"]
 
 Matrix = NDArray[np.float64]
 
-_FREE = 1.0  # m^2: variance of a level that nobody knows
-_LEAST = 1e-12  # m^2: 1 um, below what any sensor of this kind resolves; a column of constants has no noise
-_EXACT = 0.005  # part of an effect that another may differ by, and be its exact alias at first order
-_TAPE = 1e-3  # m, standard deviation of a new stand's distance: a tape errs by 0.5 to 2 mm (CATALOGUE)
+_FREE = 1.0  # m^2: variance of an unknown level
+_LEAST = 1e-12  # m^2: 1 um, below the resolution of such sensors; a column of constants has no noise
+_EXACT = 0.005  # relative difference below which an effect is an exact alias of another at first order
+_TAPE = 1e-3  # m, standard deviation of the distance of a new station: a tape errs by 0.5 to 2 mm
 
 
 @dataclass(frozen=True)
 class Prospect:
-    """What each member predicts where one could measure.
+    """What each member predicts at possible places of measurement.
 
     Attributes
     ----------
     shift : ndarray, shape (m, p)
         What a member adds to the reading of the base at each place [m].
     spread : ndarray, shape (m, p, p)
-        Covariance of these readings from what the member's parameters leave open [m^2].
+        Covariance of these readings from the uncertainty of the member's parameters [m^2].
     distance, slope : ndarray, shape (p,)
-        Distance [m], and derivative of the reading to it.
+        Distance [m], and derivative of the reading with respect to it.
     noise : Noise
     variance : float
         Of the innovations [m^2].
     level_known : bool
         Whether the distance of new rows would be known.
-    stands : ndarray
-        Distances at which there are rows already [m].
+    stations : ndarray
+        Distances of the stations of the table [m].
     """
 
     shift: Matrix
@@ -48,7 +48,7 @@ class Prospect:
     noise: Noise
     variance: float
     level_known: bool
-    stands: Matrix
+    stations: Matrix
 
     @classmethod
     def of(
@@ -59,9 +59,9 @@ class Prospect:
         noise: Noise,
         variance: float,
         level_known: bool,
-        stands: Matrix,
+        stations: Matrix,
     ) -> "Prospect":
-        """Ask each member's model, with its exact derivatives."""
+        """Evaluate the model of each member, with its exact derivatives."""
         shifts, spreads = [], []
         reading = base.indicate(**conditions)
         for member in members:
@@ -74,12 +74,13 @@ class Prospect:
             slope = jacobian[:, 0]
         distance = conditions["distance"]
         variance = max(variance, _LEAST)
-        return cls(np.array(shifts), np.array(spreads), distance, slope, noise, variance, level_known, stands)
+        found = np.array(shifts), np.array(spreads)
+        return cls(*found, distance, slope, noise, variance, level_known, stations)
 
     def aliases(self, counts: Sequence[int]) -> NDArray[np.int64]:
-        """Number the classes of members that differ by a factor at most, whatever is measured.
+        """Class of each member, shape (m,): members of a class differ by a constant factor at most.
 
-        Only sets of as many causes can be one class; shape (m,).
+        Only sets with the same number of causes can be in one class.
         """
         shift = self.shift
         if not self.level_known:
@@ -89,34 +90,34 @@ class Prospect:
         cosine = shift @ shift.T / np.maximum(np.outer(length, length), np.finfo(float).tiny)
         same = (cosine >= 1 - 0.5 * _EXACT**2) & np.equal.outer(counts, counts)
         np.fill_diagonal(same, True)
-        return np.asarray(same.argmax(axis=1))  # the first that is alike
+        return np.asarray(same.argmax(axis=1))  # the first member of the class
 
     def covariance(self, places: NDArray[np.int64], rows: Sequence[int]) -> Matrix:
         """Covariance of the mean reading at each place; shape (m, designs, k, k)."""
         among = self.spread[:, places[:, :, None], places[:, None, :]]
         at = self.distance[places]
         shot = np.stack([self._of_mean(n, at[:, place]) for place, n in enumerate(rows)], axis=1)
-        among = among + shot[:, :, None] * np.eye(len(rows)) + self._of_stands(at)
+        among = among + shot[:, :, None] * np.eye(len(rows)) + self._of_stations(at)
         if not self.level_known:
             slope = self.slope[places]
             among = among + _FREE * slope[:, :, None] * slope[:, None, :]
         return np.asarray(among)
 
-    def _of_stands(self, at: Matrix) -> Matrix:
-        """Covariance of the stands' own errors, each of which is in all rows of its stand.
+    def _of_stations(self, at: Matrix) -> Matrix:
+        """Covariance from the errors of stations, each of which is in all rows of its station.
 
-        From rows of one stand nobody learns how large they are, and what was learned there has that
-        stand's error in it: seen from any other stand, it is in all of them.
+        A table with one station does not show how large such errors are. Its parameters include the
+        error of that station, which is therefore common to all new stations.
         """
-        new = ~np.isin(at, self.stands)
-        many = len(self.stands) > 1
+        new = ~np.isin(at, self.stations)
+        many = len(self.stations) > 1
         size = self.noise.station_ratio * self.variance if many else _TAPE**2
         own = (at[:, :, None] == at[:, None, :]) & new[:, :, None]
         learned = 0.0 if many else 1.0 * (new[:, :, None] & new[:, None, :])
         return np.asarray(size * (own + learned))
 
     def _of_mean(self, n: int, distance: Matrix) -> Matrix:
-        """Variance of the mean of `n` rows in succession, whose noise remembers, at some distances."""
+        """Variance of the mean of `n` successive rows with autocorrelated noise, at some distances."""
         rho, memory, lags = self.noise.rho, self.noise.moving_average, np.arange(1, n)
         cells = self.variance * self.noise.growth * distance
         first = self.variance / self.noise.first_weight + cells

@@ -1,4 +1,4 @@
-"""What a user can vary: names and ranges of conditions for the next measurements."""
+"""Names and ranges of the conditions that a user can vary for the next measurements."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,30 +13,30 @@ from echocal.errors import UsageError
 from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Ranges", "checked_ranges", "grid", "guards", "parsed_ranges"]
+__all__ = ["Ranges", "checked_ranges", "corners_and_middle", "grid", "parsed_ranges"]
 
 Ranges = Mapping[str, tuple[float, float]]
 Column = NDArray[np.float64]
 
 _POINTS = {1: 9, 2: 7, 3: 3}
-"""Levels of each condition, by how many vary; more vary at their ends alone."""
+"""Levels of each condition, by the number of conditions; more than three have their ends only."""
 
 _PHYSICAL = {form.quantity: form.physical for form in FORMS}
 _PHYSICAL["distance"] = _PHYSICAL["reference_distance"]
-"""What a table of measurements may hold."""
+"""Values that a table of measurements may have."""
 
 _UNITS = {"distance": " m"} | {
     name: "" if quantity.unit == "1" else f" {quantity.unit}"
     for name, quantity in QUANTITIES.items()
     if quantity.derived_from is None
 }
-"""Of what a person can vary; what is derived follows from it."""
+"""Units of the conditions that a user can vary; derived conditions follow from them."""
 
-_PRESENT = 3  # levels of the table that are tried too
+_PRESENT = 3  # most levels of the table that are tried in addition
 
 
 def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
-    """Read several, each of another condition."""
+    """Read several ranges, each of another condition."""
     ranges: dict[str, tuple[float, float]] = {}
     for text in texts:
         name, ends = _parsed(text)
@@ -64,7 +64,7 @@ def _parsed(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[str]) -> Ranges:
-    """Refuse names that are not recorded and ranges that are none."""
+    """Refuse names that are not recorded and values that are not ranges."""
     if not isinstance(can_vary, Mapping):
         message = f"can_vary maps conditions to two ends, {{'distance': (0.2, 4.0)}}; got {can_vary!r}"
         raise UsageError(message)
@@ -73,21 +73,20 @@ def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[s
         if name not in names:
             known = ", ".join(f"{name} (in{_UNITS[name]})" if _UNITS[name] else name for name in names)
             message = (
-                f"can_vary names '{name}', which the table does not record; it can be {known}: a "
-                "condition that nobody records separates nothing"
+                f"can_vary names '{name}', which the table does not record; it can name {known}. A "
+                "condition that is not recorded does not separate causes"
             )
             raise UsageError(message)
         if not _is_range(ends):
             message = f"can_vary gives {name} the range {ends!r}; give two ends, the lower one first"
             raise UsageError(message)
         if name == "distance" and ends[0] <= 0:
-            message = f"can_vary lets the distance begin at {ends[0]:g} m; give a positive one"
+            message = f"can_vary gives the distance a range from {ends[0]:g} m on; give a positive distance"
             raise UsageError(message)
         low, high = _PHYSICAL.get(name, (-math.inf, math.inf))
         if not low <= ends[0] < ends[1] <= high:
-            message = (
-                f"can_vary gives {name} the range {ends!r}; a table holds {low:g} to {high:g}{_UNITS[name]}"
-            )
+            possible = f"{low:g} to {high:g}{_UNITS[name]}"
+            message = f"can_vary gives {name} the range {ends!r}; a table can have {possible}"
             raise UsageError(message)
     return {name: (float(low), float(high)) for name, (low, high) in can_vary.items()}
 
@@ -98,9 +97,9 @@ def _is_range(ends: Any) -> bool:
 
 
 def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[str, Column]:
-    """Conditions that are tried: every combination of a few levels, distances in equal ratios.
+    """Places that are tried: all combinations of a few levels, distances in equal ratios.
 
-    Levels that the table has already are tried too, if they are few and within the range.
+    Levels of the table are tried, too, if they are few and within the range.
     """
     count = _POINTS.get(len(ranges), 2)
     levels = []
@@ -113,8 +112,8 @@ def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[st
     return {name: points[:, i] for i, name in enumerate(ranges)}
 
 
-def guards(places: Mapping[str, Column]) -> NDArray[np.int64]:
-    """Places at which everything is at one of its ends, and the one nearest to the middle of all."""
+def corners_and_middle(places: Mapping[str, Column]) -> NDArray[np.int64]:
+    """Places at which every condition is at an end of its range, and the place nearest to the middle."""
     ends, off = [], np.zeros(len(next(iter(places.values()))))
     for name, column in places.items():
         value = np.log(column) if name == "distance" else column

@@ -87,10 +87,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     least = max(min(odds.values()) * view.scatter, own.least)
     with np.errstate(invalid="ignore"):
         far = values[view.good & (np.abs(view.deviation) > least)] if view.farthest > least else values[:0]
-    if not any(_on_lattice(far, decimals).any() for decimals in _DECIMALS):
+    if not any(_on_grid(far, decimals).any() for decimals in _DECIMALS):
         return None  # no row that is odd looks typed
-    decimals = next((d for d in _DECIMALS if _on_lattice(values, d)[view.good].mean() > 0.5), 0)
-    typed = _on_lattice(values, decimals or _DECIMALS[0])
+    decimals = next((d for d in _DECIMALS if _on_grid(values, d)[view.good].mean() > 0.5), 0)
+    typed = _on_grid(values, decimals or _DECIMALS[0])
     with np.errstate(invalid="ignore"):
         odd = view.good & typed & (np.abs(view.deviation) > max(odds[decimals > 0] * view.scatter, own.least))
     at = np.flatnonzero(odd)
@@ -153,7 +153,7 @@ def _seldom(values: NDArray[np.float64], own: Thresholds) -> NDArray[np.bool_]:
     return np.asarray(counts[which] < own.repeated)
 
 
-def _on_lattice(values: NDArray[np.float64], decimals: int) -> NDArray[np.bool_]:
+def _on_grid(values: NDArray[np.float64], decimals: int) -> NDArray[np.bool_]:
     scaled = values * 10.0**decimals
     with np.errstate(invalid="ignore"):
         return np.asarray(np.abs(scaled - np.round(scaled)) < 1e-9 * np.maximum(np.abs(scaled), 1.0))

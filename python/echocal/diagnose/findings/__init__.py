@@ -1,1 +1,1 @@
-"""What a diagnosis is made of, and how its numbers are said."""
+"""What the stages pass on: facts of a cause, findings, claims, gains."""

@@ -1,4 +1,4 @@
-"""What is known about a cause that is no effect on the mean: the second registry's facts."""
+"""Facts of a cause that is not an effect on the mean."""
 
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
@@ -12,12 +12,12 @@ Columns = dict[str, NDArray[np.float64]]
 """Columns as `echocal.read_observations` takes them: ``reading_m``, ``distance_m``, ``temperature_C``, ..."""
 
 JUDGED = "judgement: no survey of tables counts it"
-"""Source of a prior that nobody measured."""
+"""Source of a prior that is not measured."""
 
 _KINDS = {
-    "noise": "changes the distribution of the readings; a diagnosis weighs its likelihood",
-    "row": "spoils single rows; a diagnosis repairs them or leaves them out, and says which",
-    "gross": "spoils whole columns; a diagnosis undoes it before anything else",
+    "noise": "changes the distribution of the readings; a diagnosis compares its likelihood",
+    "row": "spoils single rows; a diagnosis repairs them or leaves them out, and lists them",
+    "gross": "spoils whole columns; a diagnosis corrects them before all other steps",
 }
 
 
@@ -30,9 +30,9 @@ class Quantity:
     name, unit : str
     meaning : str
     bounds : (float or None, float or None)
-        Least and largest value, in the unit; None where there is no bound.
+        Smallest and largest value, in the unit; None where there is no bound.
     prior : str
-        What is assumed of its value before the data; empty where a detector reads it off the rows.
+        Prior distribution of its value; empty if a detector computes it from the rows.
     """
 
     name: str
@@ -43,36 +43,37 @@ class Quantity:
 
     @property
     def range(self) -> str:
-        """The bounds as people read them."""
+        """The bounds as text."""
         low, high = ("" if bound is None else f"{bound:g}" for bound in self.bounds)
         return f"{low} .. {high}".strip()
 
 
 @dataclass(frozen=True)
 class CauseFacts:
-    """A cause that acts on the distribution, on single rows, or on a whole column.
+    """A cause that acts on the noise, on single rows or on a whole column.
 
     Attributes
     ----------
     id : str
         Name in files and messages.
     kind : {"noise", "row", "gross"}
-        ``noise`` has a likelihood; ``row`` and ``gross`` have a detector that repairs or leaves out.
+        A ``noise`` has a likelihood. ``row`` and ``gross`` have a detector that repairs rows or
+        leaves them out.
     sentence, signature, source : str
-        What it is, how the data show it, and where that is known from.
+        What the cause is, how the data show it, and the source of this knowledge.
     parameters : tuple of Quantity
     check : str
-        The measurement, or the look at the data, that confirms or refutes it.
+        A measurement, or a comparison in the data, that confirms or refutes the cause.
     prior : float
-        Probability that a table has it, before the data.
+        Prior probability that a table has the cause.
     formula : str
-        What it does to a reading, an echo time or a row, with the names of the parameters in it.
+        What the cause does to a reading, an echo time or a row, with the names of the parameters.
     needs : tuple of str
-        Columns without which it cannot be found.
+        Columns that its detection requires.
     repair : str
-        What a diagnosis does to the rows; empty for a noise that changes no row.
+        What a diagnosis does to the rows; empty for a noise.
     prior_source : str
-        Where the prior comes from.
+        Source of the prior.
     """
 
     id: str
@@ -93,7 +94,7 @@ class CauseFacts:
         return asdict(self)
 
     def details(self) -> dict[str, str]:
-        """Return what is known besides parameters, in reading order.
+        """Return the facts except the parameters, in reading order.
 
         Examples
         --------
@@ -101,7 +102,7 @@ class CauseFacts:
         >>> find_cause("timeout").details()["found in"]
         '2 % of tables (prior)'
         """
-        told = {
+        facts = {
             "kind": f"{self.kind}: {_KINDS[self.kind]}",
             "formula": self.formula,
             "signature": self.signature,
@@ -112,4 +113,4 @@ class CauseFacts:
             "check": self.check,
             "source": self.source,
         }
-        return {name: text for name, text in told.items() if text}
+        return {name: text for name, text in facts.items() if text}

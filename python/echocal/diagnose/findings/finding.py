@@ -1,4 +1,4 @@
-"""What a detector hands back: rows, their repair, and why a person should believe it."""
+"""Result of a detector: rows, their repair, and evidence that a user can check."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ __all__ = ["Finding", "listed", "probability"]
 Mask = NDArray[np.bool_]
 
 _SHOWN = 8  # rows that a sentence lists
-_CERTAIN = 30.0  # log odds beyond which a float's one is one
+_CERTAIN = 30.0  # log odds beyond which a probability rounds to one
 
 
 def probability(log_bayes: float, prior: float) -> float:
@@ -26,7 +26,7 @@ def probability(log_bayes: float, prior: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """A fault, or a noise, that the data speak for.
+    """A fault or a noise that the data support.
 
     Attributes
     ----------
@@ -34,18 +34,18 @@ class Finding:
     log_bayes : float
         Log Bayes factor against "no fault".
     because : str
-        A sentence with rows and values that a person can check.
+        A sentence with rows and values that a user can check.
     parameters : tuple of Parameter
     rows : ndarray of bool, shape (n,), or None
         Rows of the source concerned.
     repaired : Observations or None
-        The table without the fault: repaired values, or rows marked unusable with the reason.
+        The table without the fault: values are repaired, or rows are marked as unusable.
     share : float
-        Part of the noise's variance that it makes; what makes little of it is no verdict.
+        Its part of the variance of the noise. A small part does not count for the verdict.
     rms : float
-        Standard deviation that it adds to a reading [m], where that is all it does.
+        Standard deviation that it adds to a reading [m], if this is its only effect.
     rivals : tuple of str
-        What looks the same in these data.
+        Causes that these data cannot separate from it.
     """
 
     facts: CauseFacts
@@ -65,12 +65,12 @@ class Finding:
 
     @property
     def probability(self) -> float:
-        """That the cause is at work, its prior reckoned with."""
+        """Posterior probability of the cause."""
         return probability(self.log_bayes, self.facts.prior)
 
 
 def listed(rows: Mask | Sequence[int]) -> str:
-    """Rows as messages count them: ``rows 3, 7, 12, ... (31 rows)``."""
+    """Rows in a message, counted from 1: ``rows 3, 7, 12, ... (31 rows)``."""
     mask = np.asarray(rows)
     at = np.flatnonzero(mask) if mask.dtype == bool else mask
     noun = "row" if len(at) == 1 else "rows"

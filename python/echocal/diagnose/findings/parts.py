@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from echocal.model import Shape
 
 __all__ = [
+    "HELD_OUT",
     "OF_THIS_TABLE",
     "Cause",
     "Gain",
@@ -28,7 +29,10 @@ Column = NDArray[np.float64]
 Ladder = tuple[tuple[tuple[str, ...], float], ...]
 
 OF_THIS_TABLE = frozenset({"row", "time", "hour of day"})
-"""Columns that no later reading has: what follows them cannot extend a model."""
+"""Columns that no later reading has. A function of such a column cannot extend a model."""
+
+HELD_OUT = "rows from"
+"""A scheme that begins like this names rows that take no part in the choice or the fit of causes."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Cause:
-    """A cause that the data speak for.
+    """A cause that the data support.
 
     Attributes
     ----------
@@ -52,17 +56,17 @@ class Cause:
     kind : str
         ``effect``, ``noise``, ``row`` or ``gross``.
     probability : float
-        That this cause, or one of those it cannot be told from, is at work.
+        Of this cause or one of those that the data cannot separate from it.
     parameters : tuple of Parameter
     indistinguishable_from : tuple of str
-        Causes that these data cannot tell it from.
+        Causes that these data cannot separate from it.
     because : str
         A sentence that a user can check in the data.
     in_model : bool
-        Whether the extended model has it. Where the verdict is ``ambiguous``, the most probable
-        causes stand in the model and those that might be at work instead of them do not.
+        Whether the extended model has it. Where the verdict is ``ambiguous``, the model has the
+        most probable causes, and none of their alternatives.
     doubt : str
-        Why the cause is not named for all its probability; empty where nothing speaks against it.
+        Why the cause is not named although it is probable; else empty.
     """
 
     id: str
@@ -77,19 +81,19 @@ class Cause:
 
 @dataclass(frozen=True)
 class Refuted:
-    """A cause that the fitted rows speak for and the rows never fitted speak against.
+    """A cause that fits, but makes the error on cross-validated or held-out rows larger.
 
     Attributes
     ----------
     id : str
     probability : float
-        By the fitted rows.
+        From the rows that causes are selected on.
     rms_with_m, rms_without_m : float
-        Error on rows never fitted with the cause and without it [m].
+        Error on cross-validated or held-out rows with the cause and without it [m].
     indistinguishable_from : tuple of str
     together : tuple of str
-        Where causes were refuted together, all of them: the errors are then those of the model
-        with all of them and of the base. Empty where the cause was refuted beside others.
+        All causes that were refuted at once. The errors are then those of the model with all of
+        them and of the base. Empty where the cause was refuted alone, beside the other causes.
     """
 
     id: str
@@ -102,21 +106,21 @@ class Refuted:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """A shape that no cause of the catalogue accounts for.
+    """A smooth function of one column that no cause of the catalogue explains.
 
     Attributes
     ----------
     against : str
-        Column that it is a function of.
+        Name of the column.
     rms_m : float
-        Its size beside the model [m].
+        Size of what remains beside the model [m].
     probability : float
     description : str
     shape : Shape or None
-        The function, with its band.
+        The function with its standard uncertainty.
     rms_without_m, rms_with_m : float or None
-        Error of the model on rows never fitted without the shape and with it [m]; None where no
-        later reading has the column, so that it cannot extend a model.
+        Error of the model without the function and with it, on cross-validated or held-out rows
+        [m]. None where no later reading has the column: then the function cannot extend a model.
     """
 
     against: str
@@ -129,7 +133,7 @@ class Unexplained:
 
     @property
     def extends(self) -> bool:
-        """Whether rows never fitted let the shape extend the model."""
+        """Whether the function may extend the model: it does not make the error larger."""
         if self.rms_without_m is None or self.rms_with_m is None:
             return self.against not in OF_THIS_TABLE
         return not self.rms_with_m >= self.rms_without_m
@@ -142,13 +146,13 @@ class Shifted:
     Attributes
     ----------
     against : str
-        The column that tells them apart.
+        Column whose middle range the model is fitted to.
     low, high : float
-        Its range in the rows that the model was fitted to, in the unit of the quantity.
+        Ends of this range, in the unit of the quantity.
     rows : int
-        Rows outside, that it was judged by.
+        Number of rows outside this range, on which the error is measured.
     rms_before_m, rms_after_m : float
-        Their error with the base simulation and with the model [m].
+        Error of these rows with the base simulation and with the model [m].
     """
 
     against: str
@@ -161,29 +165,30 @@ class Shifted:
 
 @dataclass(frozen=True)
 class Gain:
-    """What the extended model gains on rows that its parameters never saw.
+    """What the extended model gains on rows that its parameters are not fitted to.
 
     Attributes
     ----------
     rms_fixed_speed_m : float or None
-        Error of a device that converts these echoes with one fixed speed [m]; None where the
-        readings are found to come from such a device already.
+        Error of a device that converts these echoes with one fixed speed [m]. None where the
+        diagnosis finds that the readings come from such a device.
     ladder : tuple of (tuple of str, float)
-        Error [m] as the causes join one by one, from the base alone to the extended model.
+        Error [m] of the base alone, and as the causes are added one by one.
     rms_before_m, rms_after_m : float
         Error of the base simulation and of the extended model [m].
     rms_floor_m : float
-        Error that every column together could reach on these rows, less what chance gives [m].
+        Error that all columns together could reach on these rows, without what chance removes [m].
     held_out_rows : int
+        Number of rows on which the errors are measured.
     fraction_of_reachable : float or None
-        Part of the mean square between base and floor that the model removes; None where the
+        Part of the mean square error between base and floor that the model removes. None where the
         base is at the floor.
     interval_95 : tuple of float
         Of ``rms_before_m - rms_after_m`` [m], from resampled blocks of rows.
     scheme : str
-        How rows were held out.
+        How these rows were chosen.
     shifted : tuple of Shifted
-        The same under other conditions: fitted to the middle of a column, judged outside.
+        The gain under other conditions: fitted to the middle range of a column, measured outside.
     """
 
     rms_fixed_speed_m: float | None
@@ -197,6 +202,11 @@ class Gain:
     scheme: str
     shifted: tuple[Shifted, ...] = ()
 
+    @property
+    def judged_rows(self) -> str:
+        """``held-out rows``, or ``cross-validated rows`` where causes were selected on them."""
+        return "held-out rows" if self.scheme.startswith(HELD_OUT) else "cross-validated rows"
+
 
 @dataclass(frozen=True)
 class NextMeasurement:
@@ -208,10 +218,10 @@ class NextMeasurement:
         Where to measure, or ``{"side_measurement": ...}``.
     separates : tuple of str
     expected_probability : float or None
-        Probability that the first set of effects would then be the right one, exact aliases
-        counted as one, by simulation; None for a side measurement.
+        Expected probability of the most probable set of effects after the measurement, from a
+        simulation that counts exact aliases as one set. None for a side measurement.
     probability_now : float or None
-        The same before measuring.
+        Probability of the most probable set of effects before the measurement.
     """
 
     conditions: Mapping[str, Any]
@@ -231,7 +241,7 @@ class Traces:
     before, after : ndarray
         Reading less reference (or level) with the base and with the extended model [m].
     held_out : ndarray of bool
-        Rows that no fit saw; all False where folds took turns.
+        Held-out rows, which take no part in any fit; all False in a cross-validation.
     against : mapping of str to ndarray
         Recorded columns by name, in SI units.
     """

@@ -14,12 +14,12 @@ __all__ = [
     "Recorded",
     "enumerated",
     "first_against_others",
+    "most_correlated",
     "parameter_text",
     "quantity_text",
     "shifted_text",
     "shown",
     "spoken",
-    "telling_column",
     "tendency",
 ]
 
@@ -32,9 +32,9 @@ _SHOWN |= {"distance": ("m", 1.0), "hour of day": ("h", 1.0)}  # columns that ar
 
 _READABLE = {"s": (1e6, "us"), "m": (1e3, "mm")}
 
-_EVEN = 0.1  # spread over mean below which what varies is not the point
-_ENOUGH = 10_000  # rows that tell what follows what
-_SAME = 1e-6  # m, far below what any sensor of this kind resolves
+_EVEN = 0.1  # spread over mean below which a signal counts as constant
+_ENOUGH = 10_000  # rows that are enough for a rank correlation
+_SAME = 1e-6  # m, far below the resolution of such sensors
 
 
 def enumerated(names: Sequence[str]) -> str:
@@ -50,11 +50,12 @@ def quantity_text(name: str, value: float) -> str:
 
 
 def shifted_text(one: Shifted) -> str:
-    """Say what a model gains where it was not fitted."""
+    """What a model gains outside the range that it is fitted to."""
     low, high = (quantity_text(one.against, end) for end in (one.low, one.high))
     return (
-        f"fitted where {spoken(one.against)} is {low} to {high}, {one.rows} rows outside have an "
-        f"error of {1e3 * one.rms_before_m:.2f} mm before, {1e3 * one.rms_after_m:.2f} mm after"
+        f"the model is fitted to rows with {spoken(one.against)} from {low} to {high}. On the {one.rows} "
+        f"rows outside, the RMS error is {1e3 * one.rms_before_m:.2f} mm with the base and "
+        f"{1e3 * one.rms_after_m:.2f} mm with the model"
     )
 
 
@@ -69,19 +70,19 @@ def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> st
 
 
 def shown(name: str, values: Column) -> tuple[Column, str]:
-    """Values as people read them, and the label of an axis."""
+    """Values in the unit that people read, and the label of the axis."""
     unit, factor = _SHOWN.get(name, ("", 1.0))
     return values * factor, f"{spoken(name)} [{unit}]" if unit else spoken(name)
 
 
 def spoken(name: str) -> str:
-    """Name of a column in a sentence: echocal's own in words, any other as its table has it."""
+    """Name of a column in a sentence: a quantity of echocal in words, any other name unchanged."""
     return QUANTITIES[name].words if name in QUANTITIES else name
 
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """Recorded columns, and the ranks of some of their rows once these are asked for.
+    """Recorded columns, and the ranks of some of their rows, computed once.
 
     Attributes
     ----------
@@ -92,7 +93,7 @@ class Recorded:
     _known: dict[str, Column | None] = field(default_factory=dict, init=False, repr=False)
 
     def ranks(self, name: str) -> Column | None:
-        """Ranks of some rows of a column; None where not every row is known, or all are the same."""
+        """Ranks of some rows of a column; None if a row is missing or all values are equal."""
         if name not in self._known:
             column = self.columns[name]
             some = _some(column)
@@ -101,8 +102,8 @@ class Recorded:
         return self._known[name]
 
 
-def telling_column(signal: Column, against: Recorded) -> str | None:
-    """Name of the column that a signal follows most closely, by rank correlation."""
+def most_correlated(signal: Column, against: Recorded) -> str | None:
+    """Name of the column with the largest rank correlation with a signal."""
     best, name = 0.0, None
     if np.ptp(signal) < _SAME:
         return None
@@ -124,7 +125,7 @@ def _ranks(values: Column) -> Column:
 
 
 def tendency(left: Column, signal: Column, against: Recorded) -> str:
-    """Compare what a cause predicts with what the base and the other causes leave.
+    """Compare what a cause predicts with the residual of the base and the other causes.
 
     Parameters
     ----------
@@ -134,12 +135,12 @@ def tendency(left: Column, signal: Column, against: Recorded) -> str:
         What the cause adds [m].
     against : Recorded
     """
-    name = telling_column(signal, against)
+    name = most_correlated(signal, against)
     mean = abs(float(np.mean(signal)))
     if name is None or np.ptp(signal) < _EVEN * mean:
         return (
-            f"every reading is off by nearly the same: {1e3 * np.mean(left):+.2f} mm on average, "
-            f"{1e3 * np.mean(signal):+.2f} mm by this cause"
+            f"the mean residual is {1e3 * np.mean(left):+.2f} mm; this cause predicts nearly the same error "
+            f"in all rows, {1e3 * np.mean(signal):+.2f} mm"
         )
     low, high = quantiles(signal, [0.2, 0.8])
     lowest, highest = np.flatnonzero(signal <= low), np.flatnonzero(signal >= high)
@@ -147,15 +148,15 @@ def tendency(left: Column, signal: Column, against: Recorded) -> str:
     predicted = 1e3 * (signal[highest].mean() - signal[lowest].mean())
     ends = [quantity_text(name, median(against.columns[name][rows])) for rows in (lowest, highest)]
     return (
-        f"the fifth of the rows with {name.replace('_', ' ')} around {ends[1]} reads {found:+.2f} mm against "
-        f"the fifth around {ends[0]}, where this cause predicts {predicted:+.2f} mm"
+        f"the fifth of the rows with {spoken(name)} around {ends[1]} has a mean residual of {found:+.2f} mm "
+        f"relative to the fifth around {ends[0]}; this cause predicts {predicted:+.2f} mm"
     )
 
 
 def first_against_others(left: Column, signal: Column, position: Column) -> str:
     """Compare the first rows of bursts with the others of the same bursts.
 
-    Bursts at other distances have remainders of their own, which say nothing about the first ping.
+    Each burst is compared with itself, because its distance may have an error of its own.
     """
     first = position == 0
     burst = np.cumsum(first)
@@ -169,8 +170,8 @@ def first_against_others(left: Column, signal: Column, position: Column) -> str:
         return 1e3 * float(np.mean(one - rest))
 
     return (
-        f"in {len(whole)} burst{'s' if len(whole) > 1 else ''} the first ping reads {ahead(left):+.2f} mm "
-        f"against the mean of the others, where this cause predicts {ahead(signal):+.2f} mm"
+        f"in {len(whole)} burst{'s' if len(whole) > 1 else ''}, the first ping reads {ahead(left):+.2f} mm "
+        f"relative to the mean of the others; this cause predicts {ahead(signal):+.2f} mm"
     )
 
 

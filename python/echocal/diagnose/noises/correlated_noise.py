@@ -12,8 +12,8 @@ __all__ = ["NOISE"]
 _LIKELY = 0.5  # probability from which on autocorrelation is said to grow with the distance
 _TURNS = 20  # correlation times in a table, below which autocorrelation looks like a slow function
 _NOTE = (
-    "; something unknown that changes with the rows would look the same: measure some of them again, in "
-    "another order"
+    "; an effect outside the catalogue that changes with the rows would look the same: measure some of "
+    "them again, in another order"
 )
 
 FACTS = CauseFacts(

@@ -8,7 +8,7 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
+from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, find_grid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -37,7 +37,7 @@ FACTS = CauseFacts(
     signature="readings are multiples of one step; cut off, they are half a step short on average",
     source="integer division t/58 of the Arduino examples: floor to 1 cm",
     parameters=(
-        Quantity("step", "m", "step of the readings", (FINEST, 1.0), "any"),
+        Quantity("step", "m", "step of the readings", (FINEST_STEP, 1.0), "any"),
         Quantity(
             "cut", "1", "1: cut off; 0: rounded", (0.0, 1.0), "rounded, unless the mean error says cut off"
         ),
@@ -55,15 +55,15 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     observations = view.observations
     if observations.reading is None:
         return None
-    lattice = find_lattice(np.where(view.good, observations.reading, np.nan))
-    if lattice is None or lattice.step < FINEST:
+    grid = find_grid(np.where(view.good, observations.reading, np.nan))
+    if grid is None or grid.step < FINEST_STEP:
         return None
-    step = lattice.step
+    step = grid.step
     cut = _cut(view, step, settings.of(FACTS, Thresholds))
     share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
     kind = "cut off: half a step is added" if cut else "rounded"
     because = (
-        f"all {lattice.distinct} different readings are multiples of {1e3 * step:.4g} mm, {kind}; the step "
+        f"all {grid.distinct} different readings are multiples of {1e3 * step:.4g} mm, {kind}; the step "
         f"makes {100 * share:.2g} % of the variance of the noise"
     )
     parameters = (Parameter("step", step, 0.0, "m"), Parameter("cut", float(cut), 0.0, "1"))
@@ -77,7 +77,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
         )
     return Finding(
         FACTS,
-        lattice.evidence,
+        grid.evidence,
         because,
         parameters,
         observations.usable,

@@ -9,7 +9,7 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.preprocess.quantization_grid import find_lattice
+from echocal.diagnose.preprocess.quantization_grid import find_grid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -48,19 +48,19 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     if recorded is None:
         return None
     kept = np.where(view.good, recorded, np.nan)
-    lattice = find_lattice(kept)
-    if lattice is None or lattice.step > own.coarsest or _sweep(kept[view.good], own):
+    grid = find_grid(kept)
+    if grid is None or grid.step > own.coarsest or _sweep(kept[view.good], own):
         return None
-    error = lattice.step * _per_kelvin(view) / np.sqrt(12)
+    error = grid.step * _per_kelvin(view) / np.sqrt(12)
     variance = float(np.mean(error[view.good] ** 2))
     share = variance / max(view.scatter**2, variance)
     because = (
-        f"all {lattice.distinct} different temperatures are multiples of {lattice.step:.4g} K, moving "
+        f"all {grid.distinct} different temperatures are multiples of {grid.step:.4g} K, moving "
         f"the reading by {1e3 * np.sqrt(variance):.2g} mm (rms): {100 * share:.2g} % of the variance of noise"
     )
-    parameters = (Parameter("step", lattice.step, 0.0, "K"),)
+    parameters = (Parameter("step", grid.step, 0.0, "K"),)
     return Finding(
-        FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share, variance**0.5
+        FACTS, grid.evidence, because, parameters, view.observations.usable, None, share, variance**0.5
     )
 
 

@@ -6,7 +6,7 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.preprocess.quantization_grid import FINEST, find_lattice
+from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, find_grid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
 
@@ -29,22 +29,22 @@ FACTS = CauseFacts(
 def detect(view: View, settings: NoiseSettings) -> Finding | None:
     """Find the tick of the echo times."""
     reading = view.observations.reading
-    if reading is not None and view.resolution > FINEST:
+    if reading is not None and view.resolution > FINEST_STEP:
         return None  # whatever the timer did, the reading's own step hides it
-    lattice = find_lattice(np.where(view.good, view.observations.echo_time, np.nan))
-    if lattice is None:
+    grid = find_grid(np.where(view.good, view.observations.echo_time, np.nan))
+    if grid is None:
         return None
     rows = view.good & (view.observations.echo_time > 0)
     speed = float(np.median(view.indication[rows] / view.observations.echo_time[rows]))  # half of sound's
-    step = speed * lattice.step
+    step = speed * grid.step
     share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
     because = (
-        f"all {lattice.distinct} different echo times are multiples of {1e6 * lattice.step:.4g} us, "
+        f"all {grid.distinct} different echo times are multiples of {1e6 * grid.step:.4g} us, "
         f"{1e3 * step:.3g} mm; the tick makes {100 * share:.2g} % of the variance of the noise"
     )
-    parameters = (Parameter("step", lattice.step, 0.0, "s"),)
+    parameters = (Parameter("step", grid.step, 0.0, "s"),)
     return Finding(
-        FACTS, lattice.evidence, because, parameters, view.observations.usable, None, share, step / 12**0.5
+        FACTS, grid.evidence, because, parameters, view.observations.usable, None, share, step / 12**0.5
     )
 
 

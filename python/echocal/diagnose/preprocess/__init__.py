@@ -1,1 +1,1 @@
-"""Which rows are used, and how they belong together."""
+"""Usable rows, and their grouping into series, stations, segments and folds."""

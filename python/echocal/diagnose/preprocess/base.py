@@ -1,4 +1,4 @@
-"""The base simulation that the measurement is compared with."""
+"""The base simulation, with which the measurement is compared."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,22 +22,22 @@ Parameters = Mapping[str, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class Base:
-    """A base simulation: what the device's readings would be if nothing were wrong.
+    """The base simulation: the readings of a device without further effects.
 
-    A base law that is a fixed speed describes a device, not the air: the base says that a reading
-    is the distance. The air then follows the linear law, and whether that matters is what the
-    effect ``fixed_speed`` answers, its speed being known.
+    A fixed speed as base describes a device, not the air. The base then predicts the distance
+    itself as reading, the air follows the linear law, and the effect ``fixed_speed``, with this
+    speed, is one of the causes that compete.
 
     Attributes
     ----------
     law : str
         Law for the air on the path.
     effects : mapping
-        Effects that the base accounts for already.
+        Effects that the base includes already.
     air : mapping of str to float
-        Values that the base assumes where nothing was recorded.
+        Values that the base assumes for quantities that are not recorded.
     device_speed : float or None
-        Speed that the device converts every echo with [m/s]; None: the law's own.
+        Speed with which the device converts all echoes [m/s]; None: that of the law.
     """
 
     law: str
@@ -59,22 +59,22 @@ class Base:
             return cls(law, {})
         (low, high) = next(p.bounds for p in find_effect("fixed_speed").parameters if p.name == "speed")
         if not low <= device_speed <= high:
-            message = f"the base is a fixed speed of {law} m/s; give one of {low:g} .. {high:g}, or a law"
+            message = f"the base is a fixed speed of {law} m/s; give a speed of {low:g} .. {high:g}, or a law"
             raise UsageError(message)
         return cls("linear", {}, device_speed=device_speed)
 
     @cached_property
     def plain(self) -> Model:
-        """The base as it is."""
+        """The base as a model."""
         return self.model()
 
     @property
     def reading_speed(self) -> str:
-        """Speed that a device has used that nobody says anything about, as a law's name or expression."""
+        """Speed that a device converts with by default, as the name of a law or an expression."""
         return self.law if self.device_speed is None else str(self.device_speed)
 
     def indication(self, echo_time: Column, conditions: Mapping[str, Column]) -> Column:
-        """Reading [m] that belongs to an echo time [s]."""
+        """Reading [m] for an echo time [s]."""
         reading: Column = Model(self.reading_speed, air=self.air).distance(echo_time, **conditions)
         return reading
 

@@ -1,4 +1,4 @@
-"""Which rows are held out together."""
+"""Blocks of rows, and the folds that hold them out."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.preprocess.window import instant, times
 from echocal.diagnose.settings.rows import RowSettings
@@ -17,12 +18,12 @@ __all__ = ["Folds", "Rows"]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 Rows = Mask | slice
-"""Rows by a mask, or by where they begin and end."""
+"""Rows as a mask or as a slice."""
 
 
 @dataclass(frozen=True)
 class Folds:
-    """Which rows are held out together.
+    """Blocks of rows, and the folds that hold them out.
 
     Attributes
     ----------
@@ -31,11 +32,11 @@ class Folds:
     held : tuple of ndarray of bool, shape (blocks,)
         Blocks held out, fold by fold.
     fit : ndarray of bool, shape (blocks,)
-        Blocks that causes are chosen from: all, except what the user held out.
+        Blocks that causes are selected on: all, except those that the user holds out.
     scheme : str
-        In words.
+        How the blocks are held out, in words.
     known : dict
-        Rows of blocks asked for before.
+        Rows of blocks that were requested before.
     """
 
     blocks: Labels
@@ -48,7 +49,11 @@ class Folds:
     def of(
         cls, table: Table, observations: Observations, after: str | float | None, settings: RowSettings
     ) -> "Folds":
-        """Hold out what the user says; else stations in turn, or runs of rows in turn."""
+        """Hold out the rows that the user names; else cross-validate by stations or by runs of rows.
+
+        In a cross-validation the causes are selected on all rows, and their sizes are fitted
+        without the block that is held out. Rows that the user holds out take no part in either.
+        """
         count = settings.folds
         held_out, held_text = _held_out(observations, table, after, settings.fewest)
         if held_out is not None:
@@ -68,11 +73,11 @@ class Folds:
 
     @property
     def judged(self) -> Mask:
-        """Blocks that some fold holds out."""
+        """Blocks that at least one fold holds out."""
         return np.asarray(np.any(self.held, axis=0))
 
     def rows(self, held: Mask) -> Rows:
-        """Rows of the blocks in `held`: a slice where they follow each other, so that none is copied."""
+        """Rows of the blocks in `held`: a slice where they are contiguous, which needs no copy."""
         key = held.tobytes()
         if key not in self.known:
             self.known[key] = self._run(held) if self._ascending else self._mask(held)
@@ -99,7 +104,7 @@ class Folds:
 def _held_out(
     observations: Observations, table: Table, after: str | float | None, fewest: int
 ) -> tuple[Mask | None, str]:
-    """Rows that the user wants held out, and how to say so."""
+    """Rows that the user holds out, and the scheme in words."""
     if after is None:
         return None, ""
     if isinstance(after, str):
@@ -107,14 +112,14 @@ def _held_out(
     else:
         elapsed = table.conditions.get("elapsed_time")
         if elapsed is None:
-            message = "cannot hold out by time: the table has no column of times (map one to time_s)"
+            message = "rows cannot be held out by time: the table has no column of times (map one to time_s)"
             raise UsageError(message)
         held = elapsed >= after
     judged = int(held.sum())
     if min(judged, len(held) - judged) < fewest:
         message = (
-            f"holding out after {after} leaves {len(held) - judged} rows to fit and {judged} to judge by; "
-            f"both need at least {fewest}"
+            f"with rows held out from {after} on, {len(held) - judged} rows are left to fit and {judged} to "
+            f"validate; both numbers must be at least {fewest}"
         )
         raise UsageError(message)
-    return held, f"rows from {after} on, held out from everything"
+    return held, f"{HELD_OUT} {after} on; causes are selected and fitted without them"

@@ -1,4 +1,4 @@
-"""Steps of an unknown level: segments of a target that does not move."""
+"""Steps of an unknown level, which divide the rows into segments."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,11 @@ Column = NDArray[np.float64]
 def level_steps(
     indication: Column, elapsed: Column | None, temperature: Column | None, settings: RowSettings
 ) -> NDArray[np.int64]:
-    """Find rows at which the level jumps: a moved target, not the air.
+    """Find rows at which the level changes in a step, because the target moved.
 
-    A step stands out from how much neighboring medians differ anyhow, so a slow change, however
-    large, is none. Across a gap in time the air may change as much as it likes, so there only a
-    step that no air can make counts.
+    A step is large compared with the usual difference of neighboring medians. A slow change is
+    not a step, even if it is large. Across a gap in time the air may change by any amount that is
+    physically possible, so only a larger step counts there.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def level_steps(
     elapsed : ndarray, shape (n,), or None
         Time of each row [s].
     temperature : ndarray, shape (n,), or None
-        Air temperature [degC]; tells how much the air could have done across a gap.
+        Air temperature [degC]; limits the possible change by the air across a gap.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def level_steps(
     for gap in np.flatnonzero(gaps(elapsed, settings.gap)).tolist() if elapsed is not None else ():
         near = slice(max(0, gap - size), gap + size)
         height[near] = np.where(height[near] > air[near], height[near], 0.0)
-    quiet = ~np.isnan(jump)  # and away from steps, which must not widen what is usual
+    quiet = ~np.isnan(jump)  # and not near a step, which must not widen the usual difference
     steps: list[int] = []
     while quiet.any() and (usual := robust(jump[quiet])[1]) > 0.0:
         limit = np.where(height > air, settings.level_step_of_no_air, settings.level_step)

@@ -1,4 +1,4 @@
-"""How rows belong together: series, stations or segments, and where their targets are."""
+"""The grouping of rows: series, stations or segments, and their distances."""
 
 from dataclasses import dataclass
 
@@ -12,18 +12,18 @@ Labels = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """How rows belong together.
+    """The grouping of rows.
 
     Attributes
     ----------
     starts : ndarray of bool, shape (n,)
-        First rows of series: nothing is remembered across.
+        First rows of series. Noise is not autocorrelated from one series to the next.
     groups : ndarray of int, shape (n,)
         Segment of constant level, or station, of each row.
     distance : ndarray, shape (n,)
         Of each row [m].
     flat_level : bool
-        Whether groups have an unknown level (nothing known about it) or a random error.
+        Whether each group has an unknown level with a flat prior; else it has a random error.
     """
 
     starts: NDArray[np.bool_]
@@ -39,7 +39,7 @@ class Order:
         return Order(starts, self.groups[rows], self.distance[rows], self.flat_level)
 
     def cells(self, blocks: Labels) -> tuple[Labels, tuple[Labels, Labels]]:
-        """Cell of each row, where a cell is what a block has of a group; block and group of each cell."""
+        """Cell of each row, and block and group of each cell. A cell is the rows of a group in a block."""
         groups = int(self.groups.max()) + 1
         code = blocks * groups + self.groups
         present = np.flatnonzero(np.bincount(code))

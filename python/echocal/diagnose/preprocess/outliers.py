@@ -1,26 +1,25 @@
-"""Rows that cannot be what they seem: another echo, or no reading at all."""
+"""Outliers: rows that no noise and no air explains."""
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.preprocess.off_station import far_as_a_whole
 from echocal.diagnose.preprocess.stations import stations
 from echocal.diagnose.preprocess.usable import Usable, some
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations
-from echocal.observations.quantiles import Grouped, median
+from echocal.observations.quantiles import median
 
-__all__ = ["FAR", "OFF_STATION", "far_rows", "robust", "without_outliers"]
+__all__ = ["FAR", "far_rows", "robust", "without_far_rows"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 
-FAR = "far from what its neighbors or the base simulation say"
-OFF_STATION = "far from what the same target mostly read: another echo"
-"""Why a row was left out."""
+FAR = "far from its neighbors or from the base simulation"
+"""Why a row is left out."""
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
 
@@ -38,22 +37,22 @@ def far_rows(
     orders: Callable[[], Sequence[Column]],
     settings: RowSettings,
 ) -> Mask:
-    """Find rows far outside anything that noise or the air could do.
+    """Find rows farther off than noise or the air can explain.
 
     Parameters
     ----------
     indication : ndarray, shape (n,)
         Readings [m], in the order recorded.
     expected : ndarray, shape (n,), or None
-        Readings that the base simulation predicts [m]; None where the distance is not known, and
-        the neighbors are the only witnesses.
+        Readings that the base simulation predicts [m]. None where the distance is not known; then
+        each row is compared with its neighbors.
     orders : callable
-        ``orders()`` are columns, shape (n,), that a deviation may be a function of.
+        ``orders()`` are columns, shape (n,), that a deviation may depend on.
 
     Returns
     -------
     ndarray of bool, shape (n,)
-        Also rows that physics might reach, where none of the neighbors does.
+        Includes rows with a physically possible deviation if no neighbor deviates as much.
     """
     if len(indication) <= 2 * settings.half_window:
         return np.zeros(len(indication), dtype=bool)
@@ -71,7 +70,7 @@ def far_rows(
     far = np.asarray(off > np.maximum(usual, settings.far_relative * np.abs(expected)))
     limit = max(usual, settings.far_least)
     odd = np.flatnonzero((off > limit) & ~far)
-    if 0 < len(odd) <= settings.exceptions:  # more of them have a cause
+    if 0 < len(odd) <= settings.exceptions:  # a larger number has a common cause
         far[odd[_alone(deviation, odd, orders(), limit, settings.half_window)]] = True
     return far
 
@@ -79,10 +78,10 @@ def far_rows(
 def _alone(
     deviation: Column, odd: NDArray[np.intp], orders: Sequence[Column], limit: float, neighbors: int
 ) -> Mask:
-    """Whether rows deviate as none of their neighbors does, in whichever order one looks.
+    """Whether rows deviate differently from their neighbors in every order.
 
-    Whatever a cause is a function of, rows alike in it deviate alike: a row that is alone in
-    time, by distance and by temperature is a wild one, also where physics could reach as far.
+    Rows with similar values of the column that a cause depends on deviate similarly. A row that
+    deviates alone in time, by distance and by temperature is therefore an outlier.
     """
     alone = np.zeros(len(odd), dtype=bool)
     for i, row in enumerate(odd):
@@ -93,69 +92,10 @@ def _alone(
     return alone
 
 
-def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
-    """Find the rows of stations that are far for the most part: an error of the station, no wild rows.
-
-    Parameters
-    ----------
-    far : ndarray of bool, shape (n,)
-    labels : ndarray of int, shape (n,)
-        Placement of the target of each row.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-    """
-    members = np.bincount(labels)
-    far_ones = np.bincount(labels, far)
-    most = (far_ones > settings.as_a_whole * members) & (members >= settings.station_tells)
-    return np.asarray(most[labels])
-
-
-def far_from_station(
-    indication: Column, labels: Labels, temperature: Column | None, settings: RowSettings
-) -> Mask:
-    """Find rows far from what the same target mostly read: what another echo answered to.
-
-    A last part of the table that is far as a whole is a step, not a lot of wild rows.
-
-    Parameters
-    ----------
-    indication : ndarray, shape (n,)
-        Readings [m], in the order recorded.
-    labels : ndarray of int, shape (n,)
-        Placement of the target of each row.
-    temperature : ndarray, shape (n,), or None
-        Air temperature [degC]; tells how much the air could have done.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-    """
-    none = np.zeros(len(indication), dtype=bool)
-    members = np.bincount(labels)
-    if np.median(members[members > 0]) < settings.station_tells:
-        return none
-    by_station = Grouped(labels)
-    centers, usual, farthest = by_station.scatter(indication)
-    least = max(settings.off_station * _MAD_TO_SD * float(np.nanmedian(usual)), settings.far_least)
-    if farthest <= least:
-        return none
-    off = np.abs(indication - centers[labels])
-    limit = np.full(len(indication), least)
-    if temperature is not None:
-        warming = temperature - by_station.median(temperature)[labels]
-        limit += settings.per_kelvin * np.abs(warming * indication)
-    far = (off > limit) & (members[labels] >= settings.station_tells)
-    first = int(far.argmax())
-    is_step = len(far) - first >= settings.station_tells and far[first:].mean() > settings.as_a_whole
-    return none if far.any() and is_step else np.asarray(far)
-
-
-def without_outliers(
+def without_far_rows(
     observations: Observations, usable: Usable, reference: Column | None, settings: RowSettings
-) -> tuple[Usable, Labels | None]:
-    """Leave out rows that are far from what they should be.
+) -> Usable:
+    """Leave out rows farther off than noise or the air can explain, but not a whole station.
 
     Parameters
     ----------
@@ -164,41 +104,18 @@ def without_outliers(
     reference : ndarray, shape (total,), or None
         Reference distance of every row of the source [m]; None where it is not known.
     settings : RowSettings
-
-    Returns
-    -------
-    Usable
-    ndarray of int, or None
-        Station of each row that is left; None where the reference is not known.
     """
+    rows = usable.rows
     columns = (reference, observations.conditions.get("temperature"))
 
     def orders() -> list[Column]:
-        """Columns that neighbors are sought by: the row, and what a cause is most likely a function of."""
-        rows = usable.rows
+        """Columns by which neighbors are found: the row, the distance and the temperature."""
         return [rows.astype(np.float64), *(some(column, rows) for column in columns if column is not None)]
 
-    if reference is None:
-        far = far_rows(usable.indication, None, orders, settings)
-        return _without(usable, far, FAR), None
-    far = far_rows(usable.indication, some(reference, usable.rows), orders, settings)
-    if far.any():
-        far &= ~far_as_a_whole(far, stations(observations, reference, usable.rows, settings), settings)
-    usable = _without(usable, far, FAR)
-    if not len(usable.rows):
-        return usable, None
-    labels, warm = stations(observations, reference, usable.rows, settings), columns[1]
-    temperature = None if warm is None else some(warm, usable.rows)
-    far = far_from_station(usable.indication, labels, temperature, settings)
-    if far.any():
-        usable = _without(usable, far, OFF_STATION)
-        labels = stations(observations, reference, usable.rows, settings)
-    return usable, labels
-
-
-def _without(usable: Usable, rows: Mask, reason: str) -> Usable:
-    """Leave out some of the rows."""
-    if not rows.any():
+    expected = None if reference is None else some(reference, rows)
+    far = far_rows(usable.indication, expected, orders, settings)
+    if reference is not None and far.any():
+        far &= ~far_as_a_whole(far, stations(observations, reference, rows, settings), settings)
+    if not far.any():
         return usable
-    left_out = Counter(usable.left_out) + Counter({reason: int(rows.sum())})
-    return Usable(usable.rows[~rows], usable.indication[~rows], left_out)
+    return Usable(rows[~far], usable.indication[~far], {**usable.left_out, FAR: int(far.sum())})

@@ -1,4 +1,4 @@
-"""From observations to the table that a diagnosis works on."""
+"""From observations to the table of a diagnosis."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.level_steps import level_steps
-from echocal.diagnose.preprocess.outliers import without_outliers
+from echocal.diagnose.preprocess.off_station import without_other_echoes
+from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
 from echocal.diagnose.preprocess.series import series_starts
 from echocal.diagnose.preprocess.table import Table
@@ -26,7 +27,7 @@ def prepare(
     settings: RowSettings,
     more_steps: Sequence[int] = (),
 ) -> Table:
-    """Leave out what cannot be used; find outliers, segments and series.
+    """Leave out unusable rows and outliers, and find stations, segments and series.
 
     Parameters
     ----------
@@ -38,18 +39,20 @@ def prepare(
         Whether the distance is only known to be constant.
     settings : RowSettings
     more_steps : sequence of int
-        Source rows at which an unknown level is known to jump, besides those found.
+        Source rows of further steps of an unknown level, found by an earlier round.
 
     Raises
     ------
     DataError
         If too few rows are left.
     UsageError
-        If nobody says what the distance is.
+        If neither the table nor the user gives the distance.
     """
     reference = reference_of(observations, reference_distance, constant_distance)
     usable = usable_rows(observations, base, reference)
-    usable, stations = without_outliers(observations, usable, reference, settings)
+    usable, stations = without_far_rows(observations, usable, reference, settings), None
+    if reference is not None and len(usable.rows):
+        usable, stations = without_other_echoes(observations, usable, reference, settings)
     rows, indication = usable.rows, usable.indication
     unusable = dict(sorted(usable.left_out.items()))
     if len(rows) < settings.fewest:

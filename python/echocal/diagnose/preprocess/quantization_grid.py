@@ -1,35 +1,35 @@
-"""The step of a column whose values are quantized: whole multiples of one step."""
+"""The quantization grid of a column: its values are whole multiples of one step."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FINEST", "Lattice", "find_lattice"]
+__all__ = ["FINEST_STEP", "QuantizationGrid", "find_grid"]
 
 Column = NDArray[np.float64]
 
-FINEST = 2e-5
-"""Step of a reading below which arithmetic made it, not the device [m]."""
+FINEST_STEP = 2e-5
+"""Smallest step of a device's readings [m]; a smaller one comes from arithmetic."""
 
-_ENOUGH = 4000  # distinct values that decide as well as all
-_FEWEST = 5  # rows; and distinct values that a lattice is read from without a zero
-_PARTS = 12  # the smallest gap may be this many steps
-_EXACT = 1e-6  # part of a step that arithmetic and a printer's last digit leave
-_PRINTED = 1e-10  # relative error of a value that went through a formula
+_ENOUGH = 4000  # rows that are enough to find the step
+_FEWEST = 5  # rows; and distinct values that determine a grid with an offset
+_PARTS = 12  # most steps in the smallest gap
+_EXACT = 1e-6  # part of a step by which arithmetic and printing may move a value
+_PRINTED = 1e-10  # relative error of a value that a formula has converted
 
 
 @dataclass(frozen=True)
-class Lattice:
+class QuantizationGrid:
     """Values that are whole multiples of a step, apart from an offset.
 
     Attributes
     ----------
     step : float
     distinct : int
-        Different values among the rows that were looked at.
+        Number of different values among the rows that were used.
     rows : int
-        Rows that were looked at.
+        Number of rows that were used.
     """
 
     step: float
@@ -38,21 +38,21 @@ class Lattice:
 
     @property
     def evidence(self) -> float:
-        """Log Bayes factor against values anywhere: none would hit the lattice, or repeat, by chance."""
+        """Log Bayes factor against continuous values, which hit the grid or repeat only by chance."""
         return float(min((self.distinct - 3) * 6.0 + (self.rows - self.distinct) * 2.0, 60.0))
 
 
-def find_lattice(values: Column) -> Lattice | None:
-    """Find the largest step that all differences are multiples of.
+def find_grid(values: Column) -> QuantizationGrid | None:
+    """Find the largest step of which all differences are multiples.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
-        NaN where there is none.
+        NaN where a value is missing.
 
     Returns
     -------
-    Lattice or None
+    QuantizationGrid or None
         None where values are not quantized, or too few differ.
     """
     known = np.isfinite(values)
@@ -66,7 +66,7 @@ def find_lattice(values: Column) -> Lattice | None:
     gaps = gaps[gaps > 4 * noise]
     if not len(gaps):
         return None
-    if len(gaps) + 1 < _FEWEST:  # few values: whole multiples of the step they must be, too
+    if len(gaps) + 1 < _FEWEST:  # few values: the values themselves must be multiples, too
         some = np.append(0.0, some)
     least = float(gaps.min())
     for part in range(1, _PARTS + 1):
@@ -75,18 +75,18 @@ def find_lattice(values: Column) -> Lattice | None:
             return None
         refined = _fitted(some, step)
         if refined is not None:
-            return Lattice(refined, len(gaps) + 1, len(looked_at))
+            return QuantizationGrid(refined, len(gaps) + 1, len(looked_at))
     return None
 
 
 def _fitted(values: Column, step: float) -> float | None:
-    """The step that fits all values best, if it leaves nothing over."""
+    """The step that fits all values best, if no value is off the grid."""
     offsets = values - values[0]
     for _ in range(2):
         counts = np.round(offsets / step)
         if not counts.any():
             return None
         step = float(counts @ offsets / (counts @ counts))
-    left = np.abs(offsets - step * np.round(offsets / step))
+    remainder = np.abs(offsets - step * np.round(offsets / step))
     limit = _EXACT * step + _PRINTED * float(np.abs(values).max())
-    return step if float(left.max()) < limit else None
+    return step if float(remainder.max()) < limit else None

@@ -1,4 +1,4 @@
-"""Reading a table, also one that is refused for its values: a fault may explain them."""
+"""Reading a table, including one that is refused for its values: a fault may explain them."""
 
 import warnings
 from collections.abc import Mapping
@@ -14,13 +14,13 @@ __all__ = ["Reading", "read"]
 
 @dataclass(frozen=True)
 class Reading:
-    """A table as it was read.
+    """A table as read.
 
     Attributes
     ----------
     observations : Observations
     refusal : DataError or None
-        Why the table is refused, unless a fault of a whole column explains it.
+        Error for the user, unless a fault of a whole column explains it.
     """
 
     observations: Observations
@@ -28,9 +28,9 @@ class Reading:
 
 
 def read(source: Any, how: Mapping[str, Any]) -> Reading:
-    """Read a table; one that is refused for its values is read as it is, with the refusal.
+    """Read a table; if it is refused for its values, read it without checks and keep the error.
 
-    A column in another unit is a cause like others: where a fault explains it, it is named.
+    A column in a wrong unit, for example, is a fault that the diagnosis may name.
 
     Parameters
     ----------
@@ -41,16 +41,14 @@ def read(source: Any, how: Mapping[str, Any]) -> Reading:
     if isinstance(source, Observations):
         late = next((name for name, value in how.items() if value), None)
         if late:
-            message = (
-                f"{late} concerns the reading of a table; pass it to read_observations, which made these"
-            )
+            message = f"{late} is an argument for reading a table; pass it to read_observations instead"
             raise UsageError(message)
         return Reading(source)
     try:
         return Reading(read_observations(source, **how))
     except DataError as refusal:
         try:
-            with warnings.catch_warnings(action="ignore"):  # the refusal says it all
+            with warnings.catch_warnings(action="ignore"):  # the error has this information
                 return Reading(read_observations(source, **{**how, "trust": (EVERYTHING,)}), refusal)
         except EchocalError:
             raise refusal from None

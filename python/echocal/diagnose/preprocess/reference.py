@@ -1,4 +1,4 @@
-"""The reference distance of every row, as the table or the user gives it."""
+"""The reference distance of every row, from the table or from the user."""
 
 from numbers import Real
 from typing import Any
@@ -14,7 +14,7 @@ __all__ = ["reference_of", "refuse_distance"]
 
 
 def refuse_distance(given: Any) -> None:
-    """Refuse a reference distance that no target can have."""
+    """Refuse an impossible reference distance."""
     low, high = NAMES["distance_m"][0].physical
     if given is not None and not (isinstance(given, Real) and low < float(given) <= high):
         message = f"reference distance is {given} m; give {low:g} < distance <= {high:g}"
@@ -24,12 +24,12 @@ def refuse_distance(given: Any) -> None:
 def reference_of(
     observations: Observations, given: float | None, constant: bool
 ) -> NDArray[np.float64] | None:
-    """Reference distance of every row [m]; None where the user says that it is constant and unknown.
+    """Reference distance of every row [m]; None if it is constant and unknown.
 
     Raises
     ------
     UsageError
-        If it is said to be known and to be unknown, or nobody says what it is.
+        If it is given and declared unknown, or if it is missing.
     """
     if given is not None and constant:
         raise UsageError("give either a reference distance or constant_distance, not both")
@@ -40,7 +40,7 @@ def reference_of(
     if observations.reference_distance is None:
         message = (
             "the table has no reference distance: map a column to distance_m, give --reference-distance M, "
-            "or say --constant-distance where the target never moved"
+            "or give --constant-distance if the target did not move"
         )
         raise UsageError(message)
     return observations.reference_distance

@@ -1,4 +1,4 @@
-"""Series: rows whose noise may depend on the row before."""
+"""Series: consecutive rows whose noise may be autocorrelated."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,14 @@ Mask = NDArray[np.bool_]
 
 
 def series_starts(elapsed: Column | None, breaks: Mask, gap: float) -> Mask:
-    """Find rows whose noise owes nothing to the row before: after a gap or a break."""
+    """Find the first rows of series: those after a gap in time or a break."""
     starts = breaks.copy()
     starts[:1] = True
     return starts if elapsed is None else starts | gaps(elapsed, gap)
 
 
 def gaps(elapsed: Column, longest: float) -> Mask:
-    """Rows before which time stands still for so many usual intervals, or runs backward."""
+    """Rows before which the time has a gap of so many usual intervals, or decreases."""
     late = np.zeros(len(elapsed), dtype=bool)
     if len(elapsed) < 2:
         return late

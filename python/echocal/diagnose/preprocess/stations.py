@@ -17,8 +17,8 @@ def stations(
 ) -> Labels:
     """Station of each of some rows: as recorded, else one for each reference distance.
 
-    Where nearly every row has a distance of its own, an error per station is noise like any other:
-    then all rows are of one station.
+    If nearly every row has a distance of its own, an error per station is the same as noise of
+    single rows. Then all rows are one station.
     """
     import pandas as pd  # takes long to import
 

@@ -1,4 +1,4 @@
-"""The table as the rest of a diagnosis takes it: usable rows, their readings and how they belong together."""
+"""The table of a diagnosis: usable rows, their readings and their grouping."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -43,8 +43,8 @@ class Table:
     total : int
         Rows of the source.
     echoes : bool
-        Whether the indication comes from recorded echo times, which the device's own arithmetic has
-        not touched; also where the readings stand beside them.
+        Whether the indication comes from recorded echo times, which the arithmetic of the device
+        does not change; also if readings are recorded, too.
     """
 
     row: Labels
@@ -64,18 +64,18 @@ class Table:
 
     @cached_property
     def order(self) -> Order:
-        """How the rows belong together."""
+        """The grouping of the rows."""
         distance = self.indication if self.reference is None else self.reference
         return Order(self.starts, self.groups, distance, flat_level=self.reference is None)
 
     def distance(self, model: Model, rows: NDArray[np.bool_] | None = None) -> Column:
-        """Distance of every row [m] if a model were right: the reference, or each group's median.
+        """Distance of every row [m]: the reference, or the median of each group by a model.
 
         Parameters
         ----------
         model : Model
         rows : ndarray of bool, optional
-            Rows that the medians are taken over.
+            Rows that the medians include; default: all.
         """
         if self.reference is not None:
             return self.reference
@@ -87,7 +87,7 @@ class Table:
     def correct(
         self, model: Model, rows: NDArray[Any] | slice | None = None, out: Column | None = None
     ) -> Column:
-        """Distance [m] by a model, of some rows or all, from the conditions that it reads."""
+        """Readings of some or all rows, corrected by a model [m]."""
         reads = model.reads if model.shape is None else {*model.reads, model.shape.against}
         needed = {name: column for name, column in self.conditions.items() if name in reads}
         indication = self.indication
@@ -104,17 +104,17 @@ class Table:
         return corrected
 
     def air(self) -> dict[str, float]:
-        """Median of each recorded quantity of the air but the temperature, which every device has."""
+        """Median of the recorded humidity, pressure and CO2."""
         recorded = self.conditions.keys() & {*AIR} - {"temperature"}
         medians = {name: median(self.conditions[name]) for name in sorted(recorded)}
         return {name: float(f"{value:.6g}") for name, value in medians.items()}  # 63.4 % is 0.634
 
     def against(self) -> dict[str, Column]:
-        """Columns that a remainder may be a function of, by the name a person knows."""
+        """Columns that a residual may depend on, by their names for people."""
         return {**self.known(), **self.extra}
 
     def known(self) -> dict[str, Column]:
-        """Those that are no further columns: influence quantities, distance, and time or row."""
+        """Those with a known meaning: influence quantities, distance, and time or row."""
         recorded = {n: c for n, c in self.conditions.items() if QUANTITIES[n].derived_from is None}
         columns = {QUANTITIES[name].column: c for name, c in recorded.items()}
         if "time" not in columns:
@@ -125,7 +125,7 @@ class Table:
 
 
 def levels(values: Column, groups: Labels, rows: NDArray[np.bool_], center: object) -> Column:
-    """Center of each group over `rows`, spread over all rows of the group; NaN for other groups."""
+    """Center of each group over `rows`, for all rows of the group; NaN for groups without such rows."""
     result = np.full(len(values), np.nan)
     for group in np.unique(groups[rows]):
         member = groups == group

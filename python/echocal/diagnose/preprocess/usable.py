@@ -1,4 +1,4 @@
-"""Rows that a diagnosis can use, and why the others are left out."""
+"""Rows that a diagnosis can use, and the reasons why the others are left out."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -36,7 +36,7 @@ class Usable:
 
 
 def usable_rows(observations: Observations, base: Base, reference: Column | None) -> Usable:
-    """Find the rows with everything that a diagnosis needs.
+    """Find the rows with all values that a diagnosis needs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A table as detectors look at it: readings beside a robust expectation."""
+"""A table as fault detectors see it: readings and their robust expectation."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.base import Base
-from echocal.diagnose.preprocess.quantization_grid import find_lattice
+from echocal.diagnose.preprocess.quantization_grid import find_grid
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 
@@ -18,29 +18,29 @@ Labels = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
-_ENOUGH = 20_000  # rows that a robust fit needs at most
-_MANY = 100_000  # rows that tell which ones are wild
-_CACHED = 32_768  # rows whose columns stay near the processor
-_ROUNDS = 12  # reweightings: least absolute deviations to a part in a thousand
-_WINDOW = 13  # rows that vouch for a level where no reference is known
-_ANYHOW = 0.06  # part of a distance that no law or thermometer is wrong by
-_NEAR = 0.05  # m, and no mount
-_PER_STEP = 0.6  # scatter that a step of the readings makes at least, where it hides the noise
-_LEAST = 1e-5  # m, below what any such sensor scatters
+_ENOUGH = 20_000  # rows that are enough for a robust fit
+_MANY = 100_000  # rows that are enough for a robust center
+_CACHED = 32_768  # rows whose columns fit into the cache of a processor
+_ROUNDS = 12  # reweightings, for least absolute deviations to 0.1 %
+_WINDOW = 13  # rows whose median is the expectation where no reference is known
+_ANYHOW = 0.06  # of the distance: laws and thermometers are wrong by less
+_NEAR = 0.05  # m: mounts are wrong by less
+_PER_STEP = 0.6  # least scatter, in steps of the readings, for a step that hides the noise
+_LEAST = 1e-5  # m, below the scatter of such sensors
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """One look at a table; a repair makes a new one.
+    """A table for detectors; a repair makes a new one.
 
     Attributes
     ----------
     observations : Observations
     base : Base
     given : float or None
-        Reference distance of every row [m], where the user said it.
+        Reference distance of every row [m], if the user gives it.
     known : bool
-        Whether there is a reference distance at all.
+        Whether there is a reference distance.
     """
 
     observations: Observations
@@ -52,18 +52,18 @@ class View:
         return len(self.observations)
 
     def after(self, repaired: Observations) -> "View":
-        """The same look at a repaired table."""
+        """The view of a repaired table."""
         return View(repaired, self.base, self.given, self.known)
 
     def without(self, rows: Mask, reason: str) -> Observations:
-        """Mark rows unusable, with the reason; none is dropped."""
+        """Mark rows as unusable, with the reason; all rows are kept."""
         unusable = self.observations.unusable.astype(object)
         unusable[rows & self.observations.usable] = reason
         return replace(self.observations, unusable=unusable.astype(str))
 
     @cached_property
     def reference(self) -> Column | None:
-        """Reference distance [m]; None where only its constancy is known."""
+        """Reference distance [m]; None if it is constant and unknown."""
         if not self.known:
             return None
         if self.given is not None:
@@ -72,7 +72,7 @@ class View:
 
     @cached_property
     def indication(self) -> Column:
-        """Reading with the base's speed [m], also of rows that are out of range."""
+        """Reading with the base's speed of sound [m], including rows that are out of range."""
         with np.errstate(all="ignore"):
             return self.base.indication(self.observations.echo_time, self.observations.conditions)
 
@@ -83,13 +83,13 @@ class View:
 
     @cached_property
     def good(self) -> Mask:
-        """Rows that can be judged."""
+        """Rows with all values that detectors need."""
         good = self.observations.usable & np.isfinite(self.indication)
         return good if self.reference is None else good & np.isfinite(self.reference)
 
     @cached_property
     def expected(self) -> Column:
-        """What most rows say that each should read [m]; NaN where nothing does."""
+        """Reading of each row that follows from most of the rows [m]; NaN where it is unknown."""
         if self.reference is not None:
             return self.reference + self._bulk
         import pandas as pd  # takes long to import
@@ -101,18 +101,18 @@ class View:
 
     @cached_property
     def deviation(self) -> Column:
-        """Reading less what is expected of it [m]."""
+        """Reading less its expectation [m]."""
         return self.indication - self.expected
 
     @cached_property
     def farthest(self) -> float:
-        """Largest deviation of any row that is known of [m]: it clears most tables of most faults."""
+        """Largest known deviation [m]; a small one excludes many faults at once."""
         low, high = np.fmin.reduce(self.deviation, initial=0.0), np.fmax.reduce(self.deviation, initial=0.0)
         return float(max(-low, high))
 
     @cached_property
     def ratios(self) -> tuple[float, float]:
-        """Least and largest reading over reference."""
+        """Smallest and largest ratio of reading to reference."""
         assert self.reference is not None
         with np.errstate(all="ignore"):
             ratio = self.indication / self.reference
@@ -128,40 +128,40 @@ class View:
 
     @cached_property
     def resolution(self) -> float:
-        """Step of the readings or echo times as the logger wrote them [m]; 0 where there is none."""
+        """Quantization step of the recorded readings or echo times [m]; 0 if there is none."""
         values = (
             self.observations.echo_time if self.observations.reading is None else self.observations.reading
         )
-        lattice = find_lattice(np.where(self.good, values, np.nan))
-        if lattice is None:
+        grid = find_grid(np.where(self.good, values, np.nan))
+        if grid is None:
             return 0.0
         scale = float(np.median(self.indication[self.good] / values[self.good])) if self.good.any() else 1.0
-        return lattice.step * scale
+        return grid.step * scale
 
     @cached_property
     def _bulk(self) -> Column:
-        """Smooth part of reading less reference that most rows share [m]."""
+        """Smooth part of reading less reference that most rows have [m]."""
         assert self.reference is not None
-        shape = _Shape.of(self.reference, self.temperature)
+        trend = _Trend.of(self.reference, self.temperature)
         error = self.indication - self.reference
-        sane = self.good & shape.known & np.isfinite(error) & (self.reference > 0)
+        sane = self.good & trend.known & np.isfinite(error) & (self.reference > 0)
         known = np.flatnonzero(sane)
-        some = known[:: max(1, len(known) // _MANY)]  # the middle is asked for to a few percent
+        some = known[:: max(1, len(known) // _MANY)]  # a few percent are accurate enough
         center = median(error[some]) if len(some) else 0.0
         scale = median(error[some] / self.reference[some]) if len(some) else 0.0
-        sane &= _near(error, self.reference, center, scale)  # no leverage for wild rows
+        sane &= _near(error, self.reference, center, scale)  # outliers must not have leverage
         rows = known if sane.all() else np.flatnonzero(sane)
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
-        if len(rows) < 3 * len(shape):
+        if len(rows) < 3 * len(trend):
             return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
-        return shape.sum(_least_absolute(shape.columns(rows), error[rows]))
+        return trend.sum(_least_absolute(trend.columns(rows), error[rows]))
 
 
 def _near(error: Column, reference: Column, center: float, scale: float) -> Mask | bool:
-    """Rows whose error is near one level or one part of the distance; `True` for all that are known."""
+    """Rows whose error is near a constant or near a part of the distance; `True` for all rows."""
     most = max(center - float(np.fmin.reduce(error)), float(np.fmax.reduce(error)) - center)
     if most < 0.999 * (_ANYHOW * float(np.fmin.reduce(reference)) + _NEAR):
-        return True  # seen at one glance
+        return True
     limit = _ANYHOW * reference + _NEAR
     near = np.asarray(np.abs(error - center) < limit)
     if not near.all():
@@ -170,14 +170,14 @@ def _near(error: Column, reference: Column, center: float, scale: float) -> Mask
 
 
 @dataclass(frozen=True)
-class _Shape:
-    """Columns that most causes' means nearly lie in, made where they are needed.
+class _Trend:
+    """Basis functions of distance and temperature that approximate the mean of most causes.
 
     Attributes
     ----------
     distance : ndarray, shape (n,)
     temperature : ndarray, shape (n,), or None
-        None where it is one number.
+        None if it is constant.
     bends : bool
         Whether there is more than one distance.
     """
@@ -187,7 +187,7 @@ class _Shape:
     bends: bool
 
     @classmethod
-    def of(cls, distance: Column, temperature: Column | None) -> "_Shape":
+    def of(cls, distance: Column, temperature: Column | None) -> "_Trend":
         finite = np.isfinite(distance)
         bends = bool(finite.any() and np.ptp(distance if finite.all() else distance[finite]) > 0)
         varies = temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature)
@@ -198,17 +198,17 @@ class _Shape:
 
     @property
     def known(self) -> Mask:
-        """Rows of which every column is known."""
+        """Rows in which all basis functions are known."""
         known = np.isfinite(self.distance)
         return known if self.temperature is None else known & np.isfinite(self.temperature)
 
     def _units(self, rows: Labels | slice) -> tuple[Column, Column | None]:
-        """Distance in units of 2 m, temperature in units of 25 K, of some rows."""
+        """Distance in units of 2 m and temperature in units of 25 K, of some rows."""
         warm = None if self.temperature is None else self.temperature[rows] / 25.0
         return self.distance[rows] / 2.0, warm
 
     def columns(self, rows: Labels) -> Column:
-        """Every column at some rows, one per line."""
+        """All basis functions at some rows, one per line."""
         far, warm = self._units(rows)
         columns = [np.ones_like(far), *([far, far**2] if self.bends else [])]
         if warm is not None:
@@ -216,7 +216,7 @@ class _Shape:
         return np.stack(columns)
 
     def sum(self, coefficients: Column) -> Column:
-        """Every column times its coefficient, in all rows."""
+        """Sum of the basis functions times their coefficients, at all rows."""
         whole = np.empty_like(self.distance)
         for first in range(0, len(whole), _CACHED):
             rows = slice(first, first + _CACHED)
@@ -237,7 +237,7 @@ class _Shape:
 
 
 def _least_absolute(columns: Column, values: Column) -> Column:
-    """Coefficients of least absolute deviations, by reweighting."""
+    """Coefficients of least absolute deviations, by iterative reweighting."""
     found = np.zeros(len(columns))
     found[0] = median(values)
     for _ in range(_ROUNDS):

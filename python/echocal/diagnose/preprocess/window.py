@@ -1,4 +1,4 @@
-"""Rows by time: the window asked for."""
+"""Rows of a period of time."""
 
 import re
 from dataclasses import replace
@@ -14,12 +14,12 @@ __all__ = ["between", "instant", "times"]
 
 Mask = NDArray[np.bool_]
 
-OUTSIDE = "outside the time asked for"
+OUTSIDE = "outside the requested period"
 _DATE = len("2022-07-20")
 
 
 def between(observations: Observations, since: str | None, until: str | None) -> Observations:
-    """Make rows outside a window unusable.
+    """Mark rows outside a period as unusable.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def between(observations: Observations, since: str | None, until: str | None) ->
     if since is None and until is None:
         return observations
     if since is not None and until is not None and instant(since) > instant(until, last=True):
-        message = f"rows since {since} and until {until} are none: the first time is the later one"
+        message = f"there are no rows since {since} and until {until}: the first time is the later one"
         raise UsageError(message)
     outside = np.zeros(len(observations), dtype=bool)
     if since is not None:
@@ -41,7 +41,7 @@ def between(observations: Observations, since: str | None, until: str | None) ->
         time = times(observations, since or until or "")
         ends = (np.datetime_as_string(end(time), unit="s") for end in (np.nanmin, np.nanmax))
         there = "none" if np.isnat(time).all() else " to ".join(map(str, ends))
-        message = f"no row lies in the time asked for ({since or ''} .. {until or ''}); the table's: {there}"
+        message = f"no row is in the requested period ({since or ''} .. {until or ''}); the rows: {there}"
         raise UsageError(message)
     reasons = observations.unusable.astype(object)
     reasons[outside & (observations.unusable == "")] = OUTSIDE
@@ -49,7 +49,7 @@ def between(observations: Observations, since: str | None, until: str | None) ->
 
 
 def times(observations: Observations, wanted: str) -> NDArray[np.datetime64]:
-    """Time of every row; refuses a table that has none."""
+    """Time of every row; refuses a table without times."""
     if observations.time is None:
         message = f"'{wanted}' is a time, and the table has no column of times (map one to time)"
         raise UsageError(message)
@@ -57,7 +57,7 @@ def times(observations: Observations, wanted: str) -> NDArray[np.datetime64]:
 
 
 def instant(text: str, *, last: bool = False) -> np.datetime64:
-    """Read an ISO 8601 time; with `last`, of a date its last instant."""
+    """Read an ISO 8601 time; with `last`, a date means its last instant."""
     try:
         instant = np.datetime64(_in_utc(text), "ns")
         if np.isnat(instant):
@@ -70,9 +70,9 @@ def instant(text: str, *, last: bool = False) -> np.datetime64:
 
 
 def _in_utc(text: str) -> str:
-    """Text of the same instant in UTC without an offset, as NumPy wants it."""
+    """Text of the same instant in UTC without an offset, as NumPy requires."""
     if not re.match(r"\d{4}", text):
-        raise ValueError  # NumPy would take "now" and "today"
+        raise ValueError  # NumPy accepts "now" and "today"
     if len(text) <= _DATE:
         return text
     instant = datetime.fromisoformat(text)

@@ -1,1 +1,1 @@
-"""The diagnosis as a person reads it: its sentences, notes, steps of the level and classes."""
+"""The diagnosis as data and as text: sentences, notes, level steps, classes of causes."""

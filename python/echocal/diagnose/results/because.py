@@ -1,4 +1,4 @@
-"""Why a cause is claimed, in one sentence that a user can check in the data."""
+"""Why a cause is claimed: a comparison that a user can check in the data."""
 
 from functools import reduce
 
@@ -14,7 +14,7 @@ __all__ = ["because"]
 
 
 def because(case: Case, claim: Claim, validation: Validation, recorded: Recorded) -> str:
-    """One sentence on a cause that a user can check in the data."""
+    """Compare what a cause predicts with the data."""
     signal = case.signal(claim.variant, claim.mean)
     beside = [c for c in validation.kept if c is not claim] if claim in validation.kept else []
     left = reduce(np.subtract, (case.signal(c.variant, c.mean) for c in beside), case.residual)

@@ -1,4 +1,4 @@
-"""The diagnosis that a user gets: what it says, and what can be done with it."""
+"""The diagnosis that a user gets: its data and its methods."""
 
 import json
 import math
@@ -28,7 +28,7 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Diagnosis(Outcome):
-    """What the base simulation gets wrong, and how sure that is.
+    """What the base simulation gets wrong, with probabilities.
 
     Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
     ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
@@ -74,21 +74,21 @@ class Diagnosis(Outcome):
         replace_text(path, text)
 
     def predict(self, distance: ArrayLike, **conditions: ArrayLike) -> Estimate:
-        """Reading that the device would give at a true distance, all possible causes averaged.
+        """Reading of the device at a true distance, averaged over the possible sets of causes.
 
         Parameters
         ----------
         distance : array_like
             True distance [m].
         **conditions
-            Influence quantities, as for `echocal.Model`; humidity, pressure and CO2 that are not
-            given are the medians of the table.
+            Influence quantities, as for `echocal.Model`. Where humidity, pressure or CO2 is not
+            given, the median of the table is used.
 
         Returns
         -------
         Estimate
-            Of the reading [m]. A `DisagreementWarning` tells where the sets of causes that the
-            data leave possible predict differently.
+            Of the reading [m]. A `DisagreementWarning` reports where the possible sets of causes
+            predict different readings.
 
         Examples
         --------
@@ -104,7 +104,7 @@ class Diagnosis(Outcome):
         return averaged(self.members, "indicate", distance, conditions, self.noise["standard_deviation_m"])
 
     def correct(self, indication: ArrayLike, **conditions: ArrayLike) -> Estimate:
-        """True distance that a reading means, all possible causes averaged; see `predict`.
+        """True distance of a reading, averaged over the possible sets of causes; see `predict`.
 
         Parameters
         ----------
@@ -122,16 +122,16 @@ class Diagnosis(Outcome):
 
     @property
     def model_with_shape(self) -> Model:
-        """The model and the shape that nobody explains, as a term that data gave.
+        """The model with the unexplained term: a smooth function of one column, without a known cause.
 
-        It is held flat outside the range that was seen, and no firmware is made of it. Where nobody
-        knows the cause, nobody knows how long or where else the shape holds.
+        The function is constant outside the range of the data. Firmware cannot include it. As its
+        cause is not known, the function may not hold at another time or place.
 
         Raises
         ------
         UsageError
-            If nothing is unexplained, or it follows the clock or the rows, which no later reading has,
-            or rows never fitted are no better with it.
+            If there is no unexplained term, if it is a function of the row or the time, which no
+            later reading has, or if it does not reduce the error on cross-validated or held-out rows.
 
         Examples
         --------
@@ -147,26 +147,27 @@ class Diagnosis(Outcome):
         """
         found = self.unexplained
         if found is None or found.shape is None:
-            message = "nothing is unexplained in these data: there is no shape to add"
+            message = "the diagnosis has no unexplained term, so there is none to add to the model"
             raise UsageError(message)
         if found.against in OF_THIS_TABLE:
             message = (
-                f"the shape that nobody explains follows the {found.against} of this table, which no later "
-                "reading has: it cannot extend a model"
+                f"the unexplained term is a function of the {found.against} of this table; later readings "
+                "have no such column, so the term cannot extend a model"
             )
             raise UsageError(message)
         if not found.extends:
             without, with_it = (1e3 * (rms or 0.0) for rms in (found.rms_without_m, found.rms_with_m))
+            rows = "cross-validated rows" if self.gain is None else self.gain.judged_rows
             message = (
-                f"the shape against {found.against} that nobody explains makes rows never fitted no better "
-                f"({without:.2f} mm without it, {with_it:.2f} mm with it): it cannot extend the model; use "
-                "the model without it (on the command line: leave --with-shape out)"
+                f"the unexplained term against {found.against} does not reduce the error on {rows} "
+                f"({without:.2f} mm without it, {with_it:.2f} mm with it), so it cannot extend the model; "
+                "use the model without it (on the command line: omit --with-shape)"
             )
             raise UsageError(message)
         return self.model.with_shape(found.shape)
 
     def explain(self) -> str:
-        """Plain sentences that a user can check in the data."""
+        """The diagnosis in sentences that a user can check in the data."""
         return explain(self)
 
 

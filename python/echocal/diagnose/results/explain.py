@@ -1,4 +1,4 @@
-"""A diagnosis in plain sentences."""
+"""A diagnosis in sentences."""
 
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.catalogue import find_cause
@@ -10,10 +10,13 @@ from echocal.diagnose.results.outcome import Outcome
 __all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
 
 _SHOWN = 6  # causes named in one proposal
+_OUTSIDE = "an effect outside the catalogue"
+_NO_SHIFT = "no cause that shifts the readings"
+_ACTS_ON = {"gross": "whole columns of the table", "row": "single rows", "noise": "the noise"}
 
 
 def explain(diagnosis: Outcome) -> str:
-    """Plain sentences, one a line, that a user can check in the data."""
+    """Sentences, a line for each fact, that a user can check in the data."""
     lines = [f"{lead(diagnosis)}.", _rows(diagnosis)]
     for cause in diagnosis.causes:
         lines += _cause(cause)
@@ -26,75 +29,71 @@ def explain(diagnosis: Outcome) -> str:
 
 
 def lead(diagnosis: Outcome) -> str:
-    """One sentence on the verdict, without its period."""
+    """The verdict in one to three sentences, without the last period."""
     if diagnosis.verdict == "nothing":
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
-        which = " that remembers for long, or something unknown that changes as slowly" if slow else ""
-        return f"Nothing is found beyond noise{which}"
+        either = f". Either the noise is autocorrelated, or {_OUTSIDE} changes as slowly as such noise"
+        return f"No effect is detected{either if slow else ''}"
     if diagnosis.verdict == "unknown":
-        return "Something is there that no cause of the catalogue explains"
+        return f"The data show {_OUTSIDE}"
     if diagnosis.verdict == "ambiguous":
-        return f"Something is wrong, and {_left_open(diagnosis)}"
+        return f"The data show an effect. {_left_open(diagnosis)}"
     named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
     named = [c for c in named if c.id not in listed_only()]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
-    faults = [cause.id for cause in named if cause.kind == "gross"]
-    others = [cause.id for cause in named if cause.kind not in {"effect", "gross"}]
-    elsewhere = (("in the table itself", faults), ("in single rows or in the scatter", others))
-    said = [(place, enumerated(ids)) for place, ids in elsewhere if ids]
-    if effects:
-        text = "; and ".join(
-            [f"The data name {enumerated(effects)}", *(f"{place} {ids}" for place, ids in said)]
-        )
-    else:
-        text = (
-            f"The data name, {'; and '.join(f'{place}, {ids}' for place, ids in said)}; no cause of a shift"
-        )
-    return f"{text}; beside it something that no cause explains" if diagnosis.unexplained else text
+    shifting = f"the cause{'s' * (len(effects) > 1)} {enumerated(effects)}" if effects else _NO_SHIFT
+    said, also = [f"The data name {shifting}"], "also " if effects else ""
+    for kind, what in _ACTS_ON.items():
+        if ids := [cause.id for cause in named if cause.kind == kind]:
+            acts = "act" if len(ids) > 1 else "acts"
+            said.append(f"They {also}name {enumerated(ids)}, which {acts} on {what}")
+            also = "also "
+    return ". ".join([*said, *([f"They also show {_OUTSIDE}"] if diagnosis.unexplained else [])])
 
 
 def _left_open(diagnosis: Outcome) -> str:
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
-        return "every cause that fits is refuted by rows never fitted: no cause of a shift is claimed"
-    return "the data leave open which of several causes it is"
+        rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
+        return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"
+    return "Several causes can explain it, and the data do not separate them"
 
 
 def rivals_of(cause: Cause) -> list[str]:
-    """What these data cannot tell a cause from, as people say it."""
-    return ["something unknown" if id_ == UNKNOWN else id_ for id_ in cause.indistinguishable_from]
+    """What these data cannot separate from a cause, as people say it."""
+    return [_OUTSIDE if id_ == UNKNOWN else id_ for id_ in cause.indistinguishable_from]
 
 
 def _class(cause: Cause) -> str:
     rivals = rivals_of(cause)
     if not rivals:
         return cause.id
-    return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} that look the same'})"
+    return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} similar causes'})"
 
 
 def _rows(diagnosis: Outcome) -> str:
     rows = diagnosis.rows
-    text = f"{rows['used']} of {rows['total']} rows are used"
+    text = f"{rows['used']} of {rows['total']} rows are used."
     reasons = "; ".join(f"{count} ({reason})" for reason, count in rows["unusable"].items())
-    return f"{text}; left out: {reasons}." if reasons else f"{text}."
+    return f"{text} Rows left out: {reasons}." if reasons else text
 
 
 def _cause(cause: Cause) -> list[str]:
     sizes = ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
-    alone = "" if cause.in_model or cause.kind != "effect" else "Or else "
+    alone = "" if cause.in_model or cause.kind != "effect" else "Possible instead: "
     rivals = rivals_of(cause)
-    others = rivals[0] if len(rivals) == 1 else f"one of {len(rivals)} others"
-    shared = f" that it is this one or {others}" if rivals else ""
+    others = rivals[0] if len(rivals) == 1 else f"one of {len(rivals)} similar causes"
+    shared = f" for this cause or {others}" if rivals else ""
     lines = [
         f"{alone}{cause.id}, {sizes} (probability {cause.probability:.3f}{shared}): "
         f"{find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
     ]
     if cause.doubt:
-        lines.append(f"  But {cause.doubt}.")
+        lines.append(f"  Doubt: {cause.doubt}.")
     if rivals:
-        lines.append(f"  These data cannot tell it from {', '.join(rivals)}.")
+        lines.append(f"  These data cannot separate it from {', '.join(rivals)}.")
     return lines
 
 
@@ -102,35 +101,36 @@ def _gain(gain: Gain | None) -> list[str]:
     if gain is None:
         return []
     (_, before), *rungs = gain.ladder
-    rows = f"On {gain.held_out_rows} rows that no parameter was fitted to ({gain.scheme}) the error is"
+    rows = f"On {gain.held_out_rows} {gain.judged_rows} ({gain.scheme}), the RMS error is"
     floor = f"{1e3 * gain.rms_floor_m:.2f} mm"
     if not rungs:
-        able = "" if gain.fraction_of_reachable is None else f" (all recorded columns together reach {floor})"
-        return [f"{rows} {1e3 * before:.2f} mm with the base{able}; no effect extends it."]
+        lines = [f"{rows} {1e3 * before:.2f} mm with the base. No effect extends the base."]
+        able = gain.fraction_of_reachable is not None
+        return lines + [f"All recorded columns together could reach {floor}."] * able
     steps = "; ".join(f"{1e3 * rms:.2f} mm with {' + '.join(ids)}" for ids, rms in rungs)
     low, high = (1e3 * end for end in gain.interval_95)
-    shown = " (no gain that these rows could show)" if low <= 0.0 else ""
+    shown = " The interval contains 0, so these rows show no gain." if low <= 0.0 else ""
     lines = [
         f"{rows} {1e3 * before:.2f} mm with the base; {steps}.",
-        f"The extended model gains {low:.2f} to {high:.2f} mm over the base (95 %){shown}.",
+        f"The extended model gains {low:.2f} to {high:.2f} mm over the base (95 % interval).{shown}",
     ]
     if gain.fraction_of_reachable is not None:
-        lines.append(
-            f"That is {100 * gain.fraction_of_reachable:.0f} % of what every recorded column together could "
-            f"remove (floor {floor})."
-        )
+        lines += [
+            f"All recorded columns together could reach {floor}. The extended model removes "
+            f"{100 * gain.fraction_of_reachable:.0f} % of the mean square error that they could remove."
+        ]
     return lines + [f"Under other conditions: {shifted_text(one)}." for one in gain.shifted]
 
 
 def further_notes(diagnosis: Outcome) -> list[str]:
-    """Notes that neither a cause nor the count of rows tells already."""
-    told = {cause.doubt for cause in diagnosis.causes}
-    told |= {f"{cause.id}: {cause.because}" for cause in diagnosis.causes}
-    return [note for note in diagnosis.notes if note not in told and "rows cannot be used" not in note]
+    """Notes that repeat neither a cause nor the count of rows."""
+    stated = {cause.doubt for cause in diagnosis.causes}
+    stated |= {f"{cause.id}: {cause.because}" for cause in diagnosis.causes}
+    return [note for note in diagnosis.notes if note not in stated and "rows cannot be used" not in note]
 
 
 def proposal_text(proposal: NextMeasurement) -> str:
-    """What to measure, and what for, as a phrase."""
+    """What to measure and for which purpose, as a phrase."""
     pair = _pair(proposal.separates)
     side = proposal.conditions.get("side_measurement")
     if side is not None:
@@ -141,10 +141,10 @@ def proposal_text(proposal: NextMeasurement) -> str:
         ", ".join(_at(name, values[place]) for name, values in varied.items()) for place in range(len(rows))
     ]
     where = "; ".join(f"{count} at {place}" for count, place in zip(rows, places, strict=True))
-    where = f" at {places[0]}" if len(places) == 1 else f", {where}"
+    where = f" at {places[0]}" if len(places) == 1 else f" ({where})"
     return (
-        f"{pair}: measure {sum(rows)} rows{where} (the first name is right with a probability of "
-        f"about {proposal.probability_now:.2f} now, and of {proposal.expected_probability:.2f} then)"
+        f"{pair}: measure {sum(rows)} rows{where}. The most probable set of effects has a probability of "
+        f"{proposal.probability_now:.2f} now; {proposal.expected_probability:.2f} is expected afterwards"
     )
 
 
@@ -154,9 +154,11 @@ def _pair(separates: tuple[str, ...]) -> str:
     if len(causes) > _SHOWN:
         names.append(f"{len(causes) - _SHOWN} others")
     if len(names) == 1:
-        return f"to tell whether {names[0]} is at work"
-    apart = f"to tell {names[0]} from {names[1]}" if len(names) == 2 else f"to tell {enumerated(names)} apart"
-    return apart if len(causes) == len(separates) else f"{apart}, and from nothing"
+        return f"to test for {names[0]}"
+    if len(causes) < len(separates):
+        return f"to separate {enumerated([*names, 'no effect'])}"
+    two = len(names) == 2
+    return f"to separate {names[0]} from {names[1]}" if two else f"to separate {enumerated(names)}"
 
 
 def _at(name: str, value: float) -> str:

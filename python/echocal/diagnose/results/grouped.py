@@ -1,31 +1,35 @@
-"""Sets of causes that the data cannot tell apart, as one."""
+"""Sets of causes that the data cannot separate, as one group."""
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.parts import Cause, Refuted
 from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["LEAST", "Group", "grouped", "in_common"]
 
+OUTSIDE = "effect outside the catalogue"
+"""Name of `UNKNOWN` for people."""
+
 LEAST = 0.005
-"""Probability that is worth a line."""
+"""Smallest probability that is shown."""
 
 _SHORT = 2  # members of a class that are listed
 
 
 @dataclass(frozen=True)
 class Group:
-    """Sets of causes that differ only in what these data cannot tell apart.
+    """Sets of causes that differ only by causes that these data cannot separate.
 
     Attributes
     ----------
     classes : tuple of str
-        Each cause, or those that it might be instead.
+        Name of each class: one cause, or several that these data cannot separate.
     shares : tuple of float
         Probability of each set, most probable first.
     members : dict of str to tuple of str
-        Behind each class that is too long to be listed in its name: all it might be.
+        All causes of each class whose name does not list them.
     """
 
     classes: tuple[str, ...]
@@ -34,17 +38,17 @@ class Group:
 
     @property
     def probability(self) -> float:
-        """Of all its sets together."""
+        """Sum over its sets."""
         return sum(self.shares)
 
     def beyond(self, common: Set[str]) -> str:
-        """What it has beside what every group has, in words."""
+        """Its classes beyond those that all groups have, in words."""
         own = [name for name in self.classes if name not in common]
-        return " + ".join(own) or ("nothing else" if common else "nothing")
+        return " + ".join(own) or ("no further cause" if common else "no effect")
 
 
 def grouped(diagnosis: Outcome) -> list[Group]:
-    """Join the sets of the posterior that the data cannot tell apart, most probable first."""
+    """Join the sets of the posterior that the data cannot separate, most probable first."""
     claimed: list[Cause | Refuted] = [*diagnosis.causes, *diagnosis.refuted]
     leader: dict[str, str] = {}
     for cause in claimed:
@@ -67,12 +71,13 @@ def grouped(diagnosis: Outcome) -> list[Group]:
 
 
 def _class(leader: str, members: list[str]) -> tuple[str, tuple[str, ...]]:
-    """Name of a class, and what it holds: the name that the causes have, first."""
-    ordered = tuple(sorted(members, key=lambda id_: id_ != leader))
+    """Name of a class, and its causes: the listed one first."""
+    ids = sorted(members, key=lambda id_: id_ != leader)
+    ordered = tuple(OUTSIDE if id_ == UNKNOWN else id_ for id_ in ids)
     short = len(ordered) <= _SHORT
     return " or ".join(ordered) if short else f"{ordered[0]} or {len(ordered) - 1} others", ordered
 
 
 def in_common(groups: Sequence[Group]) -> Set[str]:
-    """Classes that stand in every group; none where there is one group only."""
+    """Classes that every group has; none if there is only one group."""
     return set.intersection(*(set(g.classes) for g in groups)) if len(groups) > 1 else set()

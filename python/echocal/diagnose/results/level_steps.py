@@ -1,4 +1,4 @@
-"""Steps of an unknown level, as a person wants them: when, and how large."""
+"""Steps of an unknown level: when they occur, and how large they are."""
 
 from dataclasses import dataclass
 
@@ -9,17 +9,17 @@ from echocal.observations import Observations
 
 __all__ = ["LevelStep", "steps_of"]
 
-_WINDOW = 13  # rows on each side whose medians tell the size
+_WINDOW = 13  # rows on each side; the medians of both sides give the size
 
 
 @dataclass(frozen=True)
 class LevelStep:
-    """A jump of the level.
+    """A step of the level.
 
     Attributes
     ----------
     row : int
-        First row of the new segment; row 1 is the first, as in messages.
+        First row of the new segment, counted from 1 as in messages.
     time : str or None
         Its time, ISO 8601 in UTC.
     size_m : float

@@ -1,4 +1,4 @@
-"""What a person should know beside the verdict."""
+"""Notes: what a user should know besides the verdict."""
 
 from collections.abc import Sequence
 
@@ -29,128 +29,128 @@ def notes(
     stack: Stack,
     steps: Sequence[LevelStep],
 ) -> tuple[str, ...]:
-    """Tension with theory, claims taken back, steps, and what could not be seen."""
+    """Tension with theory, refuted claims, level steps, and what these data cannot show."""
     said = list(observations.notes)
     said += [_tension(case, cause, validation, stack) for cause in case.found.size_tangents]
     said += _temperature(validation)
     hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
     if hidden:
-        said.append(f"whatever their size, these causes {INVISIBLE}: {', '.join(hidden)}")
-    said += list(dict.fromkeys(_refuted(refuted) for refuted in validation.refuted))
+        said.append(f"these data cannot show the following causes, whatever their size: {', '.join(hidden)}")
+    rows = validation.gain.judged_rows
+    said += list(dict.fromkeys(_refuted(refuted, rows) for refuted in validation.refuted))
     for cause in validation.unjudged:
         said.append(
-            f"{cause} shows in too few stands or stretches to be learned from the others: the gain on rows "
-            "never fitted says nothing about it"
+            f"{cause} acts in too few stations or segments: a fit without them does not find its size. The "
+            f"{rows} neither confirm nor refute it"
         )
     said += [*_both(case, observations), *_aside(case)]
     if passing := ", ".join(validation.model.campaign_effects):
         said.append(
-            f"{passing} belongs to this campaign: for another, leave it out (Model.transferable, echocal "
-            "correct --transferable)"
+            f"the model includes {passing} for this campaign only. For other campaigns, leave it out "
+            "(Model.transferable, echocal correct --transferable)"
         )
     if steps:
         at = "; ".join(str(step) for step in steps[:_SHOWN])
         more = f"; and {len(steps) - _SHOWN} more" if len(steps) > _SHOWN else ""
         said.append(
-            f"the level jumps ({at}{more}): each stretch has its own level, and a jump is not "
-            "blamed on the air"
+            f"the level changes in steps ({at}{more}). Each segment between two steps has its own level, so "
+            "no step counts as an effect of the air"
         )
     given = observations.reference_distance
     if case.table.reference is None and given is not None and np.nanmax(given) > np.nanmin(given):
         said.append(
-            f"the reference distances, {np.nanmin(given):g} to {np.nanmax(given):g} m, were not used: "
-            "the distance was said to be constant; where it was not, leave --constant-distance out"
+            f"the reference distances ({np.nanmin(given):g} to {np.nanmax(given):g} m) are not used, because "
+            "--constant-distance is given. If the distance is not constant, omit this option"
         )
     if case.table.reference is not None and np.ptp(case.table.reference) == 0:
         said.append(
-            "there is one distance only: an error of the reference distance looks like zero_error, and "
-            "nothing in these data guards against it"
+            "all rows have the same reference distance. An error of this distance looks like zero_error, and "
+            "these data cannot separate the two"
         )
     return tuple(text for text in said if text)
 
 
 def _both(case: Case, observations: Observations) -> list[str]:
-    """Which of readings and echo times the diagnosis is of, where both are recorded."""
+    """Whether the diagnosis uses readings or echo times, where both are recorded."""
     if not case.table.echoes or observations.reading is None:
         return []
     echo = observations.source_names.get("echo_time", "echo_s")
     return [
-        "readings and echo times are both recorded: the diagnosis is of the echo times, which the device's "
-        f'own arithmetic has not touched; to diagnose the readings: --column "{echo}=ignore"'
+        "the table has readings and echo times. The diagnosis uses the echo times, because the arithmetic of "
+        f'the device does not change them. To diagnose the readings: --column "{echo}=ignore"'
     ]
 
 
 def _aside(case: Case) -> list[str]:
-    """Which further columns nothing unknown was sought against."""
+    """Which further columns were not searched for an effect outside the catalogue."""
     aside = case.found.aside
     if not aside:
         return []
     tried = sum(name in case.table.extra for name in case.found.terms)
     more = f" and {len(aside) - _SHOWN} more" if len(aside) > _SHOWN else ""
     return [
-        f"an unknown effect was searched for against {tried} of the {tried + len(aside)} further columns "
-        f"that vary and have no gaps, chosen by {MEASURE}. The others were left aside: "
-        f"{', '.join(aside[:_SHOWN])}{more}. To search against one of these, take other columns out: "
+        f"{tried} of the {tried + len(aside)} further columns that vary and have no gaps were searched for "
+        f"an effect outside the catalogue. They were chosen by {MEASURE}. Not searched: "
+        f"{', '.join(aside[:_SHOWN])}{more}. To search one of these, ignore another column: "
         '--column "NAME=ignore"'
     ]
 
 
-def _refuted(refuted: Refuted) -> str:
-    """Why a cause that fits is not claimed; the same of all that were refuted together."""
+def _refuted(refuted: Refuted, rows: str) -> str:
+    """Why a cause that fits is not claimed; one text for causes that were refuted together."""
     before, after = 1e3 * refuted.rms_without_m, 1e3 * refuted.rms_with_m
     if refuted.together:
-        fit = "fits" if len(refuted.together) == 1 else "together fit"
+        is_not = "fits, but is" if len(refuted.together) == 1 else "fit together, but are"
         return (
-            f"{enumerated(refuted.together)} {fit} the rows of the fit, but the extended model is no better "
-            f"than the base on rows never fitted ({before:.2f} mm with the base, {after:.2f} mm with the "
-            "extended model): not claimed"
+            f"{enumerated(refuted.together)} {is_not} not claimed: the extended model is no better than the "
+            f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model)"
         )
     return (
-        f"{refuted.id} fits the rows it was fitted to (probability {refuted.probability:.2f}) but makes "
-        f"rows never fitted worse ({before:.2f} mm without it, {after:.2f} mm with it): not claimed"
+        f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed: it makes the error "
+        f"on {rows} larger ({before:.2f} mm without it, {after:.2f} mm with it)"
     )
 
 
 def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> str:
-    """Whether a correction that theory is sure of has the size that theory gives it."""
-    if find_effect(cause).supplies is None:  # a habit of devices, not a law of nature
+    """Compare the size that the rows give with the size that theory fixes."""
+    if find_effect(cause).supplies is None:  # a property of devices, not a law of nature
         return ""
     claimed = cause in [c.cause for c in validation.kept]
     known = case.found.size_tangents[cause][1]
     beside = without(validation.fit.hypothesis, cause)
-    plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # the first look
+    plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # white noise, alone
     size, uncertainty = free_size(cause, case.found, beside, stack)
     if max(plain_u, uncertainty) > 0.5 * abs(known):
         return (
             ""
             if claimed
-            else f"these rows cannot show {cause} (its size left free: {size:.2f} +/- {uncertainty:.2f})"
+            else f"these rows cannot show {cause}: its size, if fitted, is {size:.2f} +/- {uncertainty:.2f}"
         )
     odd = max(abs(plain - known) / plain_u, abs(size - known) / uncertainty) > case.settings.claims.tension
     if claimed and not odd:
         return ""
     found = (
-        f"left free, the size of {cause} is {plain:.2f} +/- {plain_u:.2f} by plain least squares and "
-        f"{size:.2f} +/- {uncertainty:.2f} with noise that remembers; theory says {known:g}"
+        f"The fitted size is {plain:.2f} +/- {plain_u:.2f} by plain least squares, and {size:.2f} +/- "
+        f"{uncertainty:.2f} with autocorrelated noise"
         f"{reconciled(case, cause, beside, stack, known, size, uncertainty)}"
     )
     if claimed:
         return (
-            f"{found}: it is claimed with {known:g}, but something that goes with it is at work too, or the "
-            "recorded values are not those of the sound path"
+            f"{cause} is claimed with its theoretical size, {known:g}. {found}. Either another effect acts "
+            "in the same rows, or the recorded values are not those on the sound path"
         )
     return (
-        f"{cause} is not claimed; {found}: something of the opposite sign may hide it, or the recorded "
-        "values are not those of the sound path"
+        f"{cause}, whose theoretical size is {known:g}, is not claimed. {found}. Either an effect of the "
+        "opposite sign hides it, or the recorded values are not those on the sound path"
     )
 
 
 def _temperature(validation: Validation) -> list[str]:
-    """What the base's law already does for the readings."""
+    """What the law of the base explains already."""
     fixed, before = validation.gain.rms_fixed_speed_m, validation.gain.rms_before_m
     if fixed is None or before > 0.5 * fixed:
         return []
     return [
-        f"temperature is at work, and the base's law accounts for it: {1e3 * fixed:.2f} mm with one fixed "
-        f"speed, {1e3 * before:.2f} mm with the base"
+        "the temperature changes the echo times, and the law of the base explains this change: the RMS error "
+        f"is {1e3 * fixed:.2f} mm with one fixed speed and {1e3 * before:.2f} mm with the base"
     ]

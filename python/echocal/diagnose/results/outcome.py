@@ -1,4 +1,4 @@
-"""What a diagnosis says, as data."""
+"""The results of a diagnosis, as data."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,41 +22,40 @@ __all__ = ["Outcome"]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the base simulation gets wrong, and how sure that is.
+    """What the base simulation gets wrong, with probabilities.
 
     Attributes
     ----------
     verdict : str
-        ``named``: one class of causes that these data cannot separate holds at least 0.9.
-        ``ambiguous``: several may be at work. ``unknown``: something is there that no cause
-        explains. ``nothing``: nothing beyond noise.
+        ``named``: one class of causes that these data cannot separate has a probability of at least
+        0.9. ``ambiguous``: several causes can explain the data. ``unknown``: an effect outside the
+        catalogue is detected. ``nothing``: no effect is detected.
     causes : tuple of Cause
     posterior : tuple of (tuple of str, float)
-        Probability of sets of causes; the empty set is "nothing", ``unknown`` a shape without a
-        cause.
+        Probability of sets of causes. The empty set is "no effect"; ``unknown`` is an effect
+        outside the catalogue.
     credible_set : tuple of tuple of str
-        The smallest number of sets that hold at least 0.95.
+        The fewest sets whose probabilities add up to at least 0.95.
     unexplained : Unexplained or None
     refuted : tuple of Refuted
-        Causes that fit and yet make rows never fitted worse.
+        Causes that fit, but make the error on cross-validated or held-out rows larger.
     gain : Gain or None
     next_measurements : tuple of NextMeasurement
     rows, base, noise : mapping
         Rows used and left out; the base simulation; the most probable noise.
     notes : tuple of str
-        What a person should know beside the verdict.
+        What a user should know besides the verdict.
     settings : Settings
         Every number that decided the verdict.
     model : Model
-        The base extended by the causes that stand in the model. Its ``air`` holds the median of the
-        recorded humidity, pressure and CO2: what it assumes where they are not given.
+        The base extended by the claimed causes. Its ``air`` holds the median of the recorded
+        humidity, pressure and CO2, which the model assumes where they are not given.
     traces : Traces
         Columns for plots.
     members : tuple of Member
-        The sets of causes that the data leave possible, each with its model: what `predict` and
-        `correct` average over.
+        The possible sets of causes, each with its model. `predict` and `correct` average over them.
     seconds : float
-        What the diagnosis took [s].
+        Time that the diagnosis took [s].
     """
 
     verdict: Verdict

@@ -1,4 +1,4 @@
-"""From the stages' results to the diagnosis that a user gets."""
+"""From the results of the stages to the diagnosis that a user gets."""
 
 import warnings
 from collections.abc import Sequence
@@ -43,16 +43,16 @@ def report(
     members: tuple[Member, ...],
     proposals: tuple[NextMeasurement, ...],
 ) -> Diagnosis:
-    """Put the results together, and say them."""
+    """Put the results together."""
     word = verdict(ranking, selection, validation, joint)
-    remainder, noise = selection.remainder, selection.noise
+    term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     return Diagnosis(
         verdict=word,
         causes=_causes(case, ranking, selection, validation, joint, word),
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint),
-        unexplained=remainder and with_its_function(case, remainder, validation, noise),
+        unexplained=term and with_its_function(case, term, validation, noise),
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
@@ -61,7 +61,7 @@ def report(
         noise=_noise(selection),
         notes=(
             *selection.varying.values(),
-            *_passed_over(ranking, selection, validation),
+            *_not_claimed(ranking, selection, validation),
             *notes(case, observations, validation, inference.stack, steps),
             *_outside(case.table, validation),
         ),
@@ -106,16 +106,16 @@ def _cause(case: Case, claim: Claim, validation: Validation, recorded: Recorded,
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt)
 
 
-def _passed_over(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:
-    """Say why a cause that is likely in the posterior is none of the claims."""
-    if selection.remainder is None:
+def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:
+    """Say why a cause with a high posterior probability is not claimed."""
+    if selection.term is None:
         return []
     said = {id_ for claim in selection.claims for id_ in (claim.cause, *claim.rivals)}
     said |= {*selection.varying, *(refuted.id for refuted in validation.refuted)}
     likely = sorted({id_ for ids, _ in ranking.sets for id_ in ids} - {UNKNOWN, *said})
     return [
-        f"{id_} is likely in the posterior and not claimed: beside what nobody explains, a second smooth "
-        "shape or an offset explains these rows as well"
+        f"{id_} has a high posterior probability, but is not claimed: beside the unexplained term, a second "
+        "smooth function or an offset explains these rows equally well"
         for id_ in likely
         if ranking.of([id_]) >= ranking.settings.claims.named
     ]
@@ -143,7 +143,7 @@ def _noise(selection: Selection) -> dict[str, float]:
 
 
 def _outside(table: Table, validation: Validation) -> list[str]:
-    """Where the extended model is used outside a law's domain, with row numbers of the source."""
+    """Rows of the source in which the extended model is outside the domain of its law."""
 
     def spread(column: NDArray[np.float64]) -> NDArray[np.float64]:
         if len(column) == table.total:

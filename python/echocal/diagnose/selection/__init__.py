@@ -1,1 +1,1 @@
-"""What is claimed: causes, noises and faults with their rivals, and what remains."""
+"""The claims: causes with those that the data cannot separate from them, and the unexplained term."""

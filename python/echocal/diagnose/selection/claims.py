@@ -1,4 +1,4 @@
-"""From fitted hypotheses to claims: what is named, with what, and what is refused."""
+"""From fitted hypotheses to claims: causes with their sizes, their rivals and their probabilities."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ __all__ = [
     "Claim",
     "Ranking",
     "alternatives",
-    "beside_a_remainder",
+    "beside_a_term",
     "claims",
     "covariance_of",
     "effects_of",
@@ -52,7 +52,7 @@ class Ranking:
     probability : ndarray
         Of each of `fits`; sums to one.
     sets : list of (tuple of str, float)
-        Sets of ids (with ``unknown`` for a shape), most probable first; sums to one.
+        Sets of ids (with ``unknown`` for an unexplained term), most probable first; sums to one.
     settings : Settings
     """
 
@@ -62,14 +62,14 @@ class Ranking:
     settings: Settings
 
     def of(self, causes: Sequence[str]) -> float:
-        """Probability that at least one of these is at work: docs/method.md, Eq. 24."""
+        """Probability that at least one of these causes acts: docs/method.md, Eq. 24."""
         return sum(p for ids, p in self.sets if set(ids) & set(causes))
 
     def best(self, beyond: Ids | None = None) -> HypothesisFit | None:
-        """Most probable hypothesis of the most probable set of effects, whatever shape beside it.
+        """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 
-        Of sets that are about as probable, the one that most devices can compensate. With `beyond`,
-        of those sets that have one effect more than these; None if there is none.
+        Of sets that are about equally probable, the one that most devices can compensate. With
+        `beyond`, only sets that have one effect more than these count; None if there is none.
         """
         effects: dict[Ids, float] = {}
         for ids, p in ((ids, p) for ids, p in self.sets if p > 0.0):
@@ -82,7 +82,7 @@ class Ranking:
         near = [named for named in effects if effects[named] > self.settings.claims.nearly * likely]
         top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
         same = [w for w in self.fits if w.hypothesis.effects == top]
-        alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]
+        alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
         return preferred(alike, self.settings.search.form_preference)
 
     def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
@@ -96,8 +96,8 @@ class Ranking:
                 beside += p
         return alone, beside
 
-    def terms(self) -> dict[str, float]:
-        """Probability of a shape against each column."""
+    def unexplained_terms(self) -> dict[str, float]:
+        """Probability of an unexplained term against each column."""
         against: dict[str, float] = {}
         for fit, p in zip(self.fits, self.probability, strict=True):
             for variant in fit.hypothesis.variants:
@@ -107,7 +107,7 @@ class Ranking:
 
 
 def _out_of_reach(ids: Sequence[str]) -> int:
-    """Count the effects that no device can compensate from what it measures."""
+    """Number of effects that devices cannot compensate from what they measure."""
     effects = [find_effect(id_) for id_ in ids]
     measured = {name for name, facts in QUANTITIES.items() if facts.codes is not None}
     foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail not in measured]
@@ -115,7 +115,7 @@ def _out_of_reach(ids: Sequence[str]) -> int:
 
 
 def rank(fits: list[HypothesisFit], causes: int, settings: Settings) -> Ranking:
-    """Normalize, add up the variants of each set of causes, and count only informative causes.
+    """Normalize the posterior, and add up the variants of each set of informative causes.
 
     docs/method.md, Eq. 18 and 20 to 22.
     """
@@ -123,9 +123,9 @@ def rank(fits: list[HypothesisFit], causes: int, settings: Settings) -> Ranking:
     return Ranking(fits, probability, list(sets.items()), settings)
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside: identity is what matters
+@dataclass(frozen=True, eq=False)  # compared by identity, because it has arrays
 class Claim:
-    """A cause of the most probable set, with those that it cannot be told from.
+    """A cause of the most probable set, with the causes that the data cannot separate from it.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Claim:
         Coefficients of its free columns and their standard uncertainties, in prior units.
     rivals : tuple of str
     probability : float
-        Of the class: the cause or one of its rivals.
+        Probability of the cause or one of its rivals.
     """
 
     variant: Variant
@@ -150,22 +150,22 @@ class Claim:
 
 
 def claims(
-    ranking: Ranking, best: HypothesisFit, found: Candidates, shape: Geometry, beyond: Ids = ()
+    ranking: Ranking, best: HypothesisFit, found: Candidates, geometry: Geometry, beyond: Ids = ()
 ) -> list[Claim]:
-    """Claim the causes of a hypothesis, each with its class; but those in `beyond`."""
+    """Claim the causes of a hypothesis, each with its rivals, except those in `beyond`."""
     others = _by_cause(found.variants)
     made = []
     chosen = set(best.hypothesis.effects)
     deviation = np.sqrt(np.diag(best.covariance))
     known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
     for variant, place in ((v, place) for v, place in known if v.cause not in beyond):
-        signal = shape.signal(variant, best.mean[place])
+        signal = geometry.signal(variant, best.mean[place])
         beside = np.zeros(len(signal))
         for other, own in known:
             if other is not variant:
                 beside[list(other.free)] = best.mean[own]
         possible = {c: v for c, v in others.items() if c not in chosen}
-        rivals = shape.rivals(signal, possible, beside, ranking.settings.claims)
+        rivals = geometry.rivals(signal, possible, beside, ranking.settings.claims)
         probability = ranking.of([variant.cause, *rivals])
         made.append(Claim(variant, best.mean[place], deviation[place], tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
@@ -184,7 +184,7 @@ def resized(made: Sequence[Claim], fit: HypothesisFit) -> list[Claim]:
     return [replace(claim, mean=own[claim.cause][0], deviation=own[claim.cause][1]) for claim in made]
 
 
-def beside_a_remainder(
+def beside_a_term(
     made: Sequence[Claim],
     found: Candidates,
     stack: Stack,
@@ -192,40 +192,40 @@ def beside_a_remainder(
     rms: float,
     settings: ClaimSettings,
 ) -> list[Claim]:
-    """Doubt the causes claimed beside a shape that no cause explains: docs/method.md, Eq. 27.
+    """Limit the probability of causes that are claimed beside an unexplained term: docs/method.md, Eq. 27.
 
-    A cause may fill in where a smooth shape against one column falls short of what is there. So it
-    keeps its probability only as far as it does better than a second shape, against any other
-    column, or an offset or a tilt as large as the shape would do in its place; what is then hardly
-    possible is no claim.
+    A cause may fit what the unexplained term, a function of one column, does not reach. It keeps
+    its probability only as far as it fits better than each of its substitutes: a second term
+    against another column, or an offset or a tilt that is as large as the first term. Claims that
+    are improbable after this are dropped.
     """
     whole = Hypothesis((*(claim.variant for claim in made), found.terms[against]), 1.0)
     with_it = _evidence(whole.variants, stack)
-    seconds = _seconds(found, against, rms)
+    substitutes = _substitutes(found, against, rms)
     doubted = []
     for claim in made:
         less = without(whole, claim.cause).variants
-        rival = max((_evidence((*less, second), stack) for second in seconds), default=-np.inf)
+        rival = max((_evidence((*less, other), stack) for other in substitutes), default=-np.inf)
         better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
         doubted.append(replace(claim, probability=min(claim.probability, float(better))))
     likely = (claim for claim in doubted if claim.probability >= settings.mentioned_from)
     return sorted(likely, key=lambda claim: -claim.probability)
 
 
-def _seconds(found: Candidates, against: str, rms: float) -> list[Variant]:
-    """Shapes against other columns, without the mean; and the mean and the tilt that a shape may have."""
+def _substitutes(found: Candidates, against: str, rms: float) -> list[Variant]:
+    """Terms against other columns, without their means; and an offset and a tilt of limited size."""
     line = found.line
     mean = () if line is None else line.free[:1]
-    seconds = []
-    for name, shape in found.terms.items():
-        free = tuple(column for column in shape.free if column not in mean)
+    substitutes = []
+    for name, term in found.terms.items():
+        free = tuple(column for column in term.free if column not in mean)
         if name != against:
-            seconds.append(replace(shape, free=free, bounds=shape.bounds[: len(free)]))
+            substitutes.append(replace(term, free=free, bounds=term.bounds[: len(free)]))
     if line is not None:  # polynomials of degree 0 and 1, of a mean square of 1 and 1/3
         for degree, (column, scale) in enumerate(zip(line.free, line.scales, strict=True)):
             most = rms / scale * (2 * degree + 1) ** 0.5
-            seconds.append(replace(line, free=(column,), bounds=((-most, most),)))
-    return seconds
+            substitutes.append(replace(line, free=(column,), bounds=((-most, most),)))
+    return substitutes
 
 
 def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
@@ -233,7 +233,7 @@ def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
 
 
 def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
-    """Causes of the credible set that might be at work alone, instead of the claims."""
+    """Single causes that are possible instead of the claims."""
     taken = {id_ for claim in made for id_ in (claim.cause, *claim.rivals)}
     found = []
     for ids, probability in ranking.sets:
@@ -281,7 +281,7 @@ def covariance_of(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float6
 
 
 def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, float]:
-    """Parameters of a cause; a mean outside a bound (the prior is cut off there) stands on it."""
+    """Parameters of a cause; a mean outside a bound of the prior is set to the bound."""
     values = dict(variant.at)
     limits = zip(variant.names, mean.tolist(), variant.scales, variant.bounds, strict=False)
     for name, size, scale, (low, high) in limits:
@@ -290,14 +290,14 @@ def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, f
 
 
 def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -> tuple[float, float]:
-    """Size that a known correction would have if theory did not fix it, and its uncertainty."""
+    """Fitted size of a correction whose size theory fixes, and its standard uncertainty."""
     return free_sizes(cause, found, [beside], stack)[0]
 
 
 def free_sizes(
     cause: str, found: Candidates, beside: Sequence[Hypothesis], stack: Stack
 ) -> list[tuple[float, float]]:
-    """Free sizes of a known correction beside each of several hypotheses."""
+    """The same beside each of several hypotheses."""
     free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
     others = [tuple(v for v in hypothesis.variants if v.cause != cause) for hypothesis in beside]
     fits = fit_hypotheses([Hypothesis((free, *variants), 1.0) for variants in others], stack)
@@ -305,12 +305,12 @@ def free_sizes(
 
 
 def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
-    """Drop one cause."""
+    """The hypothesis without one cause."""
     return replace(hypothesis, variants=tuple(v for v in hypothesis.variants if v.cause != cause))
 
 
 def posterior_sets(ranking: Ranking) -> dict[tuple[str, ...], float]:
-    """Every set worth a line, with probabilities that sum to one."""
+    """Sets that are not too improbable to list, with probabilities that sum to one."""
     kept = {ids: p for ids, p in ranking.sets if p >= ranking.settings.claims.listed_from}
     total = sum(kept.values())
     return {ids: p / total for ids, p in kept.items()}

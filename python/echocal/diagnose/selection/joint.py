@@ -1,4 +1,4 @@
-"""One posterior over mean causes, noises and faults together."""
+"""One posterior over effects on the mean, noises and faults together."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Sets = dict[tuple[str, ...], float]
 
 @dataclass(frozen=True)
 class Joint:
-    """The posterior with every kind of cause in it.
+    """The posterior over causes of every kind.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Joint:
 
     @property
     def causes(self) -> tuple[Cause, ...]:
-        """The findings as a diagnosis lists them; no model of the mean has them."""
+        """The findings as a diagnosis lists them; the model does not include them."""
         return tuple(
             Cause(f.cause, f.facts.kind, f.probability, f.parameters, f.rivals, f.because, in_model=False)
             for f in self.findings
@@ -44,7 +44,7 @@ class Joint:
 
     @property
     def decisive(self) -> tuple[Finding, ...]:
-        """Findings that a verdict counts."""
+        """Findings that count for the verdict."""
         listed_only, least = registry.listed_only(), self.settings.noises.matters
         return tuple(f for f in self.findings if f.share > least and f.cause not in listed_only)
 
@@ -55,24 +55,22 @@ def join(
     shares: NoisePosterior,
     carried: Stack,
 ) -> Joint:
-    """Cross the posterior over mean causes with the noises beside each, and with the faults.
+    """Combine the posterior over effects with the noises beside each set, and with the faults.
 
-    docs/method.md, Eq. 30.
-
-    A fault is decided on other features of the table than the means are (values that repeat, rows
-    far off, lattices), so that the probabilities multiply.
+    docs/method.md, Eq. 30. Faults are found from other features of the table than effects are (repeated
+    values, outliers, quantization grids), so the probabilities multiply.
     """
     claims, never = ranking.settings.claims, ranking.settings.noises.split
     least = claims.listed_from
     sets: Sets = {}
     for ids, p in posterior_sets(ranking).items():
-        shapes = shares.fitted_of(ids)
-        split = {ids: p * max(1 - sum(shapes.values()), 0.0)}
-        split |= {tuple(sorted((*ids, shape))): p * part for shape, part in shapes.items()}
+        fitted = shares.fitted_of(ids)
+        split = {ids: p * max(1 - sum(fitted.values()), 0.0)}
+        split |= {tuple(sorted((*ids, noise))): p * part for noise, part in fitted.items()}
         split = {named: part for named, part in split.items() if part >= least}
-        for guard, probability in shares.nuisance_of(ids).items():
+        for nuisance, probability in shares.nuisance_of(ids).items():
             is_open = never < probability < 1 - never
-            split = _crossed(split, guard, probability if is_open else round(probability), least)
+            split = _crossed(split, nuisance, probability if is_open else round(probability), least)
         for named, part in split.items():
             sets[named] = sets.get(named, 0.0) + part
     found = tuple(found)

@@ -1,8 +1,10 @@
-"""A cause counts as there only as far as it is informative: docs/method.md, Eq. 20 to 22.
+"""A cause counts as present only as far as the data can show it: docs/method.md, Eq. 20 to 22.
 
-The prior on a size allows sizes that no data of this kind could show. The part of the prior where a
-cause stays below the noise, beside the other causes of its set, counts as its absence. The core
-computes it: rust/infer/src/search/ranking.rs.
+The prior of a size includes sizes that are too small for these data to show. With such a size, a
+set explains the rows as well as the set without the cause. Its probability says nothing about the
+data, and it would fill the credible set with negligible causes. Therefore the part of the prior at
+which a cause stays below the noise, beside the other causes of its set, counts as its absence. The
+core computes it: rust/infer/src/search/ranking.rs.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The decision to claim a cause, or none, before held-out rows are asked."""
+"""The decision which causes to claim, before the validation."""
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,62 +13,62 @@ from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import (
     Claim,
     Ranking,
-    beside_a_remainder,
+    beside_a_term,
     claims,
     resized,
     without,
 )
 from echocal.diagnose.selection.parsimony import Ids
-from echocal.diagnose.selection.remainder import sized_apart, unexplained
 from echocal.diagnose.selection.steadiness import unsteady
+from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
 
 __all__ = ["Selection", "select"]
 
 
 @dataclass(frozen=True)
 class Selection:
-    """What is claimed, before held-out rows are asked.
+    """The claims before the validation.
 
     Attributes
     ----------
     best : HypothesisFit
-        The hypothesis whose causes are claimed, sized as the model has them.
+        The hypothesis whose causes are claimed, with the sizes that the model has.
     listed : sequence of Claim
-        Every claim.
+        All claims.
     claims : sequence of Claim
-        Those that the model may have.
+        Those that may enter the model.
     noise : Noise
-        The likeliest beside the best hypothesis.
-    remainder : Unexplained or None
-        A smooth function that no cause accounts for.
+        The most likely noise beside the best hypothesis.
+    term : Unexplained or None
+        The unexplained term.
     varying : mapping of str to str
-        Claims that have no one size, and the sizes found.
+        Claims whose size is not constant, each with a sentence on its sizes.
     """
 
     best: HypothesisFit
     listed: Sequence[Claim]
     claims: Sequence[Claim]
     noise: Noise
-    remainder: Unexplained | None
+    term: Unexplained | None
     varying: Mapping[str, str]
 
 
 def select(case: Case, ranking: Ranking, shares: NoisePosterior, carried: Stack) -> Selection:
-    """Claim the causes of the best hypothesis, and doubt the claims."""
+    """Claim the causes of the best hypothesis, then check the claims."""
     settings = case.settings.claims
     best, listed = _claimed(case, ranking, carried, shares)
     whole = best
     noise, _ = carried.likeliest(best)
-    remainder = unexplained(case, ranking)
-    if remainder is not None:
-        against = remainder.against
-        listed = beside_a_remainder(listed, case.found, carried, against, remainder.rms_m, settings)
+    term = unexplained(case, ranking)
+    if term is not None:
+        against = term.against
+        listed = beside_a_term(listed, case.found, carried, against, term.rms_m, settings)
         best, listed = sized_apart(best, listed, carried, settings.blurred)
-    likely = [c for c in listed if c.probability >= settings.modeled_from] or listed  # the rest is listed
+    likely = [c for c in listed if c.probability >= settings.modeled_from] or listed
     varying = unsteady(case, likely, noise, whole)
-    if remainder is not None:  # what changes its size bends after what nobody explains
-        best, likely = _spared(best, likely, varying, carried)
-    return Selection(best, listed, likely, noise, remainder, varying)
+    if term is not None:  # a cause whose size varies fits a part of the unexplained term
+        best, likely = _left_out(best, likely, varying, carried)
+    return Selection(best, listed, likely, noise, term, varying)
 
 
 def _claimed(
@@ -76,9 +76,9 @@ def _claimed(
 ) -> tuple[HypothesisFit, list[Claim]]:
     """Claims of the best hypothesis: docs/method.md, Eq. 25.
 
-    Some effect is claimed where no effect is in doubt, however the probability is shared. Causes
-    that these data cannot tell apart share what probability their class has: a set of causes wins
-    over one cause more only if it wins over the whole class of that cause.
+    An effect is claimed if "no effect" is improbable enough, even if each single effect is
+    improbable. Causes that the data cannot separate share the probability of their class. A further
+    cause is therefore added if its whole class is more probable than the set without it.
     """
     best = ranking.best()
     if best is None:
@@ -95,27 +95,27 @@ def _claimed(
 
 
 def _in_doubt(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
-    """Probability of no effect below which some effect is claimed."""
+    """Probability of no effect below which an effect is claimed."""
     settings = ranking.settings.claims
-    guards = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]
-    there = (sum(found.get(guard.facts.id, 0.0) for found in guards) for guard in registry.nuisances())
-    if max(there, default=0.0) > settings.noisy_from:
+    found = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]
+    present = (sum(one.get(noise.facts.id, 0.0) for one in found) for noise in registry.nuisances())
+    if max(present, default=0.0) > settings.noisy_from:
         return settings.claim_below_amid_noise
     return settings.claim_below_of_few if rows < settings.few_rows else settings.claim_below
 
 
-def _spared(
-    best: HypothesisFit, believed: Sequence[Claim], left_out: Container[str], carried: Stack
+def _left_out(
+    best: HypothesisFit, claimed: Sequence[Claim], left_out: Container[str], carried: Stack
 ) -> tuple[HypothesisFit, list[Claim]]:
-    """Leave out some claims and size the rest anew: what no model has must take nothing from them."""
+    """Leave out some claims and fit the sizes of the others again, without them."""
     hypothesis = best.hypothesis
-    for claim in believed:
+    for claim in claimed:
         if claim.cause in left_out:
             hypothesis = without(hypothesis, claim.cause)
     if hypothesis is best.hypothesis:
-        return best, list(believed)
+        return best, list(claimed)
     best = fit_hypothesis(hypothesis, carried)
-    return best, resized([claim for claim in believed if claim.cause not in left_out], best)
+    return best, resized([claim for claim in claimed if claim.cause not in left_out], best)
 
 
 def _of(fit: HypothesisFit, case: Case, ranking: Ranking, carried: Stack, beyond: Ids = ()) -> list[Claim]:

@@ -1,4 +1,4 @@
-"""Whether the size of a cause is one and the same all through a table."""
+"""Whether the size of a cause is constant over a table."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,13 +26,13 @@ Size = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]
 
 
 def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> dict[str, str]:
-    """Find claims whose size, fitted to each part of the table alone, is not one size.
+    """Find claims whose sizes differ between parts of the table.
 
-    A cause of the mean has one size: what grows in one week and shrinks in another is not it,
-    however well it fits on the whole. Each part sizes all claims together, for alone one would
-    take up what the others do there. Parts are the blocks that folds hold out. Where those are
-    stands and something unexplained follows the rows, they are runs of rows, too: sessions that
-    differ follow each other.
+    An effect has one size. A claim whose size differs between parts is not that effect, even if it
+    fits the whole table. In each part all claims are fitted together, because a single claim would
+    also fit what the others explain. The parts are the blocks of the folds. If the blocks are
+    stations and an unexplained term follows the row or the time, runs of rows are compared, too:
+    they separate sessions.
 
     Parameters
     ----------
@@ -40,41 +40,41 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Hypothesis
     claims : sequence of Claim
     noise : Noise
     best : HypothesisFit
-        The best hypothesis. The shape in it that no cause explains is taken off beforehand; where
-        there is one, less makes a claim doubtful.
+        The best hypothesis. Its unexplained term is subtracted first. If it has one, a smaller
+        difference makes a claim doubtful.
 
     Returns
     -------
     dict of str to str
-        Id, and the sizes found in a sentence.
+        Ids, each with a sentence on the sizes found.
     """
     settings = case.settings.claims
     beside_term = any(v.cause == UNKNOWN for v in best.hypothesis.variants)
-    chance = settings.unsteady_beside_term if beside_term else settings.unsteady
+    limit = settings.unsteady_beside_term if beside_term else settings.unsteady
     families = _families(case, claims, noise, best)
     said: dict[str, str] = {}
     left = list(claims)
-    while left:  # the least steady first: beside it the others are not what they are without
-        looks = [
+    while left:  # the least constant first: the others change when it is taken out
+        found = [
             _sizes(claim, fits)
             for fits in _fits(families, left, noise, settings.steadiness_rows)
             for claim in left
         ]
-        chances = [_chance(sizes) for sizes in looks]
-        worst = int(np.argmin(chances))
-        if chances[worst] * len(families) >= chance:  # looked at more than once
+        p_values = [_p_value(sizes) for sizes in found]
+        worst = int(np.argmin(p_values))
+        if p_values[worst] * len(families) >= limit:  # Bonferroni
             break
         claim = left.pop(worst % len(left))
         said[claim.cause] = (
-            f"{claim.cause} has no one size, so it is not named: {_told(claim, looks[worst])} in "
-            f"{len(looks[worst])} parts of the table"
+            f"the size of {claim.cause} differs between {len(found[worst])} parts of the table, so "
+            f"{claim.cause} is not named: {_sizes_text(claim, found[worst])}"
         )
     return said
 
 
 @dataclass(frozen=True)
 class Family:
-    """Parts of a table, and where the columns stand in their sums.
+    """Parts of a table, and the positions of the columns in their sums.
 
     Attributes
     ----------
@@ -83,34 +83,34 @@ class Family:
         Blocks of each part.
     place : mapping of int to int
         Position of a candidate's column in these sums.
-    shape : mapping of int to float
-        Columns of the shape that is taken off beforehand, in these sums, and their coefficients.
+    term : mapping of int to float
+        Columns of the unexplained term that is subtracted first, and their coefficients.
     """
 
     sums: Sums
     parts: tuple[NDArray[np.bool_], ...]
     place: Mapping[int, int]
-    shape: Mapping[int, float]
+    term: Mapping[int, float]
 
 
 def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> list[Family]:
     blocks = np.arange(len(case.sums.rows))
-    shape = _shape(best)
+    term = _term(best)
     own = {column: column for claim in claims for column in claim.variant.columns}
     parts = tuple(blocks == block for block in blocks[case.folds.fit])
-    families = [Family(case.sums, parts, own, shape)]
+    families = [Family(case.sums, parts, own, term)]
     if best.hypothesis.term in _OF_ROWS and (np.diff(case.folds.blocks) < 0).any():
         families.append(_runs(case, list(own), noise))
     return families
 
 
 def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
-    """Runs of the rows that a fit may see, as many in each; nothing is taken off that changes with them."""
+    """Runs of equally many fitted rows; no term is subtracted, because it changes with the rows."""
     fit = case.folds.fit[case.folds.blocks]
     count = case.settings.claims.steadiness_runs
     runs = np.full(len(fit), count)
     runs[fit] = np.arange(fit.sum()) * count // fit.sum()
-    chosen = [0, *wanted, len(case.found.columns) - 1]  # a group's own first, the residual last
+    chosen = [0, *wanted, len(case.found.columns) - 1]  # first the column of the groups, last the residual
     columns = Columns(case.base.model(), case.residual, case.table.conditions, None)
     for column in case.found.columns.at(chosen):
         columns.store(column)
@@ -120,8 +120,8 @@ def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
     return Family(sums, parts, place, {})
 
 
-def _chance(sizes: Sequence[Size]) -> float:
-    """Probability that sizes of one cause differ as much: docs/method.md, Eq. 28."""
+def _p_value(sizes: Sequence[Size]) -> float:
+    """Probability that sizes of one cause differ at least as much by chance: docs/method.md, Eq. 28."""
     if len(sizes) < 2:
         return 1.0
     from scipy.stats import chi2  # takes long to import
@@ -132,24 +132,24 @@ def _chance(sizes: Sequence[Size]) -> float:
     return float(chi2.sf(apart, (len(sizes) - 1) * len(mean)))
 
 
-def _told(claim: Claim, sizes: Sequence[Size]) -> str:
-    told = []
+def _sizes_text(claim: Claim, sizes: Sequence[Size]) -> str:
+    texts = []
     for i, (name, scale) in enumerate(zip(claim.variant.names, claim.variant.scales, strict=True)):
         unit = next(p.unit for p in find_effect(claim.cause).parameters if p.name == name)
         parts = [
             parameter_text(name, scale * value[i], scale * float(np.sqrt(covariance[i, i])), unit)
             for value, covariance in sizes
         ]
-        told.append(f"{name} is {', '.join(part.partition(' = ')[2] for part in parts)}")
-    return "; ".join(told)
+        texts.append(f"{name} is {', '.join(part.partition(' = ')[2] for part in parts)}")
+    return "; ".join(texts)
 
 
-def _shape(best: HypothesisFit) -> dict[int, float]:
-    """Columns of the shape without a cause, and their coefficients."""
-    shapes = ((v, place) for v, place in best.hypothesis.placed if v.cause == UNKNOWN)
+def _term(best: HypothesisFit) -> dict[int, float]:
+    """Columns of the unexplained term, and their coefficients."""
+    terms = ((v, place) for v, place in best.hypothesis.placed if v.cause == UNKNOWN)
     return {
         column: float(size)
-        for variant, place in shapes
+        for variant, place in terms
         for column, size in zip(variant.free, best.mean[place], strict=True)
     }
 
@@ -157,7 +157,7 @@ def _shape(best: HypothesisFit) -> dict[int, float]:
 def _fits(
     families: Sequence[Family], claims: Sequence[Claim], noise: Noise, fewest: int
 ) -> list[list[HypothesisFit]]:
-    """All claims, fitted to each part alone, beside the shape as it is on the whole."""
+    """All claims, fitted to each part alone; the unexplained term is that of the whole table."""
     found = []
     for family in families:
         together = Hypothesis(tuple(_placed(claim.variant, family.place) for claim in claims), 1.0)
@@ -166,7 +166,7 @@ def _fits(
             degrees = family.sums.degrees(use)
             if degrees >= fewest:
                 whitened = family.sums.whiten(noise, use)
-                whitened = replace(whitened, products=_less(whitened.products, family.shape))
+                whitened = replace(whitened, products=_less(whitened.products, family.term))
                 fits.append(fit_hypothesis(together, Stack.of([whitened], degrees), one_width=True))
         found.append(fits)
     return found
@@ -177,9 +177,9 @@ def _placed(variant: Variant, place: Mapping[int, int]) -> Variant:
     return replace(variant, offset=offset, free=tuple(place[column] for column in variant.free))
 
 
-def _less(products: NDArray[np.float64], shape: Mapping[int, float]) -> NDArray[np.float64]:
-    """Products with a combination of columns taken off the last one."""
-    taken, sizes = list(shape), np.array(list(shape.values()))
+def _less(products: NDArray[np.float64], term: Mapping[int, float]) -> NDArray[np.float64]:
+    """Products after a combination of columns is subtracted from the last one."""
+    taken, sizes = list(term), np.array(list(term.values()))
     less = products.copy()
     less[-1] -= sizes @ less[taken]
     less[:, -1] -= less[:, taken] @ sizes
@@ -194,6 +194,6 @@ def _sizes(claim: Claim, fits: Sequence[HypothesisFit]) -> list[Size]:
     for fit in fits:
         (own,) = (place for v, place in fit.hypothesis.placed if v.cause == claim.cause)
         covariance = fit.covariance[own, own]
-        if np.diag(covariance).max() < 1.0:  # of a prior standard deviation: it has something to say
+        if np.diag(covariance).max() < 1.0:  # of the prior variance: the part is informative
             sizes.append((fit.mean[own], covariance))
     return sizes

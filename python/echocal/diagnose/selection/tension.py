@@ -1,4 +1,4 @@
-"""What could make a size that the data give and one that theory fixes both true."""
+"""What brings the fitted size of a cause and its theoretical size together."""
 
 from dataclasses import replace
 
@@ -10,34 +10,34 @@ from echocal.quantities import BY_COLUMN
 
 __all__ = ["reconciled"]
 
-_MOVED = 0.5  # standard uncertainties that a shape must move the size to be worth a word
-_NAMED = 3  # columns named in one sentence
+_MOVED = 0.5  # standard uncertainties that an unexplained term must move the size by, to be listed
+_NAMED = 3  # columns listed in one sentence
 
 _WHY = {column: facts.suspect for column, facts in BY_COLUMN.items() if facts.suspect}
-_WHY["hour of day"] = "something of the day's course, such as a lagging thermometer"
-"""What a smooth remainder against a column would mean, in the words of a bench."""
+_WHY["hour of day"] = "an effect of the time of day, such as a lagging thermometer"
+"""What an unexplained term against a column would mean."""
 
 
 def reconciled(
     case: Case, cause: str, beside: Hypothesis, stack: Stack, known: float, size: float, uncertainty: float
 ) -> str:
-    """Say what brings a free size and theory's together: noise that remembers, or a column.
+    """Say what brings the two sizes together: autocorrelated noise, or a column.
 
-    The size is fitted again beside a smooth shape against each recorded column: a column whose
-    shape moves it toward theory is a suspect.
+    The size is fitted again beside an unexplained term against each recorded column. Columns whose
+    term moves the size toward theory are listed.
     """
     said = ""
     if abs(size - known) <= (agrees := case.settings.claims.agrees) * uncertainty:
         said = (
-            "; the rows are not independent (slow air, slow instruments), and with that reckoned the size is "
-            f"within {agrees:g} standard uncertainties of theory's"
+            ". The rows are not independent (slow air, slow instruments). With autocorrelated noise, the "
+            f"size is within {agrees:g} standard uncertainties of theory"
         )
     moved = []
     named = without(beside, UNKNOWN)
-    shapes = list(case.found.terms.values())
-    shaped = [replace(named, variants=(*named.variants, variant)) for variant in shapes]
-    (size, uncertainty), *fits = free_sizes(cause, case.found, [named, *shaped], stack)
-    for variant, (there, error) in zip(shapes, fits, strict=True):
+    terms = list(case.found.terms.values())
+    with_term = [replace(named, variants=(*named.variants, term)) for term in terms]
+    (size, uncertainty), *fits = free_sizes(cause, case.found, [named, *with_term], stack)
+    for variant, (there, error) in zip(terms, fits, strict=True):
         closer = abs(size - known) - abs(there - known)
         if closer > _MOVED * uncertainty:
             moved.append((closer, variant.against, there, error))
@@ -47,9 +47,9 @@ def reconciled(
         for _, against, there, error in moved[:_NAMED]
     ]
     if texts:
-        said += f"; it comes closer to theory beside a smooth function of {' or of '.join(texts)}"
+        said += f". It is closer to theory if fitted beside a smooth function of {' or of '.join(texts)}"
     elif not said:
-        said = "; no recorded column brings it closer"
+        said = ". No recorded column brings it closer to theory"
     return said
 
 

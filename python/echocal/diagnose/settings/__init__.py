@@ -1,8 +1,8 @@
-"""Every number that decides a verdict, once: its value, its unit, what it means and where it comes from.
+"""All numbers that decide a verdict, each with its value, unit, meaning and source.
 
-`echocal.diagnose(..., settings=)` takes another set, and a diagnosis records the set that it was made
-with. Numbers that change the time or the memory alone stay where they are used; so do the facts of a
-cause (its prior, its usual size), which stand in the cause's own file. The equations are those of
+`echocal.diagnose(..., settings=)` takes other values, and a diagnosis records the values that it
+used. Numbers that change only the computing time or the memory are in the files that use them. The
+facts of a cause (its prior, its usual size) are in the file of the cause. The equations are those of
 docs/method.md.
 """
 
@@ -62,12 +62,12 @@ class Settings:
 
     @classmethod
     def of(cls, given: Settings | Mapping[str, Mapping[str, Any]] | None) -> Settings:
-        """Read settings as a diagnosis records them; what is not given is the default.
+        """Read settings as a diagnosis records them; missing numbers have their defaults.
 
         Raises
         ------
         UsageError
-            If there is no such group or number; the text lists what there is.
+            If a group or a number does not exist; the text lists the existing ones.
         """
         if isinstance(given, Settings):
             return given
@@ -79,7 +79,7 @@ class Settings:
 
 
 def table() -> Iterator[tuple[str, Any, str, str]]:
-    """List every number: its name, value, unit, and what it is with its source.
+    """List all numbers: name, value, unit, and meaning with source.
 
     Yields
     ------
@@ -104,7 +104,7 @@ def _with(settings: Any, given: Any, name: str) -> Any:
     changed = {}
     for key, value in given.items():
         if key not in known:
-            message = f"'{key}' is none of the {name}; there are {', '.join(known)}"
+            message = f"'{key}' is not one of the {name}; there are {', '.join(known)}"
             raise UsageError(message)
         own, path = getattr(settings, key), key if name == "settings" else f"{name}.{key}"
         changed[key] = _with(own, value, path) if is_dataclass(own) else _like(own, value, path)
@@ -112,7 +112,7 @@ def _with(settings: Any, given: Any, name: str) -> Any:
 
 
 def _like(default: Any, value: Any, name: str) -> Any:
-    """A value of the default's kind: lists of a JSON file become tuples."""
+    """A value of the same kind as the default: lists of a JSON file become tuples."""
     if isinstance(default, Mapping):
         if isinstance(value, Mapping):
             return dict(value)

@@ -1,4 +1,4 @@
-"""Numbers that decide: each with its value, its unit and where it comes from."""
+"""Numbers that decide, each with its value, unit and source; and those of single causes."""
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
@@ -31,7 +31,7 @@ class Threshold:
 
 
 def listed_thresholds(settings: object, name: str = "") -> Iterator[Threshold]:
-    """List every number of a dataclass of thresholds, of the dataclasses inside it too."""
+    """List all numbers of a dataclass of thresholds, including those of the dataclasses inside it."""
     if not is_dataclass(settings):
         return
     for each in fields(settings):
@@ -44,7 +44,7 @@ def listed_thresholds(settings: object, name: str = "") -> Iterator[Threshold]:
 
 @dataclass(frozen=True)
 class NoThresholds:
-    """A cause that only shared numbers decide about."""
+    """Thresholds of a cause that has none of its own."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class CauseSettings:
     thresholds: Mapping[str, object] = field(default_factory=dict)
 
     def prior(self, facts: CauseFacts) -> float:
-        """Probability that a table has the cause, before the data."""
+        """Prior probability that a table has the cause."""
         return self.priors.get(facts.id, facts.prior)
 
     def facts(self, facts: CauseFacts) -> CauseFacts:

@@ -1,4 +1,4 @@
-"""Which autocorrelated noises are considered, and how probable each is before the data."""
+"""Autocorrelated noises that are considered, and their prior probabilities."""
 
 from dataclasses import dataclass
 
@@ -22,48 +22,48 @@ class NoiseModelSettings:
     autoregressions: tuple[tuple[float, tuple[float, ...]], ...] = number(
         AUTOREGRESSIONS,
         "1 per row",
-        "moving-average coefficient, and autoregressive coefficients with it",
-        "the grid is the specification's; its values are chosen by hand",
+        "moving-average coefficients, each with the autoregressive coefficients that are tried",
+        "the specification requires a grid; its values are chosen by hand",
     )
     station_ratios: tuple[float, ...] = number(
         (0.0, 0.1, 1.0, 10.0),
         "1",
-        "variance of a station's error over that of the innovations",
+        "ratio of the variance of the station errors to that of the innovations",
         "chosen by hand",
     )
     convection_rhos: tuple[float, ...] = number(
         (0.6, 0.8, 0.9, 0.95, 0.98),
         "1 per row",
-        "autoregressive coefficients of warm cells in the path",
+        "autoregressive coefficients of convection: warm cells of air in the path",
         "chosen by hand",
     )
     convection_growths: tuple[float, ...] = number(
         (0.1, 0.3, 1.0, 3.0),
         "1/m",
-        "variance of the autocorrelated part over that of the white part, per distance",
+        "ratio of the variances of the autocorrelated and the white part, per meter of distance",
         "Andreeva and Durgin 2005 give the law; the values are chosen by hand",
     )
     white: float = number(
-        0.5, "probability", "rows whose noise is not autocorrelated", "half on the usual assumption"
+        0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
     )
-    no_station_error: float = number(0.5, "probability", "stations without an error of their own", "the same")
+    no_station_error: float = number(0.5, "probability", "prior of stations without errors", "the same")
     distance_spread: float = number(
         0.1,
         "of the mean distance",
-        "distances that differ by less do not show noise that grows with them",
+        "with a smaller spread, distances do not show noise that grows with them",
         "chosen by hand",
     )
     long_table: int = number(
         20_000,
         "rows",
-        "in a longer table the noises that cannot be there are found first",
-        "cost; tests/test_diagnose_memories.py holds the probabilities",
+        "in a longer table, impossible noises are excluded first",
+        "computing time; tests/test_diagnose_memories.py checks the probabilities",
     )
     pruning: float = number(
         300.0,
         "log likelihood",
-        "a noise that far behind, beside all columns at once, is not tried",
-        "argument: few columns cannot make up for more; the same test",
+        "a noise that is less likely by more, beside all columns at once, is not tried",
+        "argument: few columns cannot compensate more; the same test",
     )
     ridge_width: float = number(
         3.0,

@@ -1,4 +1,4 @@
-"""Numbers of the comparison of noises that several noises share, and those of single noises."""
+"""Numbers that several noises share, and those of single noises."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ __all__ = ["NoiseSettings"]
 
 @dataclass(frozen=True)
 class NoiseSettings(CauseSettings):
-    """Every number that decides about noises.
+    """All numbers that decide about noises.
 
     Attributes
     ----------
@@ -23,29 +23,33 @@ class NoiseSettings(CauseSettings):
     """
 
     found: float = threshold(
-        0.5, "1", "probability from which on a quantization is there: more likely than not"
+        0.5, "1", "probability from which on a quantization counts as present: more likely than not"
     )
     harmless: float = threshold(
         0.01, "1", "part of the noise's variance below which a quantization is a note, not a cause"
     )
     negligible: float = threshold(
-        1.5e-4, "m", "standard deviation of a quantization below which no user of such a sensor cares"
+        1.5e-4, "m", "standard deviation below which a quantization is negligible for users of such sensors"
     )
-    sets: int = threshold(4, "1", "most probable sets of effects that noises are compared beside; judgement")
-    segments: int = threshold(5, "1", "segments of a long table that the likelihoods look at; judgement")
-    segment_rows: int = threshold(1000, "1", "rows of such a segment; judgement")
+    sets: int = threshold(4, "1", "most probable sets of effects beside which noises are compared; judgement")
+    segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
+    segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")
     worth: float = threshold(
-        2.0, "1", "standard errors of a moment from which on a fit is tried: 1 table in 40 without such noise"
+        2.0,
+        "1",
+        "standard errors of a moment from which on a fit is tried; without such noise, 1 table in 40",
     )
     autocorrelated: float = threshold(
         0.1, "1", "probability of autocorrelation from which on convection is tried; judgement"
     )
     convection_behind: float = threshold(
-        7.0, "1", "log likelihood behind the best noise at which a convection is pruned: odds of 1 in 1,100"
+        7.0, "1", "a convection that is less likely than the best noise by more is pruned: odds of 1 in 1,100"
     )
     matters: float = threshold(
-        0.05, "1", "part of the noise's variance from which on a verdict counts a noise; judgement"
+        0.05, "1", "part of the noise's variance from which on a noise counts for the verdict; judgement"
     )
     split: float = threshold(
-        0.2, "1", "probability below which a nuisance noise has no set of its own: every set reckons with it"
+        0.2,
+        "1",
+        "probability below which a nuisance noise is not listed in the sets; each set includes it anyway",
     )

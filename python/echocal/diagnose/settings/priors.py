@@ -1,4 +1,4 @@
-"""What is thought probable before the data."""
+"""Prior probabilities."""
 
 from dataclasses import dataclass
 
@@ -9,31 +9,34 @@ __all__ = ["PriorSettings", "TermSettings"]
 
 @dataclass(frozen=True, kw_only=True)
 class PriorSettings:
-    """Priors over sets of causes and over laws; the size of each cause has its own, in its facts."""
+    """Priors of sets of causes and of laws. The prior of a size is in the facts of its cause."""
 
     no_cause: float = number(0.44, "probability", "no cause", "chosen by hand")
     one_cause: float = number(
-        0.45, "probability", "one cause, shared evenly by all that compete", "chosen by hand"
+        0.45, "probability", "one cause, divided evenly among all causes that compete", "chosen by hand"
     )
     two_causes: float = number(
-        0.1, "probability", "two causes, shared evenly by all pairs", "tuned while looking at one real record"
+        0.1, "probability", "two causes, divided evenly among all pairs", "tuned on one real record"
     )
     three_causes: float = number(
-        0.01, "probability", "three causes; each further one is as rare beside the last", "chosen by hand"
+        0.01,
+        "probability",
+        "three causes; for each further cause, the prior falls by the same factor",
+        "chosen by hand",
     )
     unexplained_term: float = number(
         0.05,
         "probability",
-        "a smooth function without a cause, beside any set of causes",
-        "tuned; the last resort",
+        "an unexplained term beside any set of causes",
+        "tuned; small, because a cause is preferred",
     )
     tail_weight: float = number(
-        0.1, "1", "weight of a size's wide prior beside its usual one", "chosen by hand"
+        0.1, "1", "weight of the wide prior of a size beside its usual prior", "chosen by hand"
     )
     law_uncertainty: float = number(
         300e-6 / 3**0.5,
         "of the reading",
-        "standard deviation of the level and of the tilt of a law",
+        "standard uncertainty of the level and of the tilt of a law",
         "Cramer 1993 states limits of 300 ppm; GUM 4.3.7 makes limits a standard deviation",
     )
     law_middle: float = number(
@@ -45,26 +48,29 @@ class PriorSettings:
     usual_multiple: float = number(
         3.0,
         "prior sd",
-        "a cause that does not show at so many times its usual size does not compete",
+        "a cause that does not show at so many prior standard deviations does not compete",
         "the widest of the three prior widths",
     )
-    fewest_snr: float = number(0.5, "snr sqrt(n)", "below it a cause does not show", "chosen by hand")
+    fewest_snr: float = number(
+        0.5, "snr sqrt(n)", "with a smaller signal-to-noise ratio, a cause does not show", "chosen by hand"
+    )
 
     @property
     def counts(self) -> list[float]:
-        """Of no to three causes."""
+        """Priors of zero, one, two and three causes."""
         return [self.no_cause, self.one_cause, self.two_causes, self.three_causes]
 
 
 @dataclass(frozen=True, kw_only=True)
 class TermSettings:
-    """Smooth functions without a cause that compete with the causes."""
+    """Unexplained terms: smooth functions without a cause that compete with the causes."""
 
     size: float = number(
         3e-3,
         "m",
-        "prior standard deviation of the constant, of degree 1, of the first harmonic; degree k has a k-th",
-        "twice the shot noise of an HC-SR04 of 1.5 mm; the k-th part is chosen by hand",
+        "prior standard deviation of the constant, of degree 1 and of the first harmonic; divided by k for "
+        "degree or harmonic k",
+        "twice the noise of an HC-SR04, 1.5 mm; the division by k is chosen by hand",
     )
     degrees: tuple[int, ...] = number(
         (4, 16),
@@ -75,14 +81,14 @@ class TermSettings:
     values_per_degree: int = number(
         2,
         "distinct values",
-        "a degree needs so many: freer, a term would be an error of each value",
-        "argument",
+        "needed for each degree",
+        "argument: with fewer values, a term would fit an error of each value",
     )
-    fewest_values: int = number(6, "distinct values", "fewer show no smooth function", "chosen by hand")
-    harmonics: int = number(2, "1", "multiples of the day", "chosen by hand")
+    fewest_values: int = number(6, "distinct values", "with fewer, there is no term", "chosen by hand")
+    harmonics: int = number(2, "1", "harmonics of the day", "chosen by hand")
     fewest_days: float = number(
-        2.0, "d", "the hour of the day is tried where a table spans more", "chosen by hand"
+        2.0, "d", "if a table spans more, a term against the hour of the day is tried", "chosen by hand"
     )
     range: tuple[float, float] = number(
-        (0.005, 0.995), "quantiles", "values of a column that a term is made for", "chosen by hand"
+        (0.005, 0.995), "quantiles", "range of a column for which a term is made", "chosen by hand"
     )

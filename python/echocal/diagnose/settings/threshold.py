@@ -1,4 +1,4 @@
-"""One number that decides: its value, and beside it what a reader asks about it."""
+"""One number that decides, with its unit, its meaning and its source."""
 
 from dataclasses import field
 from typing import Any
@@ -16,11 +16,11 @@ def threshold(value: float, unit: str, source: str) -> Any:
     unit : str
         SI; ``"1"`` for a pure number.
     source : str
-        What the number means and where it comes from.
+        Meaning and source of the number.
     """
     return field(default=value, metadata={"unit": unit, "source": source})
 
 
 def number(value: Any, unit: str, meaning: str, source: str) -> Any:
-    """The same, also of tuples; its meaning and its source apart."""
+    """The same, with meaning and source as two texts; the value may be a tuple."""
     return threshold(value, unit, f"{meaning}; {source}")

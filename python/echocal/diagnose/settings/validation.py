@@ -1,4 +1,4 @@
-"""How held-out rows judge a claim, and how the gain is measured."""
+"""Numbers of the validation of claims and of the gain."""
 
 from dataclasses import dataclass
 
@@ -9,27 +9,31 @@ __all__ = ["ValidationSettings"]
 
 @dataclass(frozen=True, kw_only=True)
 class ValidationSettings:
-    """Numbers of the held-out rows."""
+    """Numbers of the validation of claims and of the gain."""
 
     informative_share: float = number(
         0.1,
         "of the cause's rms signal",
-        "held-out rows in which a cause changes less cannot judge it",
+        "if a cause changes the errors of the folds by less, they cannot validate it",
         "chosen by hand",
     )
-    pieces: int = number(40, "pieces", "of contiguous held-out rows that are resampled", "chosen by hand")
-    resamples: int = number(2000, "draws", "of those pieces", "chosen by hand")
+    pieces: int = number(
+        40, "pieces", "contiguous pieces of rows that are resampled for the interval", "chosen by hand"
+    )
+    resamples: int = number(2000, "draws", "resamples of these pieces", "chosen by hand")
     interval: float = number(0.95, "probability", "of the interval of the gain", "convention")
     reachable: float = number(
         0.02,
         "of the mean square before",
-        "where less can be reached, no part of it is told",
+        "if less can be removed, the fraction of it is not reported",
         "chosen by hand",
     )
     shifted_inner: tuple[float, float] = number(
         (0.2, 0.8),
         "quantiles",
-        "of a column, that a model is fitted to when it is judged outside",
+        "middle range of a column: the model is fitted inside and its error is measured outside",
         "chosen by hand",
     )
-    shifted_values: int = number(5, "distinct values", "a column of fewer has no middle", "chosen by hand")
+    shifted_values: int = number(
+        5, "distinct values", "a column with fewer has no middle range", "chosen by hand"
+    )

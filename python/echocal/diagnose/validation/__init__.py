@@ -1,1 +1,1 @@
-"""Claims before rows that no fit saw, and the gain measured there."""
+"""The claims and the gain on cross-validated or held-out rows."""

@@ -1,4 +1,4 @@
-"""What a model gains on rows that its parameters never saw."""
+"""What a model gains on rows that its parameters are not fitted to."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,25 +31,25 @@ Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
 
-_CACHED = 32_768  # rows whose differences stay near the processor
+_CACHED = 32_768  # rows whose differences fit into the cache of a processor
 
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Errors of one model on every row that some fold held out.
+    """Errors of one model on all rows that a fold holds out.
 
     Attributes
     ----------
     error : ndarray, shape (n,)
-        Reading corrected by the model, less reference or level; NaN where never held out or where
-        no fitted row has the same level [m].
+        Reading corrected by the model, less reference or level [m]. NaN where no fold holds the
+        row out, or where no fitted row has the same level.
     """
 
     error: Column
 
     @cached_property
     def known(self) -> Mask:
-        """Rows that were held out and have a level."""
+        """Rows that a fold holds out and that have a level."""
         return np.isfinite(self.error)
 
     @cached_property
@@ -62,7 +62,7 @@ class HeldOut:
 
 
 def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> HeldOut:
-    """Fit on the blocks that each fold leaves, correct the rows that it holds out.
+    """For each fold, fit the model without its blocks, and correct the rows of these blocks.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> Held
     for held in folds.held:
         test = folds.rows(held)
         model = fitted(folds.fit & ~held)
-        if table.reference is not None:  # no level is to be found: the rows held out are enough
-            held_out = error[test]  # a view where they follow each other
+        if table.reference is not None:  # no level is estimated: only these rows are needed
+            held_out = error[test]  # a view if they are contiguous
             table.correct(model, test, out=held_out)
             held_out -= table.reference[test]
             error[test] = held_out
@@ -86,7 +86,7 @@ def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> Held
 
 
 def _others(rows: Rows, count: int) -> Mask:
-    """Rows that are not among these."""
+    """All other rows."""
     others = np.ones(count, dtype=bool)
     others[rows] = False
     return others
@@ -119,7 +119,7 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
 
 
 def interval(before: HeldOut, after: HeldOut, seed: int, settings: ValidationSettings) -> tuple[float, float]:
-    """Interval of the drop in RMS [m], from resampled contiguous pieces of rows."""
+    """Interval of the decrease of the RMS error [m], from resampled contiguous pieces of rows."""
     judged = before.known & after.known
     count = int(judged.sum())
     pieces = min(settings.pieces, count)
@@ -138,7 +138,7 @@ def interval(before: HeldOut, after: HeldOut, seed: int, settings: ValidationSet
 
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
-    """Whether held-out rows are farther off with a cause: docs/method.md, Eq. 29."""
+    """Whether the error on the rows of the folds is larger with a cause: docs/method.md, Eq. 29."""
     if with_cause.known.all() and without.known.all():
         return with_cause.rms > without.rms
     loss = with_cause.error**2 - without.error**2
@@ -146,10 +146,10 @@ def worse(with_cause: HeldOut, without: HeldOut) -> bool:
 
 
 def uninformative(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
-    """Whether held-out rows cannot judge a cause: with it they are as without it.
+    """Whether the folds cannot validate a cause, because their errors with and without it are equal.
 
-    A cause that shows at one station alone cannot be learned from the others, and changes none of
-    them; what is left of a difference is chance.
+    If a cause acts at one station only, a fit without this station does not find its size, and the
+    cause changes no other station. The remaining difference is due to chance.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def uninformative(with_cause: HeldOut, without: HeldOut, signal: Column, share: 
     signal : ndarray, shape (n,)
         What the cause adds to every reading [m].
     share : float
-        Part of this signal that the held-out rows must see.
+        Part of this signal by which the errors must differ.
     """
     judged = with_cause.known & without.known
     one, other = with_cause.error, without.error
@@ -168,14 +168,15 @@ def uninformative(with_cause: HeldOut, without: HeldOut, signal: Column, share: 
 
 
 def _squares(values: Column) -> float:
-    return float(np.einsum("i,i->", values, values))  # one pass, on one processor
+    return float(np.einsum("i,i->", values, values))  # one pass, one thread
 
 
 def floor(sums: Sums, held: Mask, variance: float, ridge_width: float) -> float:
-    """Error that all columns together reach on the held-out rows, less what chance gives [m].
+    """Error that all columns together reach on the rows of the folds, without what chance removes [m].
 
-    A ridge, `ridge_width` prior standard deviations wide; the residual is divided by the rows less the
-    effective number of coefficients: R_f of docs/method.md, Eq. 31.
+    From a ridge regression whose prior has `ridge_width` times the standard deviation of the priors. The
+    residual sum of squares is divided by the rows less the effective number of coefficients. It is R_f of
+    docs/method.md, Eq. 31.
     """
     white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
     given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, ridge_width)
@@ -192,11 +193,11 @@ def summarize(
     seed: int,
     settings: ValidationSettings,
 ) -> Gain:
-    """Put the figures together: docs/method.md, Eq. 31."""
+    """Put the errors together: docs/method.md, Eq. 31."""
     judged = int((before.known & after.known).sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
-    worth = reachable > settings.reachable * before.rms**2  # below, there is nothing to gain
+    worth = reachable > settings.reachable * before.rms**2  # else there is no gain to reach
     return Gain(
         rms_fixed_speed_m=rms_fixed,
         ladder=ladder,

@@ -1,4 +1,4 @@
-"""Claims on held-out rows."""
+"""Validation of the claims on cross-validated or held-out rows."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -32,21 +32,21 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Validation:
-    """The claims after the held-out rows.
+    """The claims after the validation.
 
     Attributes
     ----------
     kept : tuple of Claim
     refuted : tuple of Refuted
     fit : HypothesisFit
-        Hypothesis of the kept causes, fitted on all rows that a fit may see.
+        Hypothesis of the kept causes, fitted to all rows except held-out ones.
     model : Model
-        Base extended by the kept causes, with the median of the recorded air.
+        Base extended by the kept causes. It assumes the median of the recorded air.
     gain : Gain
     fitted : callable
         ``fitted(blocks)`` is the same model, fitted on these blocks alone.
     unjudged : tuple of str
-        Kept causes that no held-out row could judge.
+        Kept causes that the folds cannot validate.
     """
 
     kept: tuple[Claim, ...]
@@ -58,9 +58,9 @@ class Validation:
     unjudged: tuple[str, ...] = ()
 
     def further_level_step(self, table: Table) -> int | None:
-        """Source row at which an unknown level jumps, where a step is claimed and no segment begins.
+        """Source row of a claimed step of an unknown level, if no segment begins there yet.
 
-        A step of a level that nobody knows is no error of the sensor: the segment ends there.
+        A step of an unknown level is not an error of the sensor, so a new segment begins there.
         """
         if table.reference is not None or all(claim.cause != "step_change" for claim in self.kept):
             return None
@@ -70,37 +70,37 @@ class Validation:
 
 
 def validate(case: Case, selection: Selection) -> Validation:
-    """Drop causes that make rows never fitted worse; measure what remains.
+    """Drop causes that make the error of the folds larger, and measure the gain of the others.
 
-    A cause may fit rows by chance or stand in for something else; rows that it was not fitted to
-    tell. They are asked about each cause beside the others, then about the whole beside the bare
-    base. This can only take claims back, never add one.
+    A cause may fit by chance, or instead of another cause; rows that its size is not fitted to show
+    this. First each cause is compared beside the others, then the whole model with the base. The
+    validation removes claims and never adds one.
     """
     noise = selection.noise
     trials = _Trials(case, noise)
     before = measure(case.table, case.folds, lambda _: case.base.model())
-    left = _against_the_base(trials, _one_by_one(trials, selection.best.hypothesis, selection.claims), before)
-    fit = _fit(case, left.hypothesis, case.folds.fit, noise)
-    fixed = any(c.cause == "fixed_speed" for c in left.kept) or case.base.device_speed is not None
+    rest = _against_the_base(trials, _one_by_one(trials, selection.best.hypothesis, selection.claims), before)
+    fit = _fit(case, rest.hypothesis, case.folds.fit, noise)
+    fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
     gain = summarize(
         None if fixed else fixed_speed_rms(case.table, case.folds, _speed(case)),
-        _ladder(trials, left, before),
+        _ladder(trials, rest, before),
         before,
-        left.after,
+        rest.after,
         floor(case.sums, case.folds.judged, fit.variance, case.settings.noise_models.ridge_width),
         case.folds,
         case.seed,
         case.settings.validation,
     )
-    gain = replace(gain, shifted=shifted(case, left.hypothesis, [c.cause for c in left.kept], noise))
-    model = _extended(case, fit, left.kept, gain)
-    fitted = trials.fitted(left.hypothesis, left.kept)
-    return Validation(left.kept, left.refuted, fit, model, gain, fitted, left.unjudged)
+    gain = replace(gain, shifted=shifted(case, rest.hypothesis, [c.cause for c in rest.kept], noise))
+    model = _extended(case, fit, rest.kept, gain)
+    fitted = trials.fitted(rest.hypothesis, rest.kept)
+    return Validation(rest.kept, rest.refuted, fit, model, gain, fitted, rest.unjudged)
 
 
 @dataclass(frozen=True)
-class _Left:
-    """What is left of the claims, the hypothesis that they are fitted in, and the error with them."""
+class _Rest:
+    """The claims that are kept so far, the hypothesis that they are fitted in, and their error."""
 
     hypothesis: Hypothesis
     kept: tuple[Claim, ...]
@@ -109,51 +109,51 @@ class _Left:
     unjudged: tuple[str, ...]
 
 
-def _one_by_one(trials: "_Trials", hypothesis: Hypothesis, claimed: Sequence[Claim]) -> _Left:
-    """Drop, the least probable first, causes without which rows never fitted are less far off."""
+def _one_by_one(trials: "_Trials", hypothesis: Hypothesis, claimed: Sequence[Claim]) -> _Rest:
+    """Drop causes without which the error of the folds is smaller, the least probable cause first."""
     kept, refuted, unjudged = tuple(claimed), [], []
     after = trials.of(hypothesis, kept)
     for claim in sorted(claimed, key=lambda c: c.probability):
         fewer = tuple(c for c in kept if c is not claim)
         lesser = without(hypothesis, claim.cause)
-        spared = trials.of(lesser, fewer)
-        if trials.uninformative(after, spared, trials.case.signal(claim.variant, claim.mean)):
+        alone = trials.of(lesser, fewer)
+        if trials.uninformative(after, alone, trials.case.signal(claim.variant, claim.mean)):
             unjudged.append(claim.cause)
-        elif worse(after, spared):
-            refuted.append(Refuted(claim.cause, claim.probability, after.rms, spared.rms, claim.rivals))
-            hypothesis, kept, after = lesser, fewer, spared
-    return _Left(hypothesis, kept, after, tuple(refuted), tuple(unjudged))
+        elif worse(after, alone):
+            refuted.append(Refuted(claim.cause, claim.probability, after.rms, alone.rms, claim.rivals))
+            hypothesis, kept, after = lesser, fewer, alone
+    return _Rest(hypothesis, kept, after, tuple(refuted), tuple(unjudged))
 
 
-def _against_the_base(trials: "_Trials", left: _Left, before: HeldOut) -> _Left:
-    """Take all back if the whole is no better than the bare base on rows never fitted.
+def _against_the_base(trials: "_Trials", rest: _Rest, before: HeldOut) -> _Rest:
+    """Drop all causes if the whole model is no better than the base.
 
-    Causes that undo each other pass the look at each beside the others: either alone may be still
-    worse than both. A cause that none of these rows can judge is no matter of theirs and stays;
-    what it changes in them by chance is not counted.
+    Two causes that compensate each other are both kept one by one, because the error with either
+    alone may be larger. A cause that the folds cannot validate is kept: the small change that it
+    makes in their errors is due to chance.
     """
-    if not left.kept or not left.after.rms >= before.rms:
-        return left
-    quiet = tuple(claim for claim in left.kept if claim.cause in left.unjudged)
-    hypothesis = left.hypothesis
-    for claim in left.kept:
-        hypothesis = hypothesis if claim in quiet else without(hypothesis, claim.cause)
-    signal = sum(trials.case.signal(claim.variant, claim.mean) for claim in quiet)
-    if quiet and not trials.uninformative(trials.of(hypothesis, quiet), before, np.asarray(signal)):
-        for claim in quiet:  # only beside the others was nothing to be heard of them
+    if not rest.kept or not rest.after.rms >= before.rms:
+        return rest
+    unjudged = tuple(claim for claim in rest.kept if claim.cause in rest.unjudged)
+    hypothesis = rest.hypothesis
+    for claim in rest.kept:
+        hypothesis = hypothesis if claim in unjudged else without(hypothesis, claim.cause)
+    signal = sum(trials.case.signal(claim.variant, claim.mean) for claim in unjudged)
+    if unjudged and not trials.uninformative(trials.of(hypothesis, unjudged), before, np.asarray(signal)):
+        for claim in unjudged:  # without the other causes, the folds can validate them
             hypothesis = without(hypothesis, claim.cause)
-        quiet = ()
-    gone = [claim for claim in left.kept if claim not in quiet]
-    ids = tuple(claim.cause for claim in gone)
+        unjudged = ()
+    dropped = [claim for claim in rest.kept if claim not in unjudged]
+    ids = tuple(claim.cause for claim in dropped)
     refuted = tuple(
-        Refuted(c.cause, c.probability, left.after.rms, before.rms, c.rivals, together=ids) for c in gone
+        Refuted(c.cause, c.probability, rest.after.rms, before.rms, c.rivals, together=ids) for c in dropped
     )
-    unjudged = tuple(claim.cause for claim in quiet)
-    return _Left(hypothesis, quiet, before, (*left.refuted, *refuted), unjudged)
+    kept = tuple(claim.cause for claim in unjudged)
+    return _Rest(hypothesis, unjudged, before, (*rest.refuted, *refuted), kept)
 
 
 def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain) -> Model:
-    """Base and kept causes; where nobody measures the air, it assumes the air that was seen."""
+    """Base and kept causes; where the air is not measured, the model assumes the recorded medians."""
     base = replace(case.base, air={**case.base.air, **case.table.air()})
     effects = effects_of(fit, [c.cause for c in kept])
     names = base.model(effects).parameter_names
@@ -164,29 +164,29 @@ def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain)
     )
 
 
-def _ladder(trials: "_Trials", left: _Left, before: HeldOut) -> Ladder:
-    """Error as the causes join, the largest first."""
+def _ladder(trials: "_Trials", rest: _Rest, before: HeldOut) -> Ladder:
+    """Error as the causes are added, the largest first."""
 
     def size(claim: Claim) -> float:
         signal = trials.case.signal(claim.variant, claim.mean)
-        mean = 0.0 if trials.case.table.reference is not None else signal.mean()  # a level has it
+        mean = 0.0 if trials.case.table.reference is not None else signal.mean()  # the level includes it
         return float(np.mean((signal - mean) ** 2))
 
-    joined = sorted(left.kept, key=size, reverse=True)
+    joined = sorted(rest.kept, key=size, reverse=True)
     steps: list[tuple[tuple[str, ...], float]] = [((), before.rms)]
     for count in range(1, len(joined) + 1):
         some = joined[:count]
-        part = left.hypothesis
+        part = rest.hypothesis
         for claim in joined[count:]:
             part = without(part, claim.cause)
-        after = before if left.after is before else trials.of(part, some)
+        after = before if rest.after is before else trials.of(part, some)
         steps.append((tuple(c.cause for c in some), after.rms))
     return tuple(steps)
 
 
 @dataclass
 class _Trials:
-    """Errors on held-out rows; what comes up again is not fitted again."""
+    """Errors of models on the folds; each model is fitted once."""
 
     case: Case
     noise: Noise
@@ -201,7 +201,7 @@ class _Trials:
         return self.known[key]
 
     def uninformative(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
-        """Whether held-out rows cannot judge what adds this signal."""
+        """Whether the folds cannot validate causes with this signal."""
         return uninformative(one, other, signal, self.case.settings.validation.informative_share)
 
     def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
@@ -216,7 +216,7 @@ class _Trials:
 
 
 def _fit(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> HypothesisFit:
-    """Fit under one noise: for a point estimate the others do not matter."""
+    """Fit with the most likely noise, which is enough for a point estimate."""
     whitened = case.sums.whiten(noise, blocks, hypothesis.columns)
     return fit_hypothesis(hypothesis, Stack.of([whitened], case.sums.degrees(blocks)))
 

@@ -1,4 +1,4 @@
-"""What a model gains where it was not fitted: under other distances, temperatures, humidities."""
+"""What a model gains outside its fitted range: at other distances, temperatures, humidities."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,14 +25,15 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 _ALONG = ("distance", *(name for name, facts in QUANTITIES.items() if facts.judged_outside))
-_MOST, _RUN = 100_000, 1000  # rows that are looked at, in runs
+_MOST, _RUN = 100_000, 1000  # most rows that are used, and rows of a run
 
 
 def shifted(case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise) -> tuple[Shifted, ...]:
-    """Fit to the middle of each column, judge by the rows outside.
+    """Fit to the middle range of each column, and measure the error of the rows outside.
 
-    Rows held out in turn are like those that were fitted; a wrong name costs little there and much
-    under other conditions. Where a column is too narrow, or known for too few rows, it is left out.
+    The rows of a fold are similar to the fitted ones, so a wrong cause costs little there; under
+    other conditions it costs more. A column with few values, or with few rows outside its middle
+    range, is left out.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def shifted(case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: No
     """
     if not causes:
         return ()
-    hypothesis = without(hypothesis, UNKNOWN)  # a shape holds where it was seen
+    hypothesis = without(hypothesis, UNKNOWN)  # a term holds in its own range only
     found = []
     recorded, seen = case.table.against(), _seen(case)
     for name in (name for name in _ALONG if name in recorded):
@@ -64,7 +65,7 @@ def _along(
     column: Column,
     seen: Labels,
 ) -> Shifted | None:
-    """Fit to the middle of a column, which is given at the rows that are looked at."""
+    """Fit to the middle range of one column, given at the rows that are used."""
     if np.isnan(column).any() or not _varies(column, case.settings.validation.shifted_values):
         return None
     low, high = quantiles(column, case.settings.validation.shifted_inner)
@@ -77,17 +78,17 @@ def _along(
         _rms(case, model, inside, outside) for model in (case.base.plain, case.base.model(effects))
     )
     if not np.isfinite(before) or not np.isfinite(after):
-        return None  # no level of the rows outside is known inside
+        return None  # the rows outside have no level inside
     return Shifted(name, low, high, len(outside), before, after)
 
 
 def _varies(column: Column, fewest: int) -> bool:
-    """Whether a column has a middle: mostly its first rows tell."""
+    """Whether a column has enough values; the first rows are mostly enough to decide."""
     return any(len(np.unique(some)) >= fewest for some in (column[:_RUN], column))
 
 
 def _seen(case: Case) -> Labels:
-    """Rows that a fit may see; of very many, evenly spread runs."""
+    """Rows that are not held out; of very many rows, evenly spread runs."""
     count = len(case.table)
     firsts = np.arange(0, count, _RUN * (1 + count // _MOST))
     rows = (firsts[:, None] + np.arange(_RUN)).ravel()

@@ -1,4 +1,4 @@
-"""The shape that the model leaves: fitted to what remains beside it, with its band, and judged."""
+"""The unexplained term: fitted to the residuals of the model, with its uncertainty, and validated."""
 
 from dataclasses import replace
 
@@ -25,11 +25,11 @@ _KNOTS = 65
 
 
 def with_its_function(case: Case, found: Unexplained, judgment: Validation, noise: Noise) -> Unexplained:
-    """Fit the shape to what the model leaves of the rows that a fit may see.
+    """Fit the unexplained term to the residuals of the model.
 
-    Only the part that no cause of the model takes up is the shape's: where a cause and a shape
-    could both be it, the cause has it. Where later readings have its column, so that it can extend
-    the model, rows never fitted say whether it should.
+    The term gets only what no cause of the model explains: where a cause and the term could both
+    explain a part, the cause has it. Where later readings have the column, the error on
+    cross-validated or held-out rows decides whether the term may extend the model.
     """
     shape = _shape(case, found.against, judgment.model, case.folds.fit, noise)
     rms = float(np.std(shape.of(column_of(found.against, case.table.against()))))
@@ -42,15 +42,15 @@ def with_its_function(case: Case, found: Unexplained, judgment: Validation, nois
 
         after = measure(case.table, case.folds, extended).rms
         found = replace(found, rms_without_m=judgment.gain.rms_after_m, rms_with_m=after)
-    return replace(found, description=described(found))
+    return replace(found, description=described(found, judgment.gain.judged_rows))
 
 
 def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise: Noise) -> Shape:
-    """Fit a shape to what a model leaves in the rows of some blocks."""
+    """Fit a smooth function to the residuals of a model in the rows of some blocks."""
     table, rows = case.table, blocks[case.folds.blocks]
     left = np.nan_to_num(errors(table, model, rows))
     against = column_of(name, table.against())
-    basis = Basis.of(name, against[rows], case.settings.terms)  # held flat outside what these rows saw
+    basis = Basis.of(name, against[rows], case.settings.terms)  # constant outside the range of these rows
     waves = basis.at(against)
     columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):
@@ -63,7 +63,7 @@ def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise
     at = np.linspace(basis.low, basis.high, _KNOTS)
     design = np.stack(basis.at(at), axis=1)
     shift = design @ fit.mean
-    # of an unknown level the mean is the level's, else it is what is left
+    # the mean: of what remains, or zero, where the level is unknown and has it
     shift += float(np.mean(left[rows] - np.interp(against[rows], at, shift)))
     variance = np.einsum("ki,ij,kj->k", design, fit.covariance, design)
     return Shape(
@@ -74,20 +74,20 @@ def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise
     )
 
 
-def described(found: Unexplained) -> str:
-    """Say what is left, in words."""
-    column = "the rows, as sessions that differ would," if found.against == "row" else spoken(found.against)
+def described(found: Unexplained, rows: str) -> str:
+    """Describe the term; `rows` says which rows its errors are of."""
+    column = "the row number (sessions that differ look like this)"
     text = (
-        f"a smooth remainder of {1e3 * found.rms_m:.1f} mm (rms) that follows {column} and that no "
-        "effect of the catalogue accounts for; it is not part of the model unless asked for"
+        f"a residual of {1e3 * found.rms_m:.1f} mm (RMS) remains, as a smooth function of "
+        f"{column if found.against == 'row' else spoken(found.against)}. "
+        "No effect of the catalogue explains it"
     )
     if found.rms_with_m is None or found.rms_without_m is None:
-        return text
-    figures = f"{1e3 * found.rms_without_m:.2f} mm without it, {1e3 * found.rms_with_m:.2f} mm with it"
+        return f"{text}. The model cannot include it, because later readings have no such column"
+    figures = f"{1e3 * found.rms_without_m:.2f} mm without it and {1e3 * found.rms_with_m:.2f} mm with it"
     if found.extends:
-        return f"{text} (on rows never fitted: {figures})"
-    bare = text.partition(" unless")[0]
-    return f"{bare} and cannot be, for it makes rows never fitted no better ({figures})"
+        return f"{text}. The model can include it on request: on {rows}, the RMS error is {figures}"
+    return f"{text}. The model cannot include it: on {rows}, the RMS error is {figures}"
 
 
 def _quantity(name: str) -> str:

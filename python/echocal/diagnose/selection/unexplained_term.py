@@ -1,4 +1,4 @@
-"""What no cause accounts for: the shape that is reported, and the causes beside it."""
+"""The unexplained term that is reported, and the sizes of the causes beside it."""
 
 from collections.abc import Sequence
 
@@ -15,12 +15,12 @@ __all__ = ["sized_apart", "unexplained"]
 
 
 def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
-    """The shape that no cause accounts for, where one is more probable than not."""
-    shapes = ranking.terms()
-    total = sum(shapes.values())
+    """The most probable unexplained term, if the terms together are probable enough."""
+    terms = ranking.unexplained_terms()
+    total = sum(terms.values())
     if total < case.settings.claims.unexplained_from:
         return None
-    against = max(shapes, key=lambda name: shapes[name])
+    against = max(terms, key=lambda name: terms[name])
     for fit in ranking.fits:
         for variant, place in fit.hypothesis.placed:
             if variant.cause == UNKNOWN and variant.against == against:
@@ -31,17 +31,17 @@ def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
 
 def _described(case: Case, against: str, signal: NDArray[np.float64], probability: float) -> Unexplained:
     rms = float(np.std(signal))
-    text = f"{1e3 * rms:.1f} mm against {against}"  # said in full once the model is known
+    text = f"{1e3 * rms:.1f} mm against {against}"  # replaced once the model is known
     return Unexplained(against, rms, min(probability, 1.0), text)
 
 
 def sized_apart(
     best: HypothesisFit, claimed: Sequence[Claim], stack: Stack, blurred_from: float
 ) -> tuple[HypothesisFit, list[Claim]]:
-    """Size the causes without the shape beside them where the data cannot share out between the two.
+    """Fit the sizes of the causes without the unexplained term, where the data do not separate them.
 
-    Beside a shape against the column that a cause shows in, the cause's size is nearly free: then
-    the cause has all that it can explain, and the shape the rest.
+    Beside a term against the column that a cause depends on, the size of the cause is nearly
+    undetermined. Then the cause gets all that it can explain, and the term the rest.
     """
     bare = without(best.hypothesis, UNKNOWN)
     if bare.causes == best.hypothesis.causes or not claimed:

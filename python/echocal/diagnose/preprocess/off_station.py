@@ -1,0 +1,110 @@
+"""Rows of another echo: far from the usual reading at their station."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.stations import stations
+from echocal.diagnose.preprocess.usable import Usable, some
+from echocal.diagnose.settings.rows import RowSettings
+from echocal.observations import Observations
+from echocal.observations.quantiles import Grouped
+
+__all__ = ["OFF_STATION", "far_as_a_whole", "without_other_echoes"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Labels = NDArray[np.int64]
+
+OFF_STATION = "far from the usual reading at its station: another echo"
+"""Why a row is left out."""
+
+_MAD_TO_SD = 1.4826  # of a normal distribution
+
+
+def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
+    """Find the rows of stations most of whose rows are far: an error of the station, not outliers.
+
+    Parameters
+    ----------
+    far : ndarray of bool, shape (n,)
+    labels : ndarray of int, shape (n,)
+        Placement of the target of each row.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    members = np.bincount(labels)
+    far_ones = np.bincount(labels, far)
+    most = (far_ones > settings.as_a_whole * members) & (members >= settings.station_tells)
+    return np.asarray(most[labels])
+
+
+def far_from_station(
+    indication: Column, labels: Labels, temperature: Column | None, settings: RowSettings
+) -> Mask:
+    """Find rows far from the usual reading at their station, because of another echo.
+
+    If most of the last rows of the table are far, this is a step and not a set of outliers.
+
+    Parameters
+    ----------
+    indication : ndarray, shape (n,)
+        Readings [m], in the order recorded.
+    labels : ndarray of int, shape (n,)
+        Placement of the target of each row.
+    temperature : ndarray, shape (n,), or None
+        Air temperature [degC]; limits the possible change by the air.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    none = np.zeros(len(indication), dtype=bool)
+    members = np.bincount(labels)
+    if np.median(members[members > 0]) < settings.station_tells:
+        return none
+    by_station = Grouped(labels)
+    centers, usual, farthest = by_station.scatter(indication)
+    least = max(settings.off_station * _MAD_TO_SD * float(np.nanmedian(usual)), settings.far_least)
+    if farthest <= least:
+        return none
+    off = np.abs(indication - centers[labels])
+    limit = np.full(len(indication), least)
+    if temperature is not None:
+        warming = temperature - by_station.median(temperature)[labels]
+        limit += settings.per_kelvin * np.abs(warming * indication)
+    far = (off > limit) & (members[labels] >= settings.station_tells)
+    first = int(far.argmax())
+    is_step = len(far) - first >= settings.station_tells and far[first:].mean() > settings.as_a_whole
+    return none if far.any() and is_step else np.asarray(far)
+
+
+def without_other_echoes(
+    observations: Observations, usable: Usable, reference: Column, settings: RowSettings
+) -> tuple[Usable, Labels]:
+    """Leave out rows of another echo.
+
+    Parameters
+    ----------
+    observations : Observations
+    usable : Usable
+    reference : ndarray, shape (total,)
+        Reference distance of every row of the source [m].
+    settings : RowSettings
+
+    Returns
+    -------
+    Usable
+    ndarray of int
+        Station of each row that is left.
+    """
+    rows, warm = usable.rows, observations.conditions.get("temperature")
+    labels = stations(observations, reference, rows, settings)
+    temperature = None if warm is None else some(warm, rows)
+    far = far_from_station(usable.indication, labels, temperature, settings)
+    if not far.any():
+        return usable, labels
+    left_out = {**usable.left_out, OFF_STATION: int(far.sum())}
+    usable = Usable(rows[~far], usable.indication[~far], left_out)
+    return usable, stations(observations, reference, usable.rows, settings)
