@@ -11,14 +11,16 @@ from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.settings import TermSettings
 from echocal.observations.quantiles import quantiles, spread
 
-__all__ = ["HOUR", "Basis", "column_of", "degrees_of", "term_candidates"]
+__all__ = ["HOUR", "Basis", "column_of", "degrees_of", "smooth_functions", "term_candidates"]
 
 Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
 
 HOUR = "hour of day"
 """Name of the periodic term that is tried if a table spans days."""
 
 _DAY = 86400.0  # s
+_MOST, _ROWS_EACH = 64, 4  # basis functions of all known quantities together; rows for each of them
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,17 @@ def _harmonics(settings: TermSettings) -> list[float]:
 def column_of(name: str, against: Mapping[str, Column]) -> Column:
     """Values of the column of a term; the hour of the day is computed from the time."""
     return against["time"] % _DAY / 3600.0 if name == HOUR else against[name]
+
+
+def smooth_functions(known: Mapping[str, Column], rows: Labels, settings: TermSettings) -> list[Column]:
+    """Basis functions of known quantities at some rows, as many as the rows allow."""
+    able = [(name, column) for name, column in known.items() if degrees_of(column, settings)]
+    each = min(_MOST, len(rows) // _ROWS_EACH) // max(len(able), 1)
+    functions: list[Column] = []
+    for name, column in able:
+        own = Basis.of(name, column[rows], settings).at(column[rows])
+        functions += own[: min(each, degrees_of(column, settings))]
+    return functions
 
 
 def term_candidates(

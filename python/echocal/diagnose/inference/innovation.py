@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.preprocess.order import Order
+from echocal.diagnose.settings import NoiseModelSettings
 
-__all__ = ["innovation", "log_likelihood"]
+__all__ = ["innovation", "likeliest", "log_likelihood"]
 
 Column = NDArray[np.float64]
 
@@ -46,3 +47,9 @@ def log_likelihood(left: Column, order: Order, noise: Noise) -> float:
     """Log likelihood of normal noise of unknown size, up to a constant of the rows."""
     square = float(np.mean(innovation(left, order, noise) ** 2))
     return -0.5 * len(left) * math.log(max(square, VARIANCE_FLOOR**2))
+
+
+def likeliest(left: Column, order: Order, settings: NoiseModelSettings) -> Noise:
+    """Most likely noise of residuals, of those that are alike at all distances."""
+    noises = [Noise(theta, rho, 0.0, 1.0) for theta, rhos in settings.autoregressions for rho in rhos]
+    return max(noises, key=lambda noise: log_likelihood(left, order, noise))
