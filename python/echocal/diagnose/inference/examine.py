@@ -33,8 +33,9 @@ def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Setting
     found.columns.slope()  # first: what a group's own level adds
     effect_candidates(found, scene)
     order, rows = table.order, np.flatnonzero(folds.fit[folds.blocks])
-    found.aside = set_aside(scene, order, table.known(), table.extra, rows, len(found.columns))
-    against = {name: column for name, column in table.against().items() if name not in found.aside}
+    found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))
+    recorded = {**table.known, **table.extra}
+    against = {name: column for name, column in recorded.items() if name not in found.aside}
     term_candidates(found, against, settings.terms, known_distance=groups is None)
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))

@@ -3,13 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.stations import stations
-from echocal.diagnose.preprocess.usable import Usable, some
+from echocal.diagnose.preprocess.usable import Usable
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.observations import Observations
 from echocal.observations.quantiles import Grouped
 
-__all__ = ["OFF_STATION", "far_as_a_whole", "without_other_echoes"]
+__all__ = ["OFF_STATION", "without_other_echoes"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -19,25 +17,6 @@ OFF_STATION = "far from the usual reading at its station: another echo"
 """Why a row is left out."""
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
-
-
-def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
-    """Find the rows of stations most of whose rows are far: an error of the station, not outliers.
-
-    Parameters
-    ----------
-    far : ndarray of bool, shape (n,)
-    labels : ndarray of int, shape (n,)
-        Placement of the target of each row.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-    """
-    members = np.bincount(labels)
-    far_ones = np.bincount(labels, far)
-    most = (far_ones > settings.as_a_whole * members) & (members >= settings.station_tells)
-    return np.asarray(most[labels])
 
 
 def far_from_station(
@@ -81,30 +60,21 @@ def far_from_station(
 
 
 def without_other_echoes(
-    observations: Observations, usable: Usable, reference: Column, settings: RowSettings
-) -> tuple[Usable, Labels]:
+    usable: Usable, labels: Labels, temperature: Column | None, settings: RowSettings
+) -> Usable:
     """Leave out rows of another echo.
 
     Parameters
     ----------
-    observations : Observations
     usable : Usable
-    reference : ndarray, shape (total,)
-        Reference distance of every row of the source [m].
+    labels : ndarray of int, shape (n,)
+        Station of each row.
+    temperature : ndarray, shape (n,), or None
+        Air temperature [degC].
     settings : RowSettings
-
-    Returns
-    -------
-    Usable
-    ndarray of int
-        Station of each row that is left.
     """
-    rows, warm = usable.rows, observations.conditions.get("temperature")
-    labels = stations(observations, reference, rows, settings)
-    temperature = None if warm is None else some(warm, rows)
     far = far_from_station(usable.indication, labels, temperature, settings)
     if not far.any():
-        return usable, labels
+        return usable
     left_out = {**usable.left_out, OFF_STATION: int(far.sum())}
-    usable = Usable(rows[~far], usable.indication[~far], left_out)
-    return usable, stations(observations, reference, usable.rows, settings)
+    return Usable(usable.rows[~far], usable.indication[~far], left_out)

@@ -5,8 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.off_station import far_as_a_whole
-from echocal.diagnose.preprocess.stations import stations
+from echocal.diagnose.preprocess.stations import far_as_a_whole, stations
 from echocal.diagnose.preprocess.usable import Usable, some
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations

@@ -10,6 +10,7 @@ from echocal.diagnose.preprocess.off_station import without_other_echoes
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
 from echocal.diagnose.preprocess.series import series_starts
+from echocal.diagnose.preprocess.stations import stations
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.preprocess.usable import some, usable_rows
 from echocal.diagnose.settings.rows import RowSettings
@@ -50,9 +51,14 @@ def prepare(
     """
     reference = reference_of(observations, reference_distance, constant_distance)
     usable = usable_rows(observations, base, reference)
-    usable, stations = without_far_rows(observations, usable, reference, settings), None
+    usable, labels = without_far_rows(observations, usable, reference, settings), None
     if reference is not None and len(usable.rows):
-        usable, stations = without_other_echoes(observations, usable, reference, settings)
+        warm, count = observations.conditions.get("temperature"), len(usable.rows)
+        labels = stations(observations, reference, usable.rows, settings)
+        temperature = None if warm is None else some(warm, usable.rows)
+        usable = without_other_echoes(usable, labels, temperature, settings)
+        if len(usable.rows) < count:
+            labels = stations(observations, reference, usable.rows, settings)
     rows, indication = usable.rows, usable.indication
     unusable = dict(sorted(usable.left_out.items()))
     if len(rows) < settings.fewest:
@@ -70,7 +76,7 @@ def prepare(
         steps = np.union1d(steps, np.searchsorted(rows, np.array(more_steps, dtype=np.int64)))
     breaks = np.zeros(len(rows), dtype=bool)
     breaks[steps] = True
-    groups = np.cumsum(breaks) if stations is None else stations
+    groups = np.cumsum(breaks) if labels is None else labels
     breaks[1:] |= groups[1:] != groups[:-1]
     return Table(
         row=rows,

@@ -7,9 +7,10 @@ from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations
 
-__all__ = ["stations"]
+__all__ = ["far_as_a_whole", "stations"]
 
 Labels = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 def stations(
@@ -26,3 +27,22 @@ def stations(
     source = some(reference, rows) if labels is None else labels[rows]
     groups = pd.factorize(source, sort=True)[0].astype(np.int64)
     return groups if 1 + groups.max() <= len(rows) // settings.rows_per_station else np.zeros_like(groups)
+
+
+def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
+    """Find the rows of stations most of whose rows are far: an error of the station, not outliers.
+
+    Parameters
+    ----------
+    far : ndarray of bool, shape (n,)
+    labels : ndarray of int, shape (n,)
+        Placement of the target of each row.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    members = np.bincount(labels)
+    far_ones = np.bincount(labels, far)
+    most = (far_ones > settings.as_a_whole * members) & (members >= settings.station_tells)
+    return np.asarray(most[labels])

@@ -111,8 +111,9 @@ class Table:
 
     def against(self) -> dict[str, Column]:
         """Columns that a residual may depend on, by their names for people."""
-        return {**self.known(), **self.extra}
+        return {**self.known, **self.extra}
 
+    @cached_property
     def known(self) -> dict[str, Column]:
         """Those with a known meaning: influence quantities, distance, and time or row."""
         recorded = {n: c for n, c in self.conditions.items() if QUANTITIES[n].derived_from is None}
