@@ -1,6 +1,6 @@
 //! What a table of readings says about the causes of its errors.
 //!
-//! From the bottom to the top, each room using only those before it:
+//! From the bottom to the top; each module uses only those before it:
 //!
 //! - [`gram`]: one pass over the rows, which leaves sums of products of columns;
 //! - [`columns`]: what each candidate cause would add to the readings;

@@ -1,4 +1,4 @@
-//! Basis functions of a column as they stand, for a few rows: docs/method.md, Eq. 2a without the means.
+//! Basis functions of a column, not centered, for a few rows: docs/method.md, Eq. 2a without the means.
 //!
 //! The columns of a table have the same functions, made block by block where a pass needs them.
 

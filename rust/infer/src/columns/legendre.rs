@@ -9,7 +9,7 @@ use echocal_core::batch::Line;
 /// AVX-512.
 const ABREAST: usize = 8;
 
-/// A column, the values that stand for -1 and 1, and the first row of a block.
+/// A column, the values that are scaled to -1 and 1, and the first row of a block.
 type Key = (usize, (f64, f64), usize);
 
 /// Polynomials of one block of a column, each from the two before it.

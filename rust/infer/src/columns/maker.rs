@@ -209,7 +209,7 @@ impl BlockMaker<'_> {
         block.slope_with(term, self.point(block, level), line);
     }
 
-    /// The distance at which an effect is looked at: where that of its group is another than the
+    /// The distance at which an effect is evaluated: where that of its group is another than the
     /// base's, that of the group.
     fn point(&mut self, block: &SensitivityBlock<'_>, level: &Level) -> ExpansionPoint<'_> {
         let levels = match (level, &self.of.groups) {

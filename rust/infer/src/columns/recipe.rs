@@ -29,7 +29,7 @@ pub enum BasisFunction {
     Legendre {
         /// Degree of the polynomial.
         degree: usize,
-        /// Values that stand for -1 and 1.
+        /// Values that are scaled to -1 and 1.
         between: (f64, f64),
         /// The straight line that is taken off the polynomial: its value at 0, and its slope.
         line: (f64, f64),
@@ -47,10 +47,10 @@ pub enum BasisFunction {
     },
 }
 
-/// Distance at which an effect is looked at.
+/// Distance at which an effect is evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Level {
-    /// That of the base: the effect does nothing where it is looked at.
+    /// That of the base: the effect does nothing where it is evaluated.
     OfBase,
     /// The base's distance, with an effect at work.
     Known,

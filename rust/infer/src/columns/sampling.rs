@@ -1,4 +1,4 @@
-//! Rows of a long table that stand for all of it.
+//! Rows of a long table that represent all of it.
 
 /// Rows that a mean, a line or a quantile is taken over: what they miss is far below any size that
 /// shows.

@@ -152,7 +152,7 @@ impl Part {
         }
     }
 
-    /// All of it as products of rows that begin a series: whitened rows owe each other nothing.
+    /// All of it as products of rows that begin a series: whitened rows are independent.
     fn products(self, layout: &RowLayout<'_>, width: usize, columns: usize) -> LagProducts {
         let placed = |kinds: &ClassSums, count: usize, length: usize| {
             let mut sums = vec![0.0; count * length];

@@ -124,7 +124,7 @@ impl MixtureSums {
         log
     }
 
-    /// Adds as many rows as stand side by side; returns their log likelihood, of scale one.
+    /// Adds one pack of rows; returns their log likelihood, of scale one.
     #[inline(always)]
     fn add(
         &mut self,

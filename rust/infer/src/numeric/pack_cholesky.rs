@@ -40,7 +40,7 @@ pub(crate) fn squares(values: &[Pack], weights: &[Pack]) -> Pack {
 
 /// Matrices of `order`, of which the lower triangle is read, with something `added` to the diagonal,
 /// factored from a row on, where those before are factored already: `L D L'` with ones on the diagonal
-/// of `L`, where `D` stands.
+/// of `L`, where `D` is stored.
 ///
 /// No pivot is smaller than what was added to it; see [`super::cholesky::factor`].
 #[inline(always)]

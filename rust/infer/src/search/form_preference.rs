@@ -1,8 +1,8 @@
-//! Which of several forms of the same causes stands for them.
+//! Which of several forms represents the same causes.
 
 use super::candidates::{Candidate, Candidates};
 
-/// The position of the form that stands for the same causes, of forms of so many log odds and
+/// The position of the form that represents the same causes, of forms of so many log odds and
 /// coefficients each, most probable first.
 ///
 /// It is the one with the most coefficients of those that are less than `undecided` behind the first:
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_freest_of_those_that_are_as_good() {
+    fn the_most_coefficients_of_forms_that_are_as_good() {
         let forms = [(0.0, 1), (-1.0, 2), (-1.4, 2), (-1.6, 3)];
         assert_eq!(preferred_form(&forms, 1.5), 1);
         assert_eq!(preferred_form(&forms, 2.0), 3);

@@ -5,8 +5,8 @@ use super::prior::Prior;
 use crate::parallel::each_of;
 use crate::solve::{EvidenceSolver, HypothesisColumns, NARROWER, NoiseTable, Variant};
 
-/// Probability of a noise beside a hypothesis below which a search does without it: what some noises
-/// less leave out of the evidence decides nothing there.
+/// Probability of a noise beside a hypothesis below which a search leaves the noise out: the evidence
+/// that is lost decides nothing.
 const SEARCHED: f64 = 0.02;
 /// The same of a simple hypothesis, when what was found is fitted.
 const FITTED: f64 = 1e-3;
@@ -25,11 +25,10 @@ pub(super) struct NoiseSelection {
 }
 
 impl NoiseSelection {
-    /// Noises that some very free hypothesis allows, or some simple one that is not pruned beside
-    /// another.
+    /// Noises that are probable beside all causes at once, or beside a single cause or none.
     ///
-    /// The free ones have every cause at once, beside one unexplained term: what they leave is mostly noise, but
-    /// of a cause with a place (a step, an edge) they have only one.
+    /// Beside all causes and one unexplained term, the residual is mostly noise. Of a cause with an onset
+    /// only one onset is included. Single causes that are pruned are not considered.
     pub fn of(
         table: &NoiseTable,
         variants: &[Variant],
@@ -38,7 +37,7 @@ impl NoiseSelection {
         (prior, options): (&Prior, &SearchOptions),
         threads: usize,
     ) -> Self {
-        let free = freest(variants, causes, unexplained);
+        let free = all_causes(variants, causes, unexplained);
         let mut fits = fits(table, variants, &free, threads);
         let unpruned = unpruned(table, variants, causes, (prior, options), threads);
         let fit = above(FITTED, &unpruned, table.noises());
@@ -70,16 +69,21 @@ impl NoiseSelection {
     }
 }
 
-/// Every cause at once, by itself and beside one form that has a fixed column or one unexplained term.
-fn freest(variants: &[Variant], causes: &[Vec<usize>], unexplained: &[usize]) -> Vec<Vec<usize>> {
-    let freest = |forms: &Vec<usize>| {
+/// All causes at once: alone, and beside one form that has a fixed column or one unexplained term. Of
+/// each cause, the first of the forms with the most coefficients.
+fn all_causes(
+    variants: &[Variant],
+    causes: &[Vec<usize>],
+    unexplained: &[usize],
+) -> Vec<Vec<usize>> {
+    let most_coefficients = |forms: &Vec<usize>| {
         let free = |v: &usize| variants[*v].free.len();
         let most = forms.iter().map(free).max()?;
         forms.iter().copied().find(|v| free(v) == most)
     };
     let every: Vec<usize> = causes
         .iter()
-        .filter_map(freest)
+        .filter_map(most_coefficients)
         .filter(|&v| variants[v].offsets.is_empty())
         .collect();
     let known = causes.iter().flatten().copied();

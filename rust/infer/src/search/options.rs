@@ -1,6 +1,6 @@
 //! What a search leaves out.
 
-/// What a search leaves out, and which of several forms stands for its causes.
+/// What a search leaves out, and which of several forms represents its causes.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchOptions {
     /// Log odds against the most probable hypothesis beyond which one is pruned.

@@ -45,10 +45,10 @@ pub(super) fn scored_if_they_matter(
     }
 }
 
-/// Score below which a hypothesis neither is reported nor leads to one of another cause or of an
+/// Score below which a hypothesis is neither reported nor extended by a further cause or by an
 /// unexplained term.
 ///
-/// Where it leads to others, it is of so many causes as `leads`. Where nothing is pruned, every
+/// `leads`: the number of causes of hypotheses that can be extended. Where nothing is pruned, every
 /// hypothesis matters.
 fn floor<'a>(
     of: &Candidates<'_>,

@@ -24,7 +24,7 @@ pub struct RankedHypothesis {
     pub variances: Vec<f64>,
 }
 
-/// Causes in ascending order; none stands for an unexplained term.
+/// Causes in ascending order; `None` is an unexplained term.
 pub type CauseSet = Vec<Option<usize>>;
 
 /// Probabilities of hypotheses and of sets of causes.
@@ -36,7 +36,7 @@ pub struct Ranking {
     pub sets: Vec<(CauseSet, f64)>,
 }
 
-/// Ranks hypotheses and their sets of causes, of which so many causes compete.
+/// Ranks hypotheses and their sets of causes; `competing` is the number of candidate causes `M`.
 ///
 /// The hypotheses come most probable first. The first of a set says what is informative in it.
 #[must_use]

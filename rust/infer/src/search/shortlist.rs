@@ -9,7 +9,8 @@ const ALONE: usize = 2;
 /// that is right by itself tells nothing (a step is best placed where the other cause has one).
 const BESIDE: usize = 2;
 
-/// Picks, for each cause, the best forms by themselves and beside the leading cause, and the freest.
+/// Picks, for each cause, the best forms by themselves and beside the leading cause, and the one with
+/// the most coefficients.
 pub(super) fn shortlist(of: &Candidates<'_>, singles: &[Candidate]) -> Vec<Vec<usize>> {
     let alone: HashMap<usize, f64> = singles
         .iter()
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_best_alone_the_best_beside_and_the_freest() {
+    fn the_best_alone_the_best_beside_and_the_most_coefficients() {
         let alone: HashMap<usize, f64> = (0..6).map(|v| (v, -(v as f64))).collect();
         let beside: HashMap<usize, f64> = (0..6).map(|v| (v, v as f64)).collect();
         let freedom = |v: usize| if v == 3 { 2 } else { 1 };

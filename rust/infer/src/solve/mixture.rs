@@ -33,8 +33,8 @@ impl Mixture {
     }
     on_widest! {
         /// Scores of some noises where one width was changed at a time, as if the causes were
-        /// independent; none where a narrower width gains more than it can by itself, for then bounds
-        /// that the causes violate together are met by narrowing one of them.
+        /// independent; `None` where a narrower width gains more than it can by itself: then the bounds
+        /// make the causes dependent, and the estimate is not valid.
         independent independent_avx2 independent_avx512 multiplied (noises: usize, gains: &[f64]) -> Option<Vec<f64>>
     }
     on_widest! {

@@ -17,7 +17,7 @@ pub struct WhitenedStack<'a> {
     pub width: usize,
     /// Rows less unknown levels.
     pub degrees: f64,
-    /// Variance below which no noise is believed.
+    /// Smallest variance of noise that is assumed.
     pub variance_floor: f64,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct NoiseTable {
     /// Of each column kept: products with itself and those before, each under every group of noises.
     values: Vec<Vec<Pack>>,
     groups: usize,
-    /// Where each column stands; nowhere if it was not kept.
+    /// Position of each column; `usize::MAX` if it was not kept.
     place: Vec<usize>,
     pub log_weight: Vec<f64>,
     pub width: usize,
@@ -36,7 +36,7 @@ pub(crate) struct NoiseTable {
     solved: Arc<AtomicUsize>,
 }
 
-/// Where the product of two columns stands.
+/// Position of the product of two columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     line: usize,
@@ -72,7 +72,7 @@ impl NoiseTable {
         }
     }
 
-    /// Some of the columns under the noises in `kept`; none where that is all of the table.
+    /// Some of the columns under the noises in `kept`; `None` if these are all noises.
     pub fn carried(&self, kept: &[bool], columns: &[usize], threads: usize) -> Option<Self> {
         (!kept.iter().all(|&kept| kept)).then(|| self.only(kept, columns, threads))
     }
@@ -101,7 +101,7 @@ impl NoiseTable {
         }
     }
 
-    /// Some noises, a whole group as such: its products stand side by side already.
+    /// Some noises, a whole group as such: its products are side by side already.
     pub fn beside(&self, noises: [usize; PACK]) -> Noises {
         let (group, last) = (noises[0] / PACK, self.noises() - 1);
         let whole = (group * PACK..).map(|noise| noise.min(last));
@@ -127,7 +127,7 @@ impl NoiseTable {
         self.log_weight.len()
     }
 
-    /// Where the product of two columns stands.
+    /// Position of the product of two columns.
     pub fn place(&self, i: usize, j: usize) -> Place {
         let (i, j) = (self.place[i], self.place[j]);
         Place {
@@ -158,7 +158,7 @@ fn filled(noises: &[usize]) -> [usize; PACK] {
     core::array::from_fn(|lane| noises[lane.min(noises.len() - 1)])
 }
 
-/// Where each of so many columns stands among those chosen.
+/// Position of each column among those chosen; `usize::MAX` if it is not.
 fn places(columns: &[usize], width: usize) -> Vec<usize> {
     let mut place = vec![usize::MAX; width];
     for (at, &column) in columns.iter().enumerate() {

@@ -24,8 +24,8 @@ pub(super) struct Part {
 
 /// The system of one hypothesis for some noises, and the memory for solving it.
 ///
-/// The last coefficient comes first: where the precisions of the first ones change, what was done
-/// for the others stands.
+/// The last coefficient comes first: if the precisions of the first ones change, the results for the
+/// others remain valid.
 #[derive(Default)]
 pub(super) struct System {
     order: usize,
@@ -34,7 +34,7 @@ pub(super) struct System {
     degrees: f64,
     variance_floor: f64,
     square: Option<Pack>,
-    /// Where the products of the columns stand: lower triangle; those of what is to be explained and
+    /// Positions of the products of the columns: lower triangle; those of what is to be explained and
     /// of the fixed columns, with each free column and, last, with what is to be explained.
     among_at: Vec<Place>,
     along_at: Vec<Place>,
@@ -81,7 +81,7 @@ impl System {
         take take_avx2 take_avx512 taken (table: &NoiseTable, noises: &Noises) -> ()
     }
 
-    /// Takes up another hypothesis: finds where its products stand.
+    /// Takes up another hypothesis: finds the positions of its products.
     pub fn begin(&mut self, table: &NoiseTable, layout: &HypothesisColumns) {
         let last = table.width - 1;
         self.order = layout.free.len();
