@@ -1,4 +1,4 @@
-"""Leaving out what is hopeless changes no probability that is told."""
+"""Pruning changes no reported probability."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ CASES = (
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(("design", "causes"), CASES)
-def test_as_if_nothing_were_left_out(design: str, causes: tuple[str, ...]) -> None:
+def test_the_posterior_is_that_without_pruning(design: str, causes: tuple[str, ...]) -> None:
     table = build(Spec(design, "test", causes, "normal", 0.0, 71)).table
     pruned = dict(echocal.diagnose(table).posterior)
     whole = dict(echocal.diagnose(table, settings={"search": {"pruning_log_odds": np.inf}}).posterior)

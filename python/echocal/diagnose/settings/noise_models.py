@@ -57,7 +57,7 @@ class NoiseModelSettings:
         20_000,
         "rows",
         "in a longer table, impossible noises are excluded first",
-        "computing time; tests/test_diagnose_memories.py checks the probabilities",
+        "computing time; tests/test_diagnose_autocorrelation.py checks the probabilities",
     )
     pruning: float = number(
         300.0,

@@ -1,4 +1,4 @@
-"""Causes beside a larger one: found where they are, not where they would be alone."""
+"""Causes beside a larger one: the shortlist has the forms that are best beside another cause, too."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def test_a_step_is_placed_beside_a_wrong_speed(random: np.random.Generator) -> N
     assert abs(begins / 60.0 - first) <= 3
 
 
-def test_a_stand_that_is_far_as_a_whole_is_kept(random: np.random.Generator) -> None:
+def test_a_station_that_is_an_outlier_as_a_whole_is_kept(random: np.random.Generator) -> None:
     distance = np.repeat([0.5, 0.8, 1.1, 1.4, 1.7, 3.0], 40)
     reading = distance + random.normal(0.0, 1e-3, len(distance))
     reading[-40:] -= 0.12  # something at the edge of the beam answers first
@@ -39,8 +39,8 @@ def test_a_stand_that_is_far_as_a_whole_is_kept(random: np.random.Generator) -> 
     assert "neither confirm nor refute it" in note
 
 
-def test_white_noise_is_reckoned_with_beside_two_causes(random: np.random.Generator) -> None:
-    """Beside either cause alone, the signal of the other looks like autocorrelated noise."""
+def test_white_noise_is_kept_beside_two_causes(random: np.random.Generator) -> None:
+    """Beside either cause alone, the signal of the other is similar to autocorrelated noise."""
     rows = 3000
     distance, celsius = random.uniform(0.3, 4.0, rows), random.uniform(5.0, 25.0, rows)
     first = int(random.integers(600, 2400))

@@ -23,7 +23,7 @@ def log(noise: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]
 
 
 @pytest.mark.parametrize("keep", [0.0, 0.9])
-def test_a_long_table_is_judged_as_if_every_memory_were_summed(
+def test_a_long_table_has_the_probabilities_of_all_autocorrelations(
     keep: float, random: np.random.Generator
 ) -> None:
     white, cells = random.normal(0, 1e-3, ROWS), remembering(ROWS, keep, random)
@@ -38,7 +38,7 @@ def test_a_long_table_is_judged_as_if_every_memory_were_summed(
     assert quick.noise == pytest.approx(whole.noise, rel=1e-6)
 
 
-def test_cells_of_warm_air_are_told_by_how_they_grow(random: np.random.Generator) -> None:
+def test_convection_is_identified_by_its_growth_with_distance(random: np.random.Generator) -> None:
     cells = 1.5e-3 * remembering(ROWS, 0.9, random)
     table = log(cells, random)
     table["echo_us"] += random.normal(0, 6.0, ROWS)  # 1 mm
