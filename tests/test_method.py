@@ -89,9 +89,9 @@ def test_log_evidence_under_one_noise(rho: float) -> None:
 def test_posterior_odds_under_every_noise(rho: float) -> None:
     """The engine leaves out what holds less than 1e-4 of a hypothesis, and no more."""
     case, stack = prepared(rho)
-    weighed, carried = posterior(case.found, stack, SETTINGS)
+    weighed, reduced = posterior(case.found, stack, SETTINGS)
     columns = case.found.columns.at(range(len(case.found.columns)))
-    method = Method(columns, carried.noises, case.sums.order.starts, case.sums.order.groups)
+    method = Method(columns, reduced.noises, case.sums.order.starts, case.sums.order.groups)
     terms = sum(v.cause == UNKNOWN for v in case.found.variants)
     for one in weighed[:8]:
         variants = one.hypothesis.variants

@@ -1,6 +1,6 @@
 """The whole diagnosis on one screen: each stage takes the results of the stages before it.
 
-Both repetitions are visible here. After each new level step, the columns are built again. If the
+Two stages can repeat. After each new level step, the columns are built again. If the
 variance of autocorrelated noise may grow with the distance, the posterior is computed again.
 """
 
@@ -71,16 +71,16 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("comparing causes")
             inference = infer(case)
-            if growing := convections(case, inference.fits, inference.carried):
+            if growing := convections(case, inference.fits, inference.reduced):
                 case = case.with_correlations(growing)
                 del inference  # it is large for a wide table
                 inference = infer(case)
 
             work.begin("comparing noises")
-            carried = inference.carried
-            shares = infer_noises(case, inference.fits, carried, faults.quantizations)
+            reduced = inference.reduced
+            shares = infer_noises(case, inference.fits, reduced, faults.quantizations)
             ranking = rank(shares.fits, case.found.competing, settings)
-            selection = select(case, ranking, shares, carried)
+            selection = select(case, ranking, shares, reduced)
 
             work.begin("validating claims")
             validation = validate(case, selection)
@@ -91,8 +91,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             work.level_steps = len(level_steps)
 
         work.begin("planning measurements")
-        joint = join(ranking, faults.found, shares, carried)
-        possible = members(case, ranking, selection.listed, validation, carried)
+        joint = join(ranking, faults.found, shares, reduced)
+        possible = members(case, ranking, selection.every_claim, validation, reduced)
         proposals = propose(case, possible, selection, validation, ranges)
         found = (inference, ranking, selection, validation, joint)
         diagnosis = report(case, observations, *found, possible, proposals)

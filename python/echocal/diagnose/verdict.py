@@ -13,8 +13,8 @@ def verdict(ranking: Ranking, selection: Selection, validation: Validation, join
     """Choose the verdict.
 
     A noise or a fault alone makes the verdict ``named`` only if no shift of the readings is open. A
-    shift is open if it is certain and no cause of it is claimed, or if a claimed cause has no
-    constant size. An open shift is never ``nothing``, even if every cause of it is refuted.
+    shift is open if it is more probable than the threshold of ``named`` and no claim is kept, or if a
+    kept claim has no constant size. An open shift is never ``nothing``, even if every claim is refuted.
     """
     named = ranking.settings.claims.named
     steady = [c.probability for c in validation.kept if c.cause not in selection.varying]
@@ -30,7 +30,7 @@ def verdict(ranking: Ranking, selection: Selection, validation: Validation, join
 
 
 def _shifted(ranking: Ranking) -> bool:
-    """Whether the posterior leaves no doubt that an effect shifts the readings."""
+    """Whether an effect, or an unexplained term, has a probability above that of ``named`` (0.9)."""
     return sum(p for ids, p in ranking.sets if not ids) < 1 - ranking.settings.claims.named
 
 

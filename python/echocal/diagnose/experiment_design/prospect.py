@@ -118,11 +118,11 @@ class Prospect:
 
     def _of_mean(self, n: int, distance: Matrix) -> Matrix:
         """Variance of the mean of `n` successive rows with autocorrelated noise, at some distances."""
-        rho, memory, lags = self.noise.rho, self.noise.moving_average, np.arange(1, n)
+        rho, theta, lags = self.noise.rho, self.noise.moving_average, np.arange(1, n)
         cells = self.variance * self.noise.growth * distance
         first = self.variance / self.noise.first_weight + cells
-        if rho == memory:
+        if rho == theta:
             return first / n
-        alone = self.variance * (rho - memory) * (1 - rho * memory) / (1 - rho**2)
+        alone = self.variance * (rho - theta) * (1 - rho * theta) / (1 - rho**2)
         second = rho * cells if self.noise.growth else np.full(len(distance), alone)
         return np.asarray((n * first + 2 * second * ((n - lags) * rho ** (lags - 1)).sum()) / n**2)

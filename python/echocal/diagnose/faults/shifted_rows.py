@@ -1,4 +1,4 @@
-"""Readings that stand some rows too low or too high."""
+"""Readings that are some rows too low or too high in the table."""
 
 from dataclasses import dataclass, replace
 
@@ -144,7 +144,7 @@ def _moved(view: View, first: int, shift: int) -> Observations:
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:
-    """Copy a line or two somewhere in the middle: readings below stand too low."""
+    """Copy a line or two somewhere in the middle: readings below are too low in the table."""
     shift, first = int(random.integers(1, 3)), int(random.integers(30, len(table["reading_m"]) - 60))
     table["reading_m"][first + shift :] = table["reading_m"][first:-shift].copy()
 

@@ -1,4 +1,4 @@
-"""Causes that these data cannot tell apart, from the geometry of their columns."""
+"""Causes that these data cannot separate, from the geometry of their columns."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,7 +14,7 @@ __all__ = ["Geometry"]
 Matrix = NDArray[np.floating[Any]]
 
 _ROUNDING = 1e-12  # part of the squares below which columns are the same but for rounding
-_FAR = 2.0  # times the limit, at a quick look, beyond which a form is not looked at closely
+_FAR = 2.0  # times the limit, in a quick estimate, beyond which a form is no rival
 
 
 class Geometry:
@@ -104,7 +104,7 @@ class Geometry:
         beside: Matrix,
         settings: ClaimSettings,
     ) -> list[str]:
-        """Causes that these data cannot tell from a signal: any form of a plausible size imitates it.
+        """Causes that these data cannot separate from a signal: a form of plausible size imitates it.
 
         docs/method.md, Eq. 23.
 
@@ -115,7 +115,7 @@ class Geometry:
             Forms of each other cause.
         beside : ndarray, shape (k,)
             What causes that stay add, whose sizes may change: what two causes make together may be
-            made by one of them and a third, though no two of them look alike.
+            made by one of them and a third, though no two of them are similar.
         settings : ClaimSettings
         """
         known = [variant for variants in others.values() for variant in variants]

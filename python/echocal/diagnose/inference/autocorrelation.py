@@ -15,7 +15,7 @@ from echocal.diagnose.settings.noise_models import NoiseModelSettings
 
 __all__ = ["at_first", "that_may_be_there"]
 
-_SEGMENTS, _SEGMENT = 5, 20_000  # rows that are looked at
+_SEGMENTS, _SEGMENT = 5, 20_000  # rows that are used
 
 
 def at_first(order: Order, settings: NoiseModelSettings) -> Sequence[NoiseCorrelation]:
@@ -57,7 +57,7 @@ def that_may_be_there(
     sizes = _core.ridge_coefficients(products, sums.degrees(), VARIANCE_FLOOR**2, settings.ridge_width)
     used = np.flatnonzero(sizes)
     left = residual - columns.combined((1 + used).tolist(), sizes[used])
-    rows = _looked_at(len(left))
+    rows = _sample(len(left))
     left, order = left[rows], order.at(rows)
     logs = {
         theta: max(log_likelihood(left, order, Noise(theta, rho, 0.0, 1.0)) for rho in rhos if rho)
@@ -67,7 +67,7 @@ def that_may_be_there(
     return [theta for theta, log in logs.items() if log > least]
 
 
-def _looked_at(rows: int) -> NDArray[np.int64]:
+def _sample(rows: int) -> NDArray[np.int64]:
     if rows <= _SEGMENTS * _SEGMENT:
         return np.arange(rows)
     firsts = np.linspace(0, rows - _SEGMENT, _SEGMENTS).astype(np.int64)

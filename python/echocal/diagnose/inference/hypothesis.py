@@ -57,7 +57,7 @@ class Hypothesis:
 
     @cached_property
     def placed(self) -> tuple[tuple[Variant, slice], ...]:
-        """Each variant, and where its coefficients stand among those of the hypothesis."""
+        """Each variant, and the positions of its coefficients among those of the hypothesis."""
         ends = list(accumulate((len(variant.free) for variant in self.variants), initial=0))
         places = (slice(first, last) for first, last in pairwise(ends))
         return tuple(zip(self.variants, places, strict=True))
@@ -110,7 +110,7 @@ class Stack:
         return self.noises[index], self.products[index]
 
     def plain(self) -> "Stack":
-        """The first noise alone: rows that owe each other nothing."""
+        """The first noise alone: independent rows."""
         return self.only(np.arange(len(self.noises)) == 0)
 
 

@@ -16,7 +16,7 @@ Column = NDArray[np.float64]
 
 
 def innovation(left: Column, order: Order, noise: Noise) -> Column:
-    """Whiten residuals: take out the errors of the stations and what the rows before tell.
+    """Whiten residuals: subtract the errors of the stations and what the rows before predict.
 
     docs/method.md, Eq. 3 to 5.
 

@@ -9,7 +9,7 @@ from echocal.diagnose.settings.noise_models import NoiseModelSettings
 __all__ = ["VARIANCE_FLOOR", "WHITE", "Convection", "Noise", "NoiseCorrelation", "all_convections", "noises"]
 
 VARIANCE_FLOOR = 1e-9
-"""Standard deviation below which no noise is believed [m]; simulated data may have none."""
+"""Smallest standard deviation of noise that is assumed [m]; simulated data may have none."""
 
 
 class Convection(NamedTuple):

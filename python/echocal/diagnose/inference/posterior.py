@@ -1,4 +1,4 @@
-"""Which hypotheses compete, and how probable each is before the data."""
+"""The posterior over hypotheses, computed by the core."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,22 +23,22 @@ class Inference:
     ----------
     stack : Stack
         Products under every noise model.
-    carried : Stack
+    reduced : Stack
         Products under the noise models that some hypothesis makes probable.
     fits : list of HypothesisFit
         Most probable first; hypotheses that the data rule out are not among them.
     """
 
     stack: Stack
-    carried: Stack
+    reduced: Stack
     fits: list[HypothesisFit]
 
 
 def infer(case: Case) -> Inference:
     """Fit every hypothesis that competes, on the rows that a fit may see."""
     stack = case.stack(case.folds.fit)
-    fits, carried = posterior(case.found, stack, case.settings)
-    return Inference(stack, carried, fits)
+    fits, reduced = posterior(case.found, stack, case.settings)
+    return Inference(stack, reduced, fits)
 
 
 def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list[HypothesisFit], Stack]:
@@ -49,7 +49,7 @@ def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list
     list of HypothesisFit
         Most probable first; hypotheses that the data rule out are not among them.
     Stack
-        The noises that were carried along.
+        Products under the noise models that some hypothesis makes probable.
     """
     order = {cause: i for i, cause in enumerate(dict.fromkeys(v.cause for v in found.variants))}
     forms = [form(v, None if v.cause == UNKNOWN else order[v.cause]) for v in found.variants]
@@ -76,8 +76,9 @@ def core_prior(priors: PriorSettings) -> _core.Prior:
 
 
 def preferred(same: Sequence[HypothesisFit], undecided: float) -> HypothesisFit:
-    """Choose the form that stands for the same causes, most probable first.
+    """Choose one of several forms of the same causes, given most probable first.
 
-    Where the data do not say which value is right, a freer form's uncertainty says so.
+    If two forms are about equally probable, the data do not determine a parameter. The form with more
+    coefficients is chosen, because its uncertainty shows this.
     """
     return same[_core.preferred_form([w.log_posterior for w in same], [len(w.mean) for w in same], undecided)]

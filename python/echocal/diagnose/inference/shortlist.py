@@ -23,7 +23,7 @@ MEASURE = (
 )
 """What they are chosen by, in words."""
 
-_ROWS = 20_000  # that tell which column is worth a closer look
+_ROWS = 20_000  # from which the further columns are chosen
 _RUN = 97  # of them that follow each other: a prime, so that no period of a table is missed
 _WHITE = Noise(0.0, 0.0, 0.0, 1.0)
 

@@ -1,7 +1,8 @@
 """Noises: causes that change the distribution of readings.
 
 One file a noise: its facts, its thresholds, what it does to a table, and its likelihood or its
-detector. `registry` lists them; `common` is what they share.
+detector. `registry` lists them; `common` is what they share. The noise models that every hypothesis
+includes are in `echocal.diagnose.inference.noise` and rust/infer/src/noise.
 """
 
 from echocal.diagnose.findings.facts import CauseFacts

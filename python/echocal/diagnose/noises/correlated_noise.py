@@ -45,7 +45,7 @@ FACTS = CauseFacts(
 
 
 def concerns(noise: Noise) -> bool:
-    """Whether a noise that the fits reckon with is this cause."""
+    """Whether a noise model is this cause."""
     return noise.rho != 0.0
 
 
@@ -66,7 +66,7 @@ def _mean(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
 
 
 def because(values: Values) -> str:
-    """Say how much a row tells of the next."""
+    """Say how strongly successive rows are correlated."""
     follows = f"with a coefficient of {values['autoregression'][0]:.2f} (autocorrelation in row order)"
     if "growth" in values:
         return f"what the causes leave follows the rows before {follows}, the more the farther the target"

@@ -62,7 +62,7 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     rise = np.corrcoef(np.abs(trace.innovation), distance)[0, 1] * np.sqrt(len(trace))
     if not rise > settings.worth:
         return None
-    # what was learned of one row tells of the next by its innovation, of nearly the same distance
+    # an innovation depends on the row before, too: successive rows have nearly the same distance
     wide = 1 + np.outer(_GROWTH, distance)
     level, widening = trace.innovation / wide, np.log(wide).sum(axis=1)
     scales = np.stack([scale_of(level, freedom) for freedom in KERNELS])

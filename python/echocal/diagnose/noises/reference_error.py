@@ -31,7 +31,7 @@ FACTS = CauseFacts(
 
 
 def concerns(noise: Noise) -> bool:
-    """Whether a noise that the fits reckon with is this cause."""
+    """Whether a noise model is this cause."""
     return noise.station_ratio > 0.0
 
 

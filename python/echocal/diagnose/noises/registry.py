@@ -42,7 +42,7 @@ def fitted() -> tuple[FittedNoise, ...]:
 
 
 def nuisances() -> tuple[NuisanceNoise, ...]:
-    """Noises that every hypothesis reckons with."""
+    """Noises that every hypothesis includes."""
     return tuple(noise for noise in NOISES if isinstance(noise, NuisanceNoise))
 
 

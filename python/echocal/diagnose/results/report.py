@@ -81,7 +81,7 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded, doubts = Recorded(case.table.against()), selection.varying
-    others = alternatives(ranking, selection.listed) if word == "ambiguous" else []
+    others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     return (
         *(
             _cause(case, claim, validation, recorded, doubts.get(claim.cause, ""))

@@ -71,28 +71,31 @@ class Ranking:
         Of sets that are about equally probable, the one that most devices can compensate. With
         `beyond`, only sets that have one effect more than these count; None if there is none.
         """
-        effects: dict[Ids, float] = {}
+        probability: dict[Ids, float] = {}
         for ids, p in ((ids, p) for ids, p in self.sets if p > 0.0):
-            named = tuple(id_ for id_ in ids if id_ != UNKNOWN)
-            if beyond is None or (len(named) == len(beyond) + 1 and set(named) > set(beyond)):
-                effects[named] = effects.get(named, 0.0) + p
-        if not effects:
+            effects = tuple(id_ for id_ in ids if id_ != UNKNOWN)
+            if beyond is None or (len(effects) == len(beyond) + 1 and set(effects) > set(beyond)):
+                probability[effects] = probability.get(effects, 0.0) + p
+        if not probability:
             return None
-        likely = max(effects.values())
-        near = [named for named in effects if effects[named] > self.settings.claims.nearly * likely]
-        top = max(near, key=lambda named: (-_out_of_reach(named), effects[named]))
+        near = self.settings.claims.nearly * max(probability.values())
+        likely = [effects for effects, p in probability.items() if p > near]
+        top = max(likely, key=lambda effects: (-_out_of_reach(effects), probability[effects]))
         same = [w for w in self.fits if w.hypothesis.effects == top]
         alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
         return preferred(alike, self.settings.search.form_preference)
 
     def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
-        """Probability of a set of effects alone, and of it beside at least one of some causes."""
+        """Probability of a set of effects alone, and of it beside at least one of some causes.
+
+        A set with an unexplained term counts as the set without it.
+        """
         alone, beside = 0.0, 0.0
         for found, p in self.sets:
-            named = {id_ for id_ in found if id_ != UNKNOWN}
-            if named == set(ids):
+            effects = {id_ for id_ in found if id_ != UNKNOWN}
+            if effects == set(ids):
                 alone += p
-            elif named > set(ids) and named & set(causes):
+            elif effects > set(ids) and effects & set(causes):
                 beside += p
         return alone, beside
 

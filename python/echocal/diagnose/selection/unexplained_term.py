@@ -36,7 +36,7 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
 
 
 def sized_apart(
-    best: HypothesisFit, claimed: Sequence[Claim], stack: Stack, blurred_from: float
+    best: HypothesisFit, claimed: Sequence[Claim], stack: Stack, undetermined_from: float
 ) -> tuple[HypothesisFit, list[Claim]]:
     """Fit the sizes of the causes without the unexplained term, where the data do not separate them.
 
@@ -48,7 +48,7 @@ def sized_apart(
         return best, list(claimed)
     fit = fit_hypothesis(bare, stack)
     own = sizes(fit)
-    blurred = any((c.deviation > blurred_from * own[c.cause][1]).any() for c in claimed)
-    if not blurred:
+    undetermined = any((c.deviation > undetermined_from * own[c.cause][1]).any() for c in claimed)
+    if not undetermined:
         return best, list(claimed)
     return fit, resized(claimed, fit)

@@ -18,12 +18,12 @@ from echocal.model import Model
 
 __all__ = [
     "HeldOut",
+    "cannot_judge",
     "errors",
     "fixed_speed_rms",
     "floor",
     "measure",
     "summarize",
-    "uninformative",
     "worse",
 ]
 
@@ -145,7 +145,7 @@ def worse(with_cause: HeldOut, without: HeldOut) -> bool:
     return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
 
 
-def uninformative(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
+def cannot_judge(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
     """Whether the folds cannot validate a cause, because their errors with and without it are equal.
 
     If a cause acts at one station only, a fit without this station does not find its size, and the

@@ -15,11 +15,11 @@ from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, 
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import (
     HeldOut,
+    cannot_judge,
     fixed_speed_rms,
     floor,
     measure,
     summarize,
-    uninformative,
     worse,
 )
 from echocal.diagnose.validation.shifted import shifted
@@ -117,7 +117,7 @@ def _one_by_one(trials: "_Trials", hypothesis: Hypothesis, claimed: Sequence[Cla
         fewer = tuple(c for c in kept if c is not claim)
         lesser = without(hypothesis, claim.cause)
         alone = trials.of(lesser, fewer)
-        if trials.uninformative(after, alone, trials.case.signal(claim.variant, claim.mean)):
+        if trials.cannot_judge(after, alone, trials.case.signal(claim.variant, claim.mean)):
             unjudged.append(claim.cause)
         elif worse(after, alone):
             refuted.append(Refuted(claim.cause, claim.probability, after.rms, alone.rms, claim.rivals))
@@ -139,7 +139,7 @@ def _against_the_base(trials: "_Trials", rest: _Rest, before: HeldOut) -> _Rest:
     for claim in rest.kept:
         hypothesis = hypothesis if claim in unjudged else without(hypothesis, claim.cause)
     signal = sum(trials.case.signal(claim.variant, claim.mean) for claim in unjudged)
-    if unjudged and not trials.uninformative(trials.of(hypothesis, unjudged), before, np.asarray(signal)):
+    if unjudged and not trials.cannot_judge(trials.of(hypothesis, unjudged), before, np.asarray(signal)):
         for claim in unjudged:  # without the other causes, the folds can validate them
             hypothesis = without(hypothesis, claim.cause)
         unjudged = ()
@@ -200,9 +200,9 @@ class _Trials:
             self.known[key] = measure(self.case.table, self.case.folds, fitted)
         return self.known[key]
 
-    def uninformative(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
+    def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
         """Whether the folds cannot validate causes with this signal."""
-        return uninformative(one, other, signal, self.case.settings.validation.informative_share)
+        return cannot_judge(one, other, signal, self.case.settings.validation.informative_share)
 
     def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
         """The model with the kept causes, as a function of the blocks that it is fitted on."""

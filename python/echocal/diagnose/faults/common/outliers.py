@@ -37,14 +37,14 @@ def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: Outliers) -
     tail = settings.moved_tail
     early, late = np.quantile(where, (tail, 1 - tail)).astype(np.int64)
     limit = settings.moved_as_far * np.median(sign * view.deviation[rows])
-    for stretch in (slice(0, late + 1), slice(early, len(rows))):
-        known = view.good[stretch]
-        distances = len(np.unique(view.expected[stretch][known]))
+    for part in (slice(0, late + 1), slice(early, len(rows))):
+        known = view.good[part]
+        distances = len(np.unique(view.expected[part][known]))
         others = len(rows) - len(known)
         enough = max(settings.moved_distances, settings.moved_distances_per_row * len(known))
         if distances < enough or min(len(known), others) < settings.moved_rows:
             continue
-        if np.median(sign * view.deviation[stretch][known]) > limit:
+        if np.median(sign * view.deviation[part][known]) > limit:
             return True
     return False
 

@@ -98,7 +98,7 @@ def find_faults(
     Returns
     -------
     Faults
-        Whatever was repaired or left out stands in a finding, with its rows.
+        Whatever was repaired or left out is in a finding, with its rows.
     """
     settings.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
     known = not constant and (given is not None or observations.reference_distance is not None)

@@ -1,4 +1,4 @@
-"""What was written down: values as they stand, and rows that are far off."""
+"""Values as they were recorded, and rows that are far off."""
 
 import numpy as np
 from numpy.typing import NDArray

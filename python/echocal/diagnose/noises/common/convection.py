@@ -12,7 +12,7 @@ from echocal.diagnose.inference.noise import Convection, Noise, all_convections
 __all__ = ["convections"]
 
 
-def convections(case: Case, fits: Sequence[HypothesisFit], carried: Stack) -> list[Convection]:
+def convections(case: Case, fits: Sequence[HypothesisFit], reduced: Stack) -> list[Convection]:
     """Find the convections that may be the noise beside the best hypothesis, or beside the least.
 
     Parameters
@@ -20,8 +20,8 @@ def convections(case: Case, fits: Sequence[HypothesisFit], carried: Stack) -> li
     case : Case
     fits : sequence of HypothesisFit
         Hypotheses under noise with the same autocorrelation at all distances, most probable first.
-    carried : Stack
-        Its noises.
+    reduced : Stack
+        Products under this noise.
 
     Returns
     -------
@@ -29,20 +29,20 @@ def convections(case: Case, fits: Sequence[HypothesisFit], carried: Stack) -> li
         Empty where all rows are at one distance or the noise is white.
     """
     settings = case.settings.noises
-    if not case.at_distances or _autocorrelated(fits, carried) < settings.autocorrelated:
+    if not case.at_distances or _autocorrelated(fits, reduced) < settings.autocorrelated:
         return []
     simplest = min(fits, key=lambda one: len(one.hypothesis.variants))
     found: set[Convection] = set()
     for one in {id(one): one for one in (fits[0], simplest)}.values():
-        found |= _beside(case, one, carried.likeliest(one)[0], settings.convection_behind)
+        found |= _beside(case, one, reduced.likeliest(one)[0], settings.convection_behind)
     return [one for one in all_convections(case.settings.noise_models) if one in found]
 
 
-def _autocorrelated(fits: Sequence[HypothesisFit], carried: Stack) -> float:
+def _autocorrelated(fits: Sequence[HypothesisFit], reduced: Stack) -> float:
     """Probability that the noise is autocorrelated."""
     log = np.array([one.log_posterior for one in fits])
     share = np.exp(log - log.max())
-    correlated = np.array([noise.rho > 0.0 for noise in carried.noises])
+    correlated = np.array([noise.rho > 0.0 for noise in reduced.noises])
     part = np.array([one.noise[correlated].sum() for one in fits])
     return float(share @ part / share.sum())
 

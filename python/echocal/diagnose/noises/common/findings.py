@@ -15,7 +15,7 @@ __all__ = ["noise_findings"]
 
 
 def noise_findings(
-    sets: Mapping[tuple[str, ...], float], shares: NoisePosterior, carried: Stack, least: float
+    sets: Mapping[tuple[str, ...], float], shares: NoisePosterior, reduced: Stack, least: float
 ) -> list[Finding]:
     """Findings on the fitted and the nuisance noises.
 
@@ -24,8 +24,8 @@ def noise_findings(
     sets : mapping of tuple of str to float
         Posterior probability of each set of causes.
     shares : NoisePosterior
-    carried : Stack
-        The noises that every hypothesis reckons with.
+    reduced : Stack
+        Products under the noise models that some hypothesis makes probable.
     least : float
         Probability from which on a noise is reported.
     """
@@ -34,17 +34,17 @@ def noise_findings(
     for noise in noises:
         probability = sum(p for ids, p in sets.items() if noise.facts.id in ids)
         if probability >= least:
-            findings.append(_finding(noise, probability, shares, carried))
+            findings.append(_finding(noise, probability, shares, reduced))
     return findings
 
 
-def _finding(noise: NoiseEntry, probability: float, shares: NoisePosterior, carried: Stack) -> Finding:
+def _finding(noise: NoiseEntry, probability: float, shares: NoisePosterior, reduced: Stack) -> Finding:
     facts, share = noise.facts, 1.0
     rivals: tuple[str, ...] = ()
     if isinstance(noise, NuisanceNoise):
         top = shares.fits[0]
-        values = noise.parameters(carried.noises, top.noise, top.variance)
-        rivals, note = noise.rivals(values, carried.degrees)
+        values = noise.parameters(reduced.noises, top.noise, top.variance)
+        rivals, note = noise.rivals(values, reduced.degrees)
         because = noise.because(values) + note
     else:
         fit = shares.fit_of(facts.id)

@@ -79,7 +79,7 @@ def _nothing(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:
 
 @dataclass(frozen=True, kw_only=True)
 class NuisanceNoise(NoiseEntry):
-    """A noise that every hypothesis on the mean reckons with.
+    """A noise that every hypothesis on the mean includes.
 
     Attributes
     ----------

@@ -60,8 +60,8 @@ class NoisePosterior:
 def infer_noises(
     case: Case,
     fits: list[HypothesisFit],
-    carried: Stack,
-    steps: Collection[str],
+    reduced: Stack,
+    quantizations: Collection[str],
 ) -> NoisePosterior:
     """Fit the likeliest sets of causes, and none, beside each noise.
 
@@ -70,29 +70,30 @@ def infer_noises(
     case : Case
     fits : list of HypothesisFit
         Hypotheses on the mean under normal noise with the nuisance noises.
-    carried : Stack
-        The nuisance noises that were carried along.
-    steps : collection of str
-        Quantizations found before; what they imitate is not looked for.
+    reduced : Stack
+        Products under the noise models that some hypothesis makes probable.
+    quantizations : collection of str
+        Quantizations found before; noises that they imitate are not fitted.
 
     Returns
     -------
     NoisePosterior
     """
     settings = case.settings.noises
-    fits = _with_nothing(case, fits, carried)
+    fits = _with_nothing(case, fits, reduced)
     best: dict[Ids, HypothesisFit] = {}
     for one in fits:
         best.setdefault(one.hypothesis.ids, one)
     chosen = list(best)[: settings.sets]
     chosen += [ids for ids in [()] if ids not in chosen]
-    skipped = {id_ for noise in registry.quantizations() if noise.facts.id in steps for id_ in noise.imitates}
+    known = [noise for noise in registry.quantizations() if noise.facts.id in quantizations]
+    skipped = {id_ for noise in known for id_ in noise.imitates}
     tried = [noise for noise in registry.fitted() if noise.facts.id not in skipped]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
-    rows = _looked_at(case, settings)
+    rows = _sample(case, settings)
     for ids in chosen:
-        trace = _trace(case, best[ids], carried.likeliest(best[ids])[0], rows)
+        trace = _trace(case, best[ids], reduced.likeliest(best[ids])[0], rows)
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
     least = min(gains.values())
     shares.fits = sorted(
@@ -102,22 +103,22 @@ def infer_noises(
     order = list(dict.fromkeys(w.hypothesis.ids for w in shares.fits))
     shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
     shares.likelihoods = {ids: shares.likelihoods[ids] for ids in order if ids in shares.likelihoods}
-    nuisances = [_NuisancePrior.of(noise, case, carried, settings) for noise in registry.nuisances()]
+    nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in registry.nuisances()]
     for ids in order:
         shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
     _doubt(shares, nuisances)
     return shares
 
 
-def _with_nothing(case: Case, fits: list[HypothesisFit], carried: Stack) -> list[HypothesisFit]:
+def _with_nothing(case: Case, fits: list[HypothesisFit], reduced: Stack) -> list[HypothesisFit]:
     """Nothing but noise competes, however unlikely it is while the noise is normal."""
     if any(not w.hypothesis.variants for w in fits):
         return fits
     prior = core_prior(case.settings.priors).no_cause(bool(case.found.terms))
-    return [*fits, fit_hypothesis(Hypothesis((), prior), carried)]
+    return [*fits, fit_hypothesis(Hypothesis((), prior), reduced)]
 
 
-def _looked_at(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
+def _sample(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
     """Rows that fits may see, in segments where there are many."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     count, length = settings.segments, settings.segment_rows
@@ -172,7 +173,7 @@ def _segments(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class _NuisancePrior:
-    """A nuisance noise: its prior as a cause, and as the fits reckon with it.
+    """A nuisance noise: its prior as a cause, and the prior in the fits.
 
     Attributes
     ----------
@@ -180,9 +181,9 @@ class _NuisancePrior:
     prior : float
         Probability that a table has it.
     assumed : float
-        Probability that the fits reckon with, to be on the safe side.
+        Prior probability in the fits. It is higher, to avoid false alarms.
     concerned : ndarray of bool
-        Which of the noises carried along it is.
+        Noise models of the reduced stack that are this noise.
     """
 
     id: str
@@ -192,10 +193,10 @@ class _NuisancePrior:
 
     @classmethod
     def of(
-        cls, noise: NuisanceNoise, case: Case, carried: Stack, settings: NoiseSettings
+        cls, noise: NuisanceNoise, case: Case, reduced: Stack, settings: NoiseSettings
     ) -> "_NuisancePrior":
         assumed = sum(each.prior for each in case.usual_noises if noise.concerns(each))
-        concerned = np.array([noise.concerns(each) for each in carried.noises])
+        concerned = np.array([noise.concerns(each) for each in reduced.noises])
         return cls(noise.facts.id, settings.prior(noise.facts), assumed, concerned)
 
 
@@ -204,8 +205,8 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
 
     docs/method.md, below Eq. 26.
 
-    To be on the safe side the fits assume such noise in every other table. It is reported only if
-    it is probable without that assumption: effects under white noise are its rivals.
+    To avoid false alarms, the fits assume such noise in every other table. It is reported only if it
+    is probable without that assumption: effects under white noise are its rivals.
     """
     log = np.array([w.log_posterior for w in shares.fits])
     total = np.exp(log - log.max())
@@ -216,10 +217,10 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
         part = np.array([w.noise[concerned].sum() for w in shares.fits])
         with_it = float(total @ part) / before * nuisance.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
-        believed = with_it / max(with_it + without, 1e-300)
+        as_a_cause = with_it / max(with_it + without, 1e-300)
         given = np.array([shares.nuisance_of(w.hypothesis.ids).get(id_, 0.0) for w in shares.fits])
         usual = float(total @ given) / float(total.sum())
-        factor = min(believed / max(usual, 1e-12), 1.0)
+        factor = min(as_a_cause / max(usual, 1e-12), 1.0)
         for found in shares.nuisances.values():
             if id_ in found:
                 found[id_] *= factor
@@ -228,7 +229,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
 def _nuisances(
     fit: HypothesisFit, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
 ) -> dict[str, float]:
-    """Probability that each nuisance noise is there, and not only reckoned with: docs/method.md, Eq. 26."""
+    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26."""
     without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
     mixed = sum(fitted.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
     found = {}

@@ -1,4 +1,4 @@
-"""What a hypothesis on the mean leaves, as the likelihoods of noises look at it."""
+"""Residuals of a hypothesis on the mean, from which the likelihoods of noises are computed."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -111,7 +111,7 @@ class Trace:
         """Log likelihood of noise without a name, its kernel averaged.
 
         Of the rows as they are, or less what the nuisance noises explain, whichever is likelier: what these
-        take from heavy tails makes other rows look like outliers.
+        take from heavy tails makes other rows outliers.
         """
         either = (_averaged(self.innovation), _averaged(self.left))
         return float(np.logaddexp(*either) - np.log(2) - 0.5 * np.log(len(self)))
