@@ -1,4 +1,4 @@
-//! White noise: a row owes nothing to another.
+//! White noise: rows are independent.
 
 use super::autocorrelation::MovingAverage;
 use super::correlation::{Autoregression, Correlation, CorrelationFacts};

@@ -48,7 +48,7 @@ impl NoiseSelection {
         }
     }
 
-    /// Adds the noises that the best hypotheses allow; tells whether a search missed one.
+    /// Adds the noises that the best hypotheses allow; returns whether a search missed one.
     pub fn extend(
         &mut self,
         table: &NoiseTable,

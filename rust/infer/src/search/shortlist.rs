@@ -6,7 +6,7 @@ use std::collections::HashMap;
 /// Forms of a cause on the shortlist: as many of the best by themselves.
 const ALONE: usize = 2;
 /// And as many of the best beside the best single cause: where another cause is large, the form
-/// that is right by itself tells nothing (a step is best placed where the other cause has one).
+/// that is right by itself may be wrong (a step is best placed where the other cause has one).
 const BESIDE: usize = 2;
 
 /// Picks, for each cause, the best forms by themselves and beside the leading cause, and the one with

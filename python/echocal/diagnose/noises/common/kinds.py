@@ -49,7 +49,7 @@ class Quantization(NoiseEntry):
     detect : callable
         Hands back the step and its evidence, or None.
     imitates : tuple of str
-        Ids of fitted noises that the steps of the column look like. They are not tried beside it.
+        Ids of fitted noises that this quantization imitates. They are not tried beside it.
     """
 
     detect: Callable[[View, NoiseSettings], Finding | None]
@@ -66,7 +66,7 @@ class FittedNoise(NoiseEntry):
         Log likelihood of the residuals of one hypothesis, less the cost of its free parameters; or
         None where the residuals have no sign of it.
     removes_nuisance : bool
-        Whether `fit` looks at `Trace.innovation`, without the nuisance noises; else at `Trace.left`.
+        Whether `fit` uses `Trace.innovation`, without the nuisance noises; else at `Trace.left`.
     """
 
     fit: Callable[[Trace, NoiseSettings], Likelihood | None]
