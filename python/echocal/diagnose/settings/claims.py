@@ -23,8 +23,8 @@ class ClaimSettings:
         0.44,
         "P(no effect)",
         "the same, if there are too few rows to detect autocorrelated noise",
-        "the prior of no cause: the data must support an effect. 539 nulls of design a were run with several "
-        "values; which value gave which rate was not recorded",
+        "the prior of no cause: the data must support an effect. 539 nulls of design a were run, see "
+        "docs/method.md, section 7",
     )
     few_rows: int = number(
         100, "rows", "fewer rows are too few to detect autocorrelated noise", "chosen by hand"
