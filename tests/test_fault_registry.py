@@ -21,6 +21,7 @@ COLUMNS = {
     "reference_distance": "distance_m",
     "temperature": "temperature_C",
     "relative_humidity": "humidity_percent",
+    "elapsed_time": "time_s",
 }
 
 

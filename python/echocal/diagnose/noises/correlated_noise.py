@@ -28,7 +28,7 @@ FACTS = CauseFacts(
             "1",
             "coefficient from one row to the next",
             (0.0, 1.0),
-            "half on 0; else one of 17 with a moving average",
+            "half on 0; else one of 18, 11 of them with a moving average",
         ),
         Quantity(
             "growth",

@@ -1,9 +1,9 @@
-"""All numbers that decide a verdict, each with its value, unit, meaning and source.
+"""The numbers that decide a verdict and can be changed, each with its value, unit, meaning and source.
 
 `echocal.diagnose(..., settings=)` takes other values, and a diagnosis records the values that it
-used. Numbers that change only the computing time or the memory are in the files that use them. The
-facts of a cause (its prior, its usual size) are in the file of the cause. The equations are those of
-docs/method.md.
+used. The constants of the core are in rust/infer; docs/settings.md lists those that decide. Numbers
+that change only the computing time or the memory are in the files that use them. The facts of a cause
+(its prior, its usual size) are in the file of the cause. The equations are those of docs/method.md.
 """
 
 from __future__ import annotations

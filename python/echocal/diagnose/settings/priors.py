@@ -31,7 +31,10 @@ class PriorSettings:
         "tuned; small, because a cause is preferred",
     )
     tail_weight: float = number(
-        0.1, "1", "weight of the wide prior of a size beside its usual prior", "chosen by hand"
+        0.1,
+        "1",
+        "weight of the wide prior of a size beside 1 for its usual prior; both are then divided by their sum",
+        "chosen by hand",
     )
     law_uncertainty: float = number(
         300e-6 / 3**0.5,

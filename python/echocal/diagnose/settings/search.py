@@ -9,12 +9,12 @@ __all__ = ["SearchSettings"]
 
 @dataclass(frozen=True, kw_only=True)
 class SearchSettings:
-    """Pruning and shortlists; docs/method.md says what each can lose."""
+    """Limits of the search; docs/method.md, section 5, says what they leave out."""
 
     pruning_log_odds: float = number(
         25.0,
         "log odds",
-        "a hypothesis that is less probable than the best by more is pruned, with all sets that extend it",
+        "a hypothesis that is less probable than the best by more is pruned",
         "measured: with 18, a set with a probability of 0.0009 is missed; tests/test_diagnose_pruned.py",
     )
     form_preference: float = number(

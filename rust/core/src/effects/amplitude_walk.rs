@@ -73,7 +73,8 @@ impl Effect for AmplitudeWalk {
     /// How many times smaller the amplitude is than at the reference.
     #[inline(always)]
     fn prepare<S: Scalar>(chain: &Chain<S>) -> S {
-        let neper = absorption(&chain.air, S::constant(FREQUENCY)) * S::constant(1.0 / DECIBEL_PER_NEPER);
+        let neper =
+            absorption(&chain.air, S::constant(FREQUENCY)) * S::constant(1.0 / DECIBEL_PER_NEPER);
         let absorbed = (S::constant(2.0) * neper).mul_add(chain.path, S::constant(-ABSORBED));
         chain.path * S::constant(1.0 / REFERENCE) * absorbed.exp()
     }
@@ -100,7 +101,13 @@ mod tests {
 
     fn millimeters(distance: f64, temperature: f64, humidity: f64) -> f64 {
         let at = Conditions::at(temperature).with(Quantity::RelativeHumidity, humidity);
-        1e3 * error("linear", "amplitude_walk", &[("delay", 40e-6)], distance, &at)
+        1e3 * error(
+            "linear",
+            "amplitude_walk",
+            &[("delay", 40e-6)],
+            distance,
+            &at,
+        )
     }
 
     #[test]
@@ -124,14 +131,28 @@ mod tests {
         // half way, p is a half less what the further half absorbs: 1.32 dB/m at 20 degC and 50 %
         let half = 0.3 * 0.5 * 10_f64.powf(-1.32 * 2.0 * 2.0 / 20.0);
         let expected = 40.0 * 0.1717 * (1.0 - half).ln() / 0.7_f64.ln();
-        assert!((steps[3] / expected - 1.0).abs() < 0.01, "{} {expected}", steps[3]);
+        assert!(
+            (steps[3] / expected - 1.0).abs() < 0.01,
+            "{} {expected}",
+            steps[3]
+        );
     }
 
     #[test]
     fn the_approximation_is_the_logarithm() {
-        for (part, apart) in [(1e-6_f64, 1e-9), (0.1, 1e-6), (0.5, 1e-3), (0.85, 0.01), (0.95, 0.08)] {
+        for (part, apart) in [
+            (1e-6_f64, 1e-9),
+            (0.1, 1e-6),
+            (0.5, 1e-3),
+            (0.85, 0.01),
+            (0.95, 0.08),
+        ] {
             let exact = -(-part).ln_1p();
-            assert!((crossing(part) / exact - 1.0).abs() < apart, "{part}: {} {exact}", crossing(part));
+            assert!(
+                (crossing(part) / exact - 1.0).abs() < apart,
+                "{part}: {} {exact}",
+                crossing(part)
+            );
         }
     }
 }

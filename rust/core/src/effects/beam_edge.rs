@@ -44,7 +44,9 @@ impl Effect for BeamEdge {
         edges: true,
         domain: "one thing at the edge, that always answers; where it answers now and then, rows scatter in two heaps",
         check: "cover the edge with an absorber, take a wider target, or move sideways",
-        firmware: Firmware::Refused("clear the beam: what stands at its edge differs from place to place"),
+        firmware: Firmware::Refused(
+            "clear the beam: what stands at its edge differs from place to place",
+        ),
         ..Facts::USUAL
     };
 

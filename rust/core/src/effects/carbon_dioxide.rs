@@ -41,7 +41,8 @@ impl Effect for CarbonDioxide {
         let water = water_vapor_mole_fraction(&chain.air);
         let mut usual = chain.air;
         usual.co2_mole_fraction = S::constant(USUAL);
-        let change = Cramer.at_composition(&chain.air, water) - Cramer.at_composition(&usual, water);
+        let change =
+            Cramer.at_composition(&chain.air, water) - Cramer.at_composition(&usual, water);
         chain.speed = parameters[0].mul_add(change, chain.speed);
     }
 }
@@ -60,7 +61,10 @@ mod tests {
     fn a_thousand_ppm_more_are_half_a_millimeter_at_2_meters() {
         let found = millimeters(1e-3, "carbon_dioxide", &[("coefficient", 1.0)]);
         assert!((found - 0.5).abs() < 0.05, "{found}");
-        assert_eq!(millimeters(0.0, "carbon_dioxide", &[("coefficient", 1.0)]), 0.0);
+        assert_eq!(
+            millimeters(0.0, "carbon_dioxide", &[("coefficient", 1.0)]),
+            0.0
+        );
     }
 
     #[test]

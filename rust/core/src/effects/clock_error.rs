@@ -41,7 +41,13 @@ mod tests {
 
     fn at(distance: f64, temperature: f64) -> f64 {
         let slow = &[("frequency_error", -2021e-6)];
-        error("cramer", "clock_error", slow, distance, &Conditions::at(temperature))
+        error(
+            "cramer",
+            "clock_error",
+            slow,
+            distance,
+            &Conditions::at(temperature),
+        )
     }
 
     #[test]

@@ -44,7 +44,13 @@ mod tests {
     fn millimeters(temperature: f64) -> f64 {
         let coefficient = &[("coefficient", 10e-6)];
         let at = Conditions::at(temperature);
-        1e3 * error("linear", "clock_temperature_coefficient", coefficient, 2.0, &at)
+        1e3 * error(
+            "linear",
+            "clock_temperature_coefficient",
+            coefficient,
+            2.0,
+            &at,
+        )
     }
 
     #[test]

@@ -64,7 +64,11 @@ mod tests {
     #[test]
     fn meters_per_second_at_20_degc_as_measured() {
         for (humidity, printed) in [(0.0, 0.137), (0.5, 0.087), (1.0, 0.045)] {
-            assert!((faster(humidity, 40e3) - printed).abs() <= 5e-4, "{}", faster(humidity, 40e3));
+            assert!(
+                (faster(humidity, 40e3) - printed).abs() <= 5e-4,
+                "{}",
+                faster(humidity, 40e3)
+            );
         }
     }
 

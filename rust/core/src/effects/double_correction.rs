@@ -55,7 +55,13 @@ mod tests {
     #[test]
     fn minus_three_and_a_half_percent_at_0_degc_and_five_at_50() {
         for (temperature, speed) in [(0.0, 331.4), (20.0, 343.4), (50.0, 361.4)] {
-            let error = error("linear", "double_correction", TWICE, 2.0, &Conditions::at(temperature));
+            let error = error(
+                "linear",
+                "double_correction",
+                TWICE,
+                2.0,
+                &Conditions::at(temperature),
+            );
             assert!((error - 2.0 * (speed / 343.4 - 1.0)).abs() < 1e-12);
         }
     }

@@ -51,7 +51,9 @@ impl Effect for Drift {
         recurs: false,
         domain: "one campaign: it tells nothing about another",
         check: "measure the first point again at the end",
-        firmware: Firmware::Refused("it belongs to one campaign: fasten the mount and calibrate again"),
+        firmware: Firmware::Refused(
+            "it belongs to one campaign: fasten the mount and calibrate again",
+        ),
         ..Facts::USUAL
     };
 

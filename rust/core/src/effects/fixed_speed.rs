@@ -62,7 +62,13 @@ mod tests {
     #[test]
     fn three_and_a_half_percent_at_0_degc_and_minus_five_at_50() {
         for (temperature, speed) in [(0.0, 331.4), (50.0, 361.4)] {
-            let error = error("linear", "fixed_speed", FIXED, 2.0, &Conditions::at(temperature));
+            let error = error(
+                "linear",
+                "fixed_speed",
+                FIXED,
+                2.0,
+                &Conditions::at(temperature),
+            );
             assert!((error - 2.0 * (343.0 / speed - 1.0)).abs() < 1e-12);
         }
     }
@@ -70,7 +76,10 @@ mod tests {
     #[test]
     fn the_device_no_longer_sees_the_air_nor_the_law() {
         for (law, temperature) in [("linear", -20.0), ("cramer", 10.0), ("ideal_gas", 40.0)] {
-            let (model, at) = (model(law, "fixed_speed", FIXED), Conditions::at(temperature));
+            let (model, at) = (
+                model(law, "fixed_speed", FIXED),
+                Conditions::at(temperature),
+            );
             let speed = 2.0 * model.indicate(1.5, &at) / model.time_of_flight(1.5, &at);
             assert!((speed - 343.0).abs() < 1e-12);
         }

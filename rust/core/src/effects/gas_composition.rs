@@ -1,8 +1,8 @@
 //! Air with more carbon dioxide, or with another gas in it.
 
 use super::{Effect, Facts, ParameterFacts};
-use crate::air::{Cramer, SpeedLaw};
 use crate::air::composition::water_vapor_mole_fraction;
+use crate::air::{Cramer, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -43,7 +43,8 @@ impl Effect for GasComposition {
         let water = water_vapor_mole_fraction(&chain.air);
         let mut other = chain.air;
         other.co2_mole_fraction = other.co2_mole_fraction + parameters[0];
-        let change = Cramer.at_composition(&other, water) - Cramer.at_composition(&chain.air, water);
+        let change =
+            Cramer.at_composition(&other, water) - Cramer.at_composition(&chain.air, water);
         chain.speed = chain.speed + change;
     }
 }
@@ -56,7 +57,14 @@ mod tests {
     #[test]
     fn a_thousand_ppm_are_half_a_millimeter_at_2_meters() {
         let excess = &[("excess", 1e-3)];
-        let error = 1e3 * error("linear", "gas_composition", excess, 2.0, &Conditions::at(20.0));
+        let error = 1e3
+            * error(
+                "linear",
+                "gas_composition",
+                excess,
+                2.0,
+                &Conditions::at(20.0),
+            );
         assert!((error.abs() - 0.5).abs() <= 0.05, "{error}"); // slower sound reads longer
         assert!(error > 0.0);
         for (temperature, printed) in [(0.0, -0.085), (50.0, -0.096)] {

@@ -49,7 +49,13 @@ mod tests {
     fn is_a_slow_clock() {
         let at = Conditions::at(35.0);
         let lost = error("cramer", "interrupt_loss", &[("loss", 5e-3)], 3.0, &at);
-        let slow = error("cramer", "clock_error", &[("frequency_error", -5e-3)], 3.0, &at);
+        let slow = error(
+            "cramer",
+            "clock_error",
+            &[("frequency_error", -5e-3)],
+            3.0,
+            &at,
+        );
         assert!((lost - slow).abs() < 1e-15);
     }
 }

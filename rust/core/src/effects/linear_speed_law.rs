@@ -45,13 +45,23 @@ mod tests {
     const WHOLE: &[(&str, f64)] = &[("coefficient", 1.0)];
 
     fn millimeters(temperature: f64) -> f64 {
-        1e3 * error("linear", "linear_speed_law", WHOLE, 2.0, &Conditions::at(temperature))
+        1e3 * error(
+            "linear",
+            "linear_speed_law",
+            WHOLE,
+            2.0,
+            &Conditions::at(temperature),
+        )
     }
 
     #[test]
     fn millimeters_at_2_meters_as_printed_against_cramers_dry_air() {
         for (temperature, printed) in [(0.0, -0.3), (20.0, 0.2), (50.0, 5.6)] {
-            assert!((millimeters(temperature) - printed).abs() <= 0.05, "{}", millimeters(temperature));
+            assert!(
+                (millimeters(temperature) - printed).abs() <= 0.05,
+                "{}",
+                millimeters(temperature)
+            );
         }
     }
 

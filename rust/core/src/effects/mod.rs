@@ -84,6 +84,7 @@ macro_rules! registry {
 }
 
 registry!(
+    // air
     temperature_offset::TemperatureOffset,
     temperature_gain::TemperatureGain,
     temperature_lag::TemperatureLag,
@@ -92,6 +93,7 @@ registry!(
     temperature_daylight::TemperatureDaylight,
     temperature_radiation::TemperatureRadiation,
     temperature_gradient::TemperatureGradient,
+    // speed
     linear_speed_law::LinearSpeedLaw,
     speed_intercept::SpeedIntercept,
     speed_slope::SpeedSlope,
@@ -101,6 +103,7 @@ registry!(
     gas_composition::GasComposition,
     pressure::Pressure,
     dispersion::Dispersion,
+    // path
     reference_scale::ReferenceScale,
     oblique_target::ObliqueTarget,
     recorded_angle::RecordedAngle,
@@ -110,17 +113,21 @@ registry!(
     step_change::StepChange,
     thermal_expansion::ThermalExpansion,
     transducer_spacing::TransducerSpacing,
+    // flight
     wind_along::WindAlong,
     wind_across::WindAcross,
+    // transducer
     fixed_delay::FixedDelay,
     amplitude_walk::AmplitudeWalk,
     recorded_amplitude::RecordedAmplitude,
     resonance_drift::ResonanceDrift,
     supply_voltage::SupplyVoltage,
     first_ping::FirstPing,
+    // timer
     clock_error::ClockError,
     clock_temperature_coefficient::ClockTemperatureCoefficient,
     interrupt_loss::InterruptLoss,
+    // firmware
     fixed_speed::FixedSpeed,
     double_correction::DoubleCorrection,
     pressure_sqrt_law::PressureSqrtLaw,

@@ -16,7 +16,7 @@ impl Effect for ObliqueTarget {
         source: "geometry of a flat mirror; beams are 15 degrees wide (arduinoos.com, Range finder 1)",
         parameters: &[ParameterFacts {
             name: "shortening",
-            bounds: (0.0, 0.3),   // up to 45 degrees
+            bounds: (0.0, 0.3),  // up to 45 degrees
             prior_scale: 3.8e-3, // 5 degrees
             ..ParameterFacts::USUAL
         }],
@@ -39,10 +39,18 @@ mod tests {
     #[test]
     fn millimeters_at_2_meters_as_printed() {
         // the catalog's column: degrees, millimeters, half a digit
-        for (degrees, printed, half_a_digit) in [(5.0, -7.6, 0.05), (8.0, -19.0, 0.5), (15.0, -68.0, 0.5)] {
+        for (degrees, printed, half_a_digit) in
+            [(5.0, -7.6, 0.05), (8.0, -19.0, 0.5), (15.0, -68.0, 0.5)]
+        {
             let shortening = 1.0 - f64::to_radians(degrees).cos();
             let parameters = &[("shortening", shortening)];
-            let found = error("linear", "oblique_target", parameters, 2.0, &Conditions::at(20.0));
+            let found = error(
+                "linear",
+                "oblique_target",
+                parameters,
+                2.0,
+                &Conditions::at(20.0),
+            );
             assert!((1e3 * found - printed).abs() <= half_a_digit, "{found}");
         }
     }
@@ -52,8 +60,20 @@ mod tests {
         // proportional to the distance at every temperature: nothing but the cause tells them apart
         for (distance, temperature) in [(0.1, 0.0), (2.0, 50.0), (4.0, -20.0)] {
             let at = Conditions::at(temperature);
-            let oblique = error("cramer", "oblique_target", &[("shortening", 0.01)], distance, &at);
-            let slow = error("cramer", "clock_error", &[("frequency_error", -0.01)], distance, &at);
+            let oblique = error(
+                "cramer",
+                "oblique_target",
+                &[("shortening", 0.01)],
+                distance,
+                &at,
+            );
+            let slow = error(
+                "cramer",
+                "clock_error",
+                &[("frequency_error", -0.01)],
+                distance,
+                &at,
+            );
             assert!((oblique - slow).abs() < 1e-15);
         }
     }

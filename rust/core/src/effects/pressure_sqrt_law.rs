@@ -39,7 +39,13 @@ mod tests {
 
     fn millimeters(pressure: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::Pressure, pressure);
-        1e3 * error("linear", "pressure_sqrt_law", &[("coefficient", 1.0)], 2.0, &at)
+        1e3 * error(
+            "linear",
+            "pressure_sqrt_law",
+            &[("coefficient", 1.0)],
+            2.0,
+            &at,
+        )
     }
 
     #[test]

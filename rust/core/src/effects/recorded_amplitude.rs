@@ -56,7 +56,13 @@ mod tests {
 
     fn millimeters(distance: f64, amplitude: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::Amplitude, amplitude);
-        1e3 * error("linear", "recorded_amplitude", &[("delay", 20e-6)], distance, &at)
+        1e3 * error(
+            "linear",
+            "recorded_amplitude",
+            &[("delay", 20e-6)],
+            distance,
+            &at,
+        )
     }
 
     #[test]

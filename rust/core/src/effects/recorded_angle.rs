@@ -58,7 +58,10 @@ mod tests {
     fn series_of_one_minus_cosine() {
         for degrees in -90..=90 {
             let angle = f64::from(degrees).to_radians();
-            assert!((versine(angle) - (1.0 - angle.cos())).abs() < 4e-16, "{degrees}");
+            assert!(
+                (versine(angle) - (1.0 - angle.cos())).abs() < 4e-16,
+                "{degrees}"
+            );
         }
     }
 
@@ -66,10 +69,18 @@ mod tests {
     fn millimeters_at_2_meters_as_printed_and_nothing_square_on() {
         let at = |degrees: f64| {
             let at = Conditions::at(20.0).with(Quantity::Angle, degrees.to_radians());
-            1e3 * error("linear", "recorded_angle", &[("coefficient", 1.0)], 2.0, &at)
+            1e3 * error(
+                "linear",
+                "recorded_angle",
+                &[("coefficient", 1.0)],
+                2.0,
+                &at,
+            )
         };
         // the catalog's column: degrees, millimeters, half a digit
-        for (degrees, printed, half_a_digit) in [(5.0, -7.6, 0.05), (8.0, -19.0, 0.5), (15.0, -68.0, 0.5)] {
+        for (degrees, printed, half_a_digit) in
+            [(5.0, -7.6, 0.05), (8.0, -19.0, 0.5), (15.0, -68.0, 0.5)]
+        {
             assert!((at(degrees) - printed).abs() <= half_a_digit);
             assert!((at(degrees) - at(-degrees)).abs() < 1e-12);
         }

@@ -41,7 +41,13 @@ mod tests {
     #[test]
     fn a_part_in_a_thousand_is_2_millimeters_at_2_meters() {
         let scale = &[("scale", 1e-3)];
-        let error = error("linear", "reference_scale", scale, 2.0, &Conditions::at(20.0));
+        let error = error(
+            "linear",
+            "reference_scale",
+            scale,
+            2.0,
+            &Conditions::at(20.0),
+        );
         assert!((error - -2.0 * 1e-3 / 1.001).abs() < 1e-15);
     }
 

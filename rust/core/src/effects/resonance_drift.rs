@@ -34,7 +34,8 @@ impl Effect for ResonanceDrift {
 
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
-        let away = (chain.recorded.get(Quantity::Temperature) - S::constant(25.0)) * S::constant(1.0 / 25.0);
+        let away = (chain.recorded.get(Quantity::Temperature) - S::constant(25.0))
+            * S::constant(1.0 / 25.0);
         chain.time = (parameters[0] * away).mul_add(away, chain.time);
     }
 }
@@ -46,7 +47,13 @@ mod tests {
 
     fn millimeters(distance: f64, temperature: f64) -> f64 {
         let at = Conditions::at(temperature);
-        1e3 * error("linear", "resonance_drift", &[("delay", 15e-6)], distance, &at)
+        1e3 * error(
+            "linear",
+            "resonance_drift",
+            &[("delay", 15e-6)],
+            distance,
+            &at,
+        )
     }
 
     #[test]

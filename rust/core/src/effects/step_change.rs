@@ -60,7 +60,13 @@ mod tests {
 
     fn at(elapsed: f64, distance: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::ElapsedTime, elapsed);
-        error("linear", "step_change", &[("offset", 5e-3), ("time", 100.0)], distance, &at)
+        error(
+            "linear",
+            "step_change",
+            &[("offset", 5e-3), ("time", 100.0)],
+            distance,
+            &at,
+        )
     }
 
     #[test]
@@ -72,7 +78,13 @@ mod tests {
     #[test]
     fn is_a_zero_error_after_the_step() {
         for distance in [0.1, 1.0, 4.0] {
-            let zero = error("linear", "zero_error", &[("offset", 5e-3)], distance, &Conditions::at(20.0));
+            let zero = error(
+                "linear",
+                "zero_error",
+                &[("offset", 5e-3)],
+                distance,
+                &Conditions::at(20.0),
+            );
             assert_eq!(at(1e4, distance), zero);
         }
     }

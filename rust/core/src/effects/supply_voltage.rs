@@ -44,7 +44,13 @@ mod tests {
 
     fn error_at(voltage: f64, distance: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::SupplyVoltage, voltage);
-        error("linear", "supply_voltage", &[("slope", 60e-6)], distance, &at)
+        error(
+            "linear",
+            "supply_voltage",
+            &[("slope", 60e-6)],
+            distance,
+            &at,
+        )
     }
 
     #[test]

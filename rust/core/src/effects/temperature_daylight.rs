@@ -52,7 +52,8 @@ impl Effect for TemperatureDaylight {
 
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
-        let height = S::constant(1.0) - versine(chain.recorded.get(Quantity::HourAngle) - parameters[1]);
+        let height =
+            S::constant(1.0) - versine(chain.recorded.get(Quantity::HourAngle) - parameters[1]);
         let sun = height.max(S::constant(0.0));
         chain.air.temperature = (-parameters[0]).mul_add(sun, chain.air.temperature);
     }
@@ -66,7 +67,13 @@ mod tests {
 
     fn millimeters(hour: f64, lag: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::HourAngle, (hour - 12.0) * HOUR);
-        1e3 * error("linear", "temperature_daylight", &[("gain", 3.0), ("lag", lag * HOUR)], 2.0, &at)
+        1e3 * error(
+            "linear",
+            "temperature_daylight",
+            &[("gain", 3.0), ("lag", lag * HOUR)],
+            2.0,
+            &at,
+        )
     }
 
     #[test]

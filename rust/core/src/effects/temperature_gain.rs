@@ -66,7 +66,13 @@ mod tests {
         assert_eq!(at("cramer", 0.0), 0.0);
         let same = &[("slope", 0.03 * 0.6)];
         for temperature in [-10.0, 20.0, 50.0] {
-            let slope = error("linear", "speed_slope", same, 2.0, &Conditions::at(temperature));
+            let slope = error(
+                "linear",
+                "speed_slope",
+                same,
+                2.0,
+                &Conditions::at(temperature),
+            );
             assert!((at("linear", temperature) - slope).abs() < 1e-14);
         }
     }

@@ -48,7 +48,13 @@ mod tests {
     fn eight_tenths_of_a_kelvin_a_meter_are_minus_3_millimeters_at_2_meters() {
         // 0.8 K on the mean of the path: -0.6 G' d^2 / c with G' = 0.4 K/m
         let gradient = &[("gradient", 0.8)];
-        let error = error("linear", "temperature_gradient", gradient, 2.0, &Conditions::at(20.0));
+        let error = error(
+            "linear",
+            "temperature_gradient",
+            gradient,
+            2.0,
+            &Conditions::at(20.0),
+        );
         assert!((error - -2.0 * 0.48 / 343.88).abs() < 1e-12);
     }
 
@@ -58,7 +64,8 @@ mod tests {
             let at = Conditions::at(10.0);
             let offset = &[("offset", 0.5 * distance)];
             let warm = model("cramer", "temperature_offset", offset).indicate(distance, &at);
-            let found = model("cramer", "temperature_gradient", &[("gradient", 1.0)]).indicate(distance, &at);
+            let found = model("cramer", "temperature_gradient", &[("gradient", 1.0)])
+                .indicate(distance, &at);
             assert!((found - warm).abs() < 1e-14);
         }
     }

@@ -44,7 +44,13 @@ mod tests {
 
     fn millimeters(rate: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::TemperatureRate, rate);
-        1e3 * error("linear", "temperature_lag", &[("time_constant", 150.0)], 2.0, &at)
+        1e3 * error(
+            "linear",
+            "temperature_lag",
+            &[("time_constant", 150.0)],
+            2.0,
+            &at,
+        )
     }
 
     #[test]
@@ -65,7 +71,11 @@ mod tests {
         let (ramp, constant, elapsed) = (0.02_f64, 150.0, 90.0);
         let behind = ramp * constant * (1.0 - f64::exp(-elapsed / constant));
         let at = Conditions::at(20.0 - behind).with(Quantity::TemperatureRate, behind / constant);
-        let model = crate::effects::testing::model("linear", "temperature_lag", &[("time_constant", constant)]);
+        let model = crate::effects::testing::model(
+            "linear",
+            "temperature_lag",
+            &[("time_constant", constant)],
+        );
         assert!((model.speed_of_sound(2.0, &at) - 343.4).abs() < 1e-12);
     }
 }

@@ -63,7 +63,13 @@ mod tests {
     fn millimeters(radiation: f64) -> f64 {
         let at = Conditions::at(20.0).with(Quantity::Radiation, radiation);
         let at = at.with(Quantity::RadiationRate, 0.01); // of which a housing without inertia feels none
-        1e3 * error("linear", "temperature_radiation", &[("gain", 3e-3)], 2.0, &at)
+        1e3 * error(
+            "linear",
+            "temperature_radiation",
+            &[("gain", 3e-3)],
+            2.0,
+            &at,
+        )
     }
 
     #[test]
@@ -74,7 +80,13 @@ mod tests {
     #[test]
     fn nothing_at_night_and_a_negative_offset_by_day() {
         assert_eq!(millimeters(0.0), 0.0);
-        let offset = error("linear", "temperature_offset", &[("offset", -1.5)], 2.0, &Conditions::at(20.0));
+        let offset = error(
+            "linear",
+            "temperature_offset",
+            &[("offset", -1.5)],
+            2.0,
+            &Conditions::at(20.0),
+        );
         assert!((millimeters(500.0) - 1e3 * offset).abs() < 1e-9);
     }
 }

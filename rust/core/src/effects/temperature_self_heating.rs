@@ -72,7 +72,13 @@ mod tests {
     fn nothing_at_the_cold_start_and_an_offset_after_warm_up() {
         assert_eq!(millimeters(0.0), 0.0);
         let offset = &[("offset", -1.0)];
-        let offset = error("linear", "temperature_offset", offset, 2.0, &Conditions::at(20.0));
+        let offset = error(
+            "linear",
+            "temperature_offset",
+            offset,
+            2.0,
+            &Conditions::at(20.0),
+        );
         assert!((millimeters(1e5) - 1e3 * offset).abs() < 1e-9);
     }
 }

@@ -60,7 +60,9 @@ impl Effect for TemperatureTimestampShift {
         edges: true,
         domain: "tables in the order of time, up to 5 rows late",
         check: "a fast step of temperature; read the logger's code",
-        firmware: Firmware::Refused("it asks for temperatures that are not there yet: read the thermometer first"),
+        firmware: Firmware::Refused(
+            "it asks for temperatures that are not there yet: read the thermometer first",
+        ),
         ..Facts::USUAL
     };
 
@@ -71,7 +73,9 @@ impl Effect for TemperatureTimestampShift {
         let mut shift = S::constant(0.0);
         for (whole, quantity) in LATER.into_iter().enumerate() {
             let later = chain.recorded.get(quantity);
-            let part = (rows - S::constant(whole as f64)).max(S::constant(0.0)).min(S::constant(1.0));
+            let part = (rows - S::constant(whole as f64))
+                .max(S::constant(0.0))
+                .min(S::constant(1.0));
             shift = part.mul_add(later - earlier, shift);
             earlier = later;
         }
@@ -88,12 +92,15 @@ mod tests {
     /// Recorded temperatures 20, 21, 23, 26, 30, 35 degC from this row on.
     fn ladder() -> Conditions<f64> {
         let pairs = LATER.into_iter().zip([21.0, 23.0, 26.0, 30.0, 35.0]);
-        pairs.fold(Conditions::at(20.0), |at, (quantity, value)| at.with(quantity, value))
+        pairs.fold(Conditions::at(20.0), |at, (quantity, value)| {
+            at.with(quantity, value)
+        })
     }
 
     fn temperature(rows: f64) -> f64 {
         let shift = &[("weight", 1.0), ("rows", rows)];
-        let speed = model("linear", "temperature_timestamp_shift", shift).speed_of_sound(2.0, &ladder());
+        let speed =
+            model("linear", "temperature_timestamp_shift", shift).speed_of_sound(2.0, &ladder());
         (speed - 331.4) / 0.6
     }
 
@@ -108,7 +115,9 @@ mod tests {
 
     #[test]
     fn is_nothing_where_the_temperature_stands_still() {
-        let still = LATER.into_iter().fold(Conditions::at(20.0), |at, q| at.with(q, 20.0));
+        let still = LATER
+            .into_iter()
+            .fold(Conditions::at(20.0), |at, q| at.with(q, 20.0));
         assert_eq!(still.get(Quantity::Temperature), 20.0);
         let shift = &[("weight", 1.0), ("rows", 4.0)];
         let model = model("cramer", "temperature_timestamp_shift", shift);

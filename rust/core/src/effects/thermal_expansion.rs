@@ -47,7 +47,13 @@ mod tests {
 
     fn millimeters(distance: f64, temperature: f64) -> f64 {
         let at = Conditions::at(temperature);
-        1e3 * error("linear", "thermal_expansion", &[("expansion", 24e-6)], distance, &at)
+        1e3 * error(
+            "linear",
+            "thermal_expansion",
+            &[("expansion", 24e-6)],
+            distance,
+            &at,
+        )
     }
 
     #[test]

@@ -20,7 +20,7 @@ impl Effect for TransducerSpacing {
         parameters: &[ParameterFacts {
             name: "square",
             unit: "m^2",
-            bounds: (0.0, 0.01),   // up to 0.1 m apart
+            bounds: (0.0, 0.01),  // up to 0.1 m apart
             prior_scale: 6.76e-4, // 26 mm
             ..ParameterFacts::USUAL
         }],
@@ -50,7 +50,13 @@ mod tests {
 
     fn millimeters(distance: f64) -> f64 {
         let square = &[("square", 0.026 * 0.026)];
-        1e3 * error("cramer", "transducer_spacing", square, distance, &Conditions::at(20.0))
+        1e3 * error(
+            "cramer",
+            "transducer_spacing",
+            square,
+            distance,
+            &Conditions::at(20.0),
+        )
     }
 
     #[test]

@@ -60,7 +60,13 @@ mod tests {
     #[test]
     fn half_saturation_is_3_7_millimeters_at_2_meters_and_20_degc() {
         let half = &[("relative_humidity", 0.5)];
-        let error = error("linear", "unrecorded_humidity", half, 2.0, &Conditions::at(20.0));
+        let error = error(
+            "linear",
+            "unrecorded_humidity",
+            half,
+            2.0,
+            &Conditions::at(20.0),
+        );
         let first_order = 2.0 * (2.0 / (2.0 + error) - 1.0); // as the table's figure is
         assert!((1e3 * first_order - 3.7).abs() < 0.05);
     }

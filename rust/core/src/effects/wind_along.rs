@@ -52,7 +52,9 @@ mod tests {
     #[test]
     fn millimeters_at_2_meters_as_printed() {
         // the catalog's column: m/s, millimeters, half a digit
-        for (wind, printed, half_a_digit) in [(2.0, 0.07, 5e-3), (5.0, 0.42, 5e-3), (10.0, 1.7, 0.05)] {
+        for (wind, printed, half_a_digit) in
+            [(2.0, 0.07, 5e-3), (5.0, 0.42, 5e-3), (10.0, 1.7, 0.05)]
+        {
             assert!((millimeters(wind) - printed).abs() <= half_a_digit);
         }
     }
