@@ -122,5 +122,5 @@ def test_where_nothing_is_left_there_is_no_shape() -> None:
     reading = 1.0 + 1e-3 * np.sin(np.arange(100.0) ** 2)
     warmth = 20.0 + 20.0 * np.sin(2.4 * np.arange(100.0))
     table = {"reading_m": reading, "temperature_C": warmth, "distance_m": np.ones(100)}
-    with pytest.raises(UsageError, match="no shape to add"):
+    with pytest.raises(UsageError, match="no unexplained term"):
         _ = echocal.diagnose(table).model_with_shape
