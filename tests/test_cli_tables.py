@@ -167,7 +167,7 @@ def test_verify_a_model(run: Run) -> None:
         (
             "diagnose EXAMPLE --base 3",
             2,
-            "the base is a fixed speed of 3 m/s; give one of 300 .. 400, or a law",
+            "the base is a fixed speed of 3 m/s; give a speed of 300 .. 400, or a law",
         ),
         (
             "verify EXAMPLE --maximum-permissible-error-mm 3 --column distance_m=ignore",

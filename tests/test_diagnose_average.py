@@ -15,7 +15,9 @@ def test_a_set_that_needs_what_nobody_gave_is_left_out_and_told() -> None:
         Member(("fixed_delay",), 0.3, LATE),
         Member((), 0.1, echocal.Model("linear")),
     ]
-    with pytest.warns(echocal.DataWarning, match=r"1 of 3 .* with 0.60 .* left out: .*needs elapsed_time"):
+    with pytest.warns(
+        echocal.DataWarning, match=r"1 of 3 .* left out; .*probability of 0.60: .*needs elapsed_time"
+    ):
         found = averaged(members, "indicate", 2.0, {"temperature": 20.0}, 1.0)
     late = LATE.indicate(2.0, temperature=20.0)
     assert set(found.by_cause) == {("fixed_delay",), ()}

@@ -50,7 +50,10 @@ def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> N
     assert first.probability + second.probability == pytest.approx(1.0)
     ax = Figure().add_subplot()
     plot_posterior(joined, ax)
-    assert [label.get_text() for label in ax.get_yticklabels()] == ["clock_error or 2 others", "nothing else"]
+    assert [label.get_text() for label in ax.get_yticklabels()] == [
+        "clock_error or 2 others",
+        "no further cause",
+    ]
     assert "in every set: cycle_slip" in ax.get_title(loc="left")
     assert "clock_error or 2 others: oblique_target, reference_scale" in ax.get_title(loc="left")
     assert ax.get_title(loc="left").startswith("named: ")
@@ -91,7 +94,9 @@ def test_side_measurements_are_told_where_no_row_helps(diagnosis: echocal.Diagno
     words = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert "turn the target" in words[0]
     assert "count a second" in words[0]
-    assert [text.get_text() for ax in nothing.axes for text in ax.texts] == ["nothing is left to separate"]
+    assert [text.get_text() for ax in nothing.axes for text in ax.texts] == [
+        "no further causes are to be separated"
+    ]
 
 
 def _side(what: str) -> NextMeasurement:

@@ -128,7 +128,7 @@ def test_distances_without_end_are_told_and_no_crash(random: np.random.Generator
 @pytest.mark.parametrize("count", [30, 60])
 def test_distances_that_a_constant_distance_leaves_aside(count: int, random: np.random.Generator) -> None:
     diagnosis = echocal.diagnose(wall(random, count), constant_distance=True)
-    assert any("1 to 2 m, were not used" in note for note in diagnosis.notes)
+    assert any("(1 to 2 m) are not used" in note for note in diagnosis.notes)
 
 
 BOUND = ("--maximum-permissible-error-mm", "5")

@@ -47,7 +47,9 @@ def test_every_form_is_clean_but_for_the_deviations_told(name: str, tmp_path: Pa
     header = packed.files["echocal_correction.h"]
     for file, rule in found:
         if file.startswith("echocal_correction"):
-            assert re.search(rf"\b{re.escape(rule)} \(", header), f"the header must tell of rule {rule}"
+            assert re.search(rf"^ \* - {re.escape(rule)}: ", header, re.M), (
+                f"the header must tell of rule {rule}"
+            )
 
 
 def test_the_check_sees_what_breaks_a_rule(tmp_path: Path) -> None:

@@ -113,6 +113,10 @@ impl Text<'_> {
                 self.middle(value, node.held)
             }
             // What is known to end up natural is computed modulo its type from the start: compilers then know it for natural.
+            // GCC 12 warns of a sign that changes where the right operand is a converted `int16_t`: no sign does.
+            Operation::Add(a, b) if modular(node) && self.is_short_and_signed(b) => {
+                self.modulo(node, b, "+", a)
+            }
             Operation::Add(a, b) if modular(node) => self.modulo(node, a, "+", b),
             Operation::Subtract(a, b) if modular(node) => self.modulo(node, a, "-", b),
             _ => format!("({})({})", node.held.c_name(), self.expression(value)),
@@ -127,6 +131,17 @@ impl Text<'_> {
             operand(a),
             operand(b)
         )
+    }
+
+    /// Whether a value has a variable of its own whose type is signed and shorter than `int32_t`.
+    fn is_short_and_signed(&self, value: Value) -> bool {
+        let node = self.program.node(value);
+        let ty = match node.name {
+            Some(_) => node.held,
+            None if self.spelled[value.0].is_some() => node.computed,
+            None => return false,
+        };
+        ty.is_signed() && ty.bits() < 32
     }
 
     /// The value of a node as an operand of type `wanted`.
