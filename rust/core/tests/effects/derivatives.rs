@@ -58,14 +58,16 @@ fn inputs(model: &Model, d: f64) -> Vec<(To, f64)> {
 }
 
 /// A difference that halving its step no longer changes, with what rounding leaves open; `None`
-/// where the steps do not settle: beside an edge there is nothing to compare with.
+/// where the steps do not settle: beside an edge there is nothing to compare with. A wide step may
+/// leave the parameter's bounds, as a time constant below zero, where the indication overflows.
 fn settled(f: impl Fn(f64) -> f64, size: f64, widest: f64) -> Option<(f64, f64)> {
     let rounding = |step: f64| 64.0 * f64::EPSILON * size / step;
     let mut before = difference(&f, widest);
     (1..HALVINGS).find_map(|halvings| {
         let step = widest / f64::from(1 << halvings);
         let found = difference(&f, step);
-        let quiet = (found - before).abs() <= 1e-9 * found.abs() + rounding(step);
+        let off = (found - before).abs();
+        let quiet = off.is_finite() && off <= 1e-9 * found.abs() + rounding(step);
         before = found;
         quiet.then(|| (found, rounding(step)))
     })
