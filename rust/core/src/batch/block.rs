@@ -76,39 +76,6 @@ run!(
     run_f32, run_f32_avx2, run_f32_avx512: f32, F32x8, F32x16
 );
 
-/// Evaluates a formula over rows in double precision, one by one.
-///
-/// # Safety
-/// As for [`super::Kernel::run_f64`].
-pub(super) unsafe fn run_rows<F: Formula<K>, const K: usize>(
-    formula: &F,
-    inputs: [Column; K],
-    output: Column,
-    rows: usize,
-) {
-    match active() {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the instruction set is available; the rest the caller guarantees.
-        InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe {
-            run_rows_fma(formula, inputs, output, rows);
-        },
-        // SAFETY: the caller guarantees the columns.
-        _ => unsafe { blocks::<f64, F, K>(formula, inputs, output, rows) },
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-unsafe fn run_rows_fma<F: Formula<K>, const K: usize>(
-    formula: &F,
-    inputs: [Column; K],
-    output: Column,
-    rows: usize,
-) {
-    // SAFETY: the caller guarantees the columns.
-    unsafe { blocks::<f64, F, K>(formula, inputs, output, rows) }
-}
-
 /// Evaluates a formula for one row.
 pub(super) fn evaluate<F: Formula<K>, const K: usize>(formula: &F, inputs: [f64; K]) -> f64 {
     match active() {

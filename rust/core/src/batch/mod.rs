@@ -17,7 +17,6 @@ pub(crate) mod staged;
 #[cfg(test)]
 mod tests;
 mod threads;
-mod widened;
 
 pub use formulas::{Output, absorption, echo, speed_of_sound};
 pub use models::{ModelOutput, jacobian, of_model};
@@ -30,9 +29,6 @@ use crate::scalar::Rows;
 
 /// A function of `K` numbers, in any [`Rows`].
 pub trait Formula<const K: usize>: Send + Sync + 'static {
-    /// Whether rows are computed one by one and in double precision, whatever the columns hold.
-    const ROW_BY_ROW: bool = false;
-
     /// Constants of the formula that are not known when it is compiled.
     fn parameters(&self) -> Vec<f64> {
         Vec::new()
@@ -75,22 +71,63 @@ impl Column {
         Self { start, ..self }
     }
 
+    /// Reads rows from the first one on.
+    ///
+    /// # Safety
+    /// The column has as many rows of type `T`.
+    unsafe fn get<T: Copy + Into<f64>>(self, values: &mut [f64]) {
+        for (row, value) in values.iter_mut().enumerate() {
+            // SAFETY: the caller's.
+            *value = unsafe { *self.skip(row).start.cast::<T>() }.into();
+        }
+    }
+
     /// Writes to rows from the first one on.
     ///
     /// # Safety
-    /// The column has as many rows, of double precision, and may be written to.
-    unsafe fn put(self, values: &[f64]) {
-        if self.stride == size_of::<f64>().cast_signed() {
-            // SAFETY: the caller's; nobody else has the rows that are written.
-            return unsafe {
-                self.start
-                    .cast::<f64>()
-                    .copy_from(values.as_ptr(), values.len())
-            };
-        }
+    /// The column has as many rows of type `T`, and may be written to.
+    #[inline(always)]
+    unsafe fn put<T>(self, values: &[f64], rounded: impl Fn(f64) -> T) {
         for (row, &value) in values.iter().enumerate() {
             // SAFETY: the caller's.
-            unsafe { *self.skip(row).start.cast() = value };
+            unsafe { *self.skip(row).start.cast() = rounded(value) };
+        }
+    }
+}
+
+/// What the rows of columns are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Precision {
+    Double,
+    Single,
+}
+
+impl Precision {
+    /// Reads rows of a column.
+    ///
+    /// # Safety
+    /// The column has as many rows of this precision.
+    unsafe fn get(self, column: Column, values: &mut [f64]) {
+        // SAFETY: the caller's.
+        unsafe {
+            match self {
+                Self::Double => column.get::<f64>(values),
+                Self::Single => column.get::<f32>(values),
+            }
+        }
+    }
+
+    /// Writes to rows of a column.
+    ///
+    /// # Safety
+    /// The column has as many rows of this precision, and may be written to.
+    unsafe fn put(self, column: Column, values: &[f64]) {
+        // SAFETY: the caller's.
+        unsafe {
+            match self {
+                Self::Double => column.put(values, |value| value),
+                Self::Single => column.put(values, |value| value as f32),
+            }
         }
     }
 }
@@ -137,19 +174,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
     }
 
     fn evaluate(&self, inputs: &[f64]) -> f64 {
-        let inputs: [f64; K] = core::array::from_fn(|index| inputs[index]);
-        if !F::ROW_BY_ROW {
-            return block::evaluate(&self.0, inputs);
-        }
-        let mut value = f64::NAN;
-        let columns = inputs.each_ref().map(Column::constant);
-        let output = Column {
-            start: (&raw mut value).cast(),
-            stride: 0,
-        };
-        // SAFETY: one row of each input, and one of the output.
-        unsafe { block::run_rows(&self.0, columns, output, 1) };
-        value
+        block::evaluate(&self.0, core::array::from_fn(|index| inputs[index]))
     }
 
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
@@ -157,13 +182,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
         let span = |first, count| {
             let inputs = inputs.map(|column: Column| column.skip(first));
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
-            unsafe {
-                if F::ROW_BY_ROW {
-                    block::run_rows(&self.0, inputs, output.skip(first), count);
-                } else {
-                    block::run_f64(&self.0, inputs, output.skip(first), count);
-                }
-            }
+            unsafe { block::run_f64(&self.0, inputs, output.skip(first), count) }
         };
         threads::split(rows, threads, threads::OF_A_FORMULA, &span);
     }
@@ -173,13 +192,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
         let span = |first, count| {
             let inputs = inputs.map(|column: Column| column.skip(first));
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
-            unsafe {
-                if F::ROW_BY_ROW {
-                    widened::run(&self.0, inputs, output.skip(first), count);
-                } else {
-                    block::run_f32(&self.0, inputs, output.skip(first), count);
-                }
-            }
+            unsafe { block::run_f32(&self.0, inputs, output.skip(first), count) }
         };
         threads::split(rows, threads, threads::OF_A_FORMULA, &span);
     }

@@ -3,11 +3,10 @@
 #![allow(unsafe_code)]
 
 use super::staged::{BLOCK, BlockReader, Line, Pass, Reading};
-use super::{Column, Formula, Kernel, kernel, threads};
+use super::{Column, Kernel, Precision, threads};
 use crate::chain::Stage;
-use crate::conditions::{Conditions, Quantity};
-use crate::model::{DeviceOutput, Model, Term};
-use crate::scalar::Rows;
+use crate::conditions::Quantity;
+use crate::model::{Model, Term};
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
 /// quantity, in the order of [`Quantity::ALL`].
@@ -28,21 +27,14 @@ pub enum ModelOutput {
 /// The kernel of a model. It computes in double precision, also between single-precision columns.
 #[must_use]
 pub fn of_model(model: Model, output: ModelOutput) -> Box<dyn Kernel> {
-    Box::new(OfModel {
-        model: model.clone(),
-        output,
-        alone: kernel(Simulation { model, output }),
-    })
+    Box::new(OfModel { model, output })
 }
 
-/// Rows from which on blocks pay: what a block costs at least is a few rows' time.
-const SEVERAL: usize = 16;
+const INPUTS: usize = 1 + Quantity::COUNT;
 
-/// Many rows in blocks, few one by one: the same bits.
 struct OfModel {
     model: Model,
     output: ModelOutput,
-    alone: Box<dyn Kernel>,
 }
 
 impl Kernel for OfModel {
@@ -51,17 +43,42 @@ impl Kernel for OfModel {
     }
 
     fn evaluate(&self, inputs: &[f64]) -> f64 {
-        self.alone.evaluate(inputs)
+        let columns: [Column; INPUTS] = core::array::from_fn(|k| Column::constant(&inputs[k]));
+        let mut value = f64::NAN;
+        let output = Column {
+            start: (&raw mut value).cast(),
+            stride: 0,
+        };
+        // SAFETY: one row of each input, and one of the output.
+        unsafe { self.run_f64(&columns, output, 1, 1) };
+        value
     }
 
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
-        if rows < SEVERAL {
-            // SAFETY: the caller's.
-            return unsafe { self.alone.run_f64(inputs, output, rows, 1) };
-        }
+        // SAFETY: the caller's.
+        unsafe { self.run(Precision::Double, inputs, output, rows, threads) }
+    }
+
+    unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
+        // SAFETY: the caller's.
+        unsafe { self.run(Precision::Single, inputs, output, rows, threads) }
+    }
+}
+
+impl OfModel {
+    /// # Safety
+    /// As for [`Kernel::run_f64`], for columns of this precision.
+    unsafe fn run(
+        &self,
+        precision: Precision,
+        inputs: &[Column],
+        output: Column,
+        rows: usize,
+        threads: usize,
+    ) {
         let span = |first: usize, count: usize| {
             let columns = core::array::from_fn(|q| inputs[1 + q].skip(first));
-            let mut given = BlockReader::new(inputs[0].skip(first), columns);
+            let mut given = BlockReader::new(precision, inputs[0].skip(first), columns);
             let (mut pass, mut found) = (Pass::new(), Line::of(0.0));
             for from in (0..count).step_by(BLOCK) {
                 let some = BLOCK.min(count - from);
@@ -69,19 +86,12 @@ impl Kernel for OfModel {
                 let block = unsafe { given.block(from, some) };
                 self.block(&mut pass, block, &mut found);
                 // SAFETY: as above.
-                unsafe { output.skip(first + from).put(&found.0[..some]) };
+                unsafe { precision.put(output.skip(first + from), &found.0[..some]) };
             }
         };
         threads::split(rows, threads, threads::OF_A_MODEL, &span);
     }
 
-    unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
-        // SAFETY: the caller's.
-        unsafe { self.alone.run_f32(inputs, output, rows, threads) }
-    }
-}
-
-impl OfModel {
     fn block(&self, pass: &mut Pass, block: Reading<'_>, found: &mut Line) {
         let (model, law) = (&self.model, self.model.law());
         let last = match self.output {
@@ -117,7 +127,7 @@ pub fn jacobian(model: &Model, inputs: &[&[f64]], threads: usize) -> Vec<f64> {
     let columns: [Column; INPUTS] = core::array::from_fn(|k| Column::of(inputs[k]));
     let span = |first: usize, count: usize| {
         let recorded = core::array::from_fn(|q| columns[1 + q].skip(first));
-        let mut given = BlockReader::new(columns[0].skip(first), recorded);
+        let mut given = BlockReader::new(Precision::Double, columns[0].skip(first), recorded);
         let (mut pass, mut line) = (Pass::new(), Line::of(0.0));
         for from in (0..count).step_by(BLOCK) {
             let some = BLOCK.min(count - from);
@@ -152,45 +162,5 @@ impl Output {
     unsafe fn put(&self, at: usize, value: f64) {
         // SAFETY: the caller guarantees the place, and that nobody else has it.
         unsafe { *self.0.add(at) = value };
-    }
-}
-
-const INPUTS: usize = 1 + Quantity::COUNT;
-
-struct Simulation {
-    model: Model,
-    output: ModelOutput,
-}
-
-impl Formula<INPUTS> for Simulation {
-    /// All effects and laws in one function, on several registers of several numbers with their
-    /// derivatives, take the compiler more than ten minutes.
-    const ROW_BY_ROW: bool = true;
-
-    fn parameters(&self) -> Vec<f64> {
-        self.model.parameters()
-    }
-
-    #[inline(always)]
-    fn evaluate<S: Rows>(&self, [first, rest @ ..]: [S; INPUTS], parameters: &[S]) -> S {
-        let recorded = Conditions::new(rest);
-        let last = match self.output {
-            ModelOutput::Correction | ModelOutput::Distance => {
-                let given = match self.output {
-                    ModelOutput::Correction => DeviceOutput::Indication(first),
-                    _ => DeviceOutput::Time(first),
-                };
-                return self.model.invert(given, &recorded, parameters);
-            }
-            ModelOutput::Indication => Stage::Indication,
-            ModelOutput::TimeOfFlight => Stage::Timer,
-            ModelOutput::SpeedOfSound => Stage::Speed,
-        };
-        let chain = self.model.simulate_to(last, first, &recorded, parameters);
-        match self.output {
-            ModelOutput::Indication => chain.indication,
-            ModelOutput::TimeOfFlight => chain.time,
-            _ => chain.speed,
-        }
     }
 }

@@ -57,7 +57,6 @@ macro_rules! registry {
         const MODULES: &[&str] = &[$(stringify!($module)),+];
 
         /// Applies the effect with this index in [`ALL`].
-        #[inline(always)]
         pub fn apply<S: Scalar>(index: usize, chain: &mut Chain<S>, parameters: &[S]) {
             let mut position = 0;
             $(

@@ -6,16 +6,7 @@ use crate::chain::Stage;
 use crate::conditions::Conditions;
 use crate::dual::Dual;
 use crate::echo;
-use crate::scalar::{Rows, Scalar};
-
-/// What a device gave, for one row or several.
-#[derive(Clone, Copy)]
-pub(crate) enum DeviceOutput<S> {
-    /// What it indicated \[m\].
-    Indication(S),
-    /// Its echo time \[s\].
-    Time(S),
-}
+use crate::scalar::Scalar;
 
 impl Model {
     /// The true distance \[m\] of an indication \[m\]: the inverse of [`Model::indicate`].
@@ -23,7 +14,7 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn correct(&self, indication: f64, recorded: &Conditions<f64>) -> f64 {
-        self.invert_row(DeviceOutput::Indication(indication), recorded)
+        self.invert(Stage::Indication, indication, indication, recorded)
     }
 
     /// The true distance \[m\] of a recorded echo time \[s\]: the inverse of
@@ -32,54 +23,29 @@ impl Model {
     /// NaN where there is none.
     #[must_use]
     pub fn distance(&self, time: f64, recorded: &Conditions<f64>) -> f64 {
-        self.invert_row(DeviceOutput::Time(time), recorded)
+        let speed = self.law().speed(&Air::recorded(recorded));
+        let guess = echo::distance(time, speed);
+        self.invert(Stage::Timer, time, guess, recorded)
     }
 
-    /// [`Model::invert`] for one row, compiled once.
-    #[inline(never)]
-    fn invert_row(&self, given: DeviceOutput<f64>, recorded: &Conditions<f64>) -> f64 {
-        self.invert(given, recorded, &self.parameters())
-    }
-
-    /// The true distance \[m\], by Newton's method on the exact derivative to the distance; NaN where
-    /// it does not settle.
-    ///
-    /// A row that has settled stays as it is while its neighbors go on, so that no row depends on
-    /// which rows it is computed with. One function for both sides, since each copy holds all
-    /// effects.
-    #[inline(always)]
-    pub(crate) fn invert<S: Rows>(
-        &self,
-        given: DeviceOutput<S>,
-        recorded: &Conditions<S>,
-        parameters: &[S],
-    ) -> S {
-        let (last, target, guess) = match given {
-            DeviceOutput::Indication(indication) => (Stage::Indication, indication, indication),
-            DeviceOutput::Time(time) => {
-                let speed = self.law().speed(&Air::recorded(recorded));
-                (Stage::Timer, time, echo::distance(time, speed))
-            }
-        };
+    /// The distance \[m\] at which a stage ends with `target`, by Newton's method on the exact
+    /// derivative to the distance; NaN where it does not settle.
+    fn invert(&self, last: Stage, target: f64, guess: f64, recorded: &Conditions<f64>) -> f64 {
         let recorded = constants(recorded);
-        let mut fixed = Vec::with_capacity(parameters.len());
-        for &parameter in parameters {
-            fixed.push(Dual::<1, S>::fixed(parameter));
-        }
-        let mut distance = guess;
-        let mut settled = S::constant(-1.0);
+        let parameters: Vec<_> = self.parameters().into_iter().map(Dual::constant).collect();
+        let (mut distance, mut settled) = (guess, -1.0);
         for _ in 0..ENOUGH {
-            let chain = self.simulate_to(last, Dual::variable(distance, 0), &recorded, &fixed);
+            let chain = self.simulate_to(last, Dual::variable(distance, 0), &recorded, &parameters);
             let reached = match last {
                 Stage::Timer => chain.time,
                 _ => chain.indication,
             };
             (distance, settled) = approach(target, reached, distance, settled);
-            if settled.all_non_negative() {
-                break;
+            if settled >= 0.0 {
+                return distance;
             }
         }
-        S::select(settled, distance, S::constant(f64::NAN))
+        f64::NAN
     }
 }
 

@@ -1,10 +1,9 @@
 //! A model: a law and the effects that extend it.
 
 mod invert;
-mod jacobian;
 mod term;
 
-pub(crate) use invert::{DeviceOutput, ENOUGH, approach};
+pub(crate) use invert::{ENOUGH, approach};
 pub use term::Term;
 
 use crate::air::{Air, Law};
@@ -101,7 +100,6 @@ impl Model {
 
     /// Passes one measurement through the whole chain; `parameters` as from
     /// [`Model::parameters`].
-    #[inline(always)]
     pub fn simulate<S: Scalar>(
         &self,
         distance: S,
@@ -113,8 +111,7 @@ impl Model {
 
     /// Passes one measurement through the chain up to and with a stage.
     ///
-    /// The only branches are on the model, which is the same for every row of a batch.
-    #[inline(always)]
+    /// One measurement at a time; many pass stage by stage, see [`batch`](crate::batch).
     pub fn simulate_to<S: Scalar>(
         &self,
         last: Stage,
@@ -136,8 +133,7 @@ impl Model {
         chain
     }
 
-    /// One row up to and with a stage, compiled once: each copy holds all effects.
-    #[inline(never)]
+    /// One row up to and with a stage.
     fn row(&self, last: Stage, distance: f64, recorded: &Conditions<f64>) -> Chain<f64> {
         self.simulate_to(last, distance, recorded, &self.parameters())
     }
@@ -175,13 +171,8 @@ pub(crate) fn enter<S: Scalar>(law: Law, stage: Stage, chain: &mut Chain<S>) {
 }
 
 /// Conditions without derivatives.
-#[inline(always)]
-fn constants<const N: usize, S: Scalar>(recorded: &Conditions<S>) -> Conditions<Dual<N, S>> {
-    let mut values = [Dual::constant(0.0); Quantity::COUNT];
-    for facts in &Quantity::ALL {
-        values[facts.quantity as usize] = Dual::fixed(recorded.get(facts.quantity));
-    }
-    Conditions::new(values)
+fn constants(recorded: &Conditions<f64>) -> Conditions<Dual<1>> {
+    Conditions::new(Quantity::ALL.map(|facts| Dual::constant(recorded.get(facts.quantity))))
 }
 
 #[cfg(test)]

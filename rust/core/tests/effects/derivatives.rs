@@ -3,6 +3,7 @@
 use crate::draws::{
     conditions, distance, laws, quantities, random_model, range, units, values, with,
 };
+use echocal_core::batch::jacobian;
 use echocal_core::dual::Dual;
 use echocal_core::effects::ALL;
 use echocal_core::scalar::Scalar;
@@ -146,7 +147,10 @@ proptest! {
             let expected = each.map(|to| {
                 moved(&model, d, &at, to, Dual::<1>::variable(0.0, 0)).derivatives[0]
             });
-            prop_assert_eq!(model.jacobian(d, &at), expected.collect::<Vec<_>>());
+            let inputs = core::iter::once(d).chain(Quantity::ALL.map(|q| at.get(q.quantity)));
+            let columns: Vec<_> = inputs.map(|input| [input]).collect();
+            let columns: Vec<_> = columns.iter().map(|column| &column[..]).collect();
+            prop_assert_eq!(jacobian(&model, &columns, 1), expected.collect::<Vec<_>>());
         }
     }
 }

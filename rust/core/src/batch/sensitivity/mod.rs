@@ -7,8 +7,8 @@ mod numbers;
 
 pub use numbers::Numbers;
 
-use super::Column;
 use super::staged::{BLOCK, BlockReader, Line, Pass, Reading};
+use super::{Column, Precision};
 use crate::chain::Stage;
 use crate::conditions::Quantity;
 use crate::model::{Model, Term};
@@ -51,7 +51,7 @@ impl<'a> Sensitivities<'a> {
         Self {
             model,
             rows: distance.len(),
-            given: BlockReader::new(Column::of(distance), columns),
+            given: BlockReader::new(Precision::Double, Column::of(distance), columns),
             passes: [Pass::new(), Pass::new(), Pass::new()],
             following: Following::new(),
         }

@@ -1,7 +1,7 @@
 //! Where the variables of the chain lie while a block of rows passes it.
 
 use crate::air::Air;
-use crate::batch::Column;
+use crate::batch::{Column, Precision};
 use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
@@ -279,17 +279,22 @@ unsafe fn dual<V: Vector<Element = f64>>(
 
 /// Columns of a batch, of which blocks are read where they lie if they can be.
 pub(crate) struct BlockReader {
+    precision: Precision,
     columns: [Column; 1 + Quantity::COUNT],
     buffers: Box<[Line; 1 + Quantity::COUNT]>,
     filled: [bool; 1 + Quantity::COUNT],
 }
 
 impl BlockReader {
-    /// Columns of double precision: the quantity that a model is applied to, then every recorded
-    /// one.
-    pub(crate) fn new(first: Column, recorded: [Column; Quantity::COUNT]) -> Self {
+    /// Columns: the quantity that a model is applied to, then every recorded one.
+    pub(crate) fn new(
+        precision: Precision,
+        first: Column,
+        recorded: [Column; Quantity::COUNT],
+    ) -> Self {
         let column = |k: usize| if k == 0 { first } else { recorded[k - 1] };
         Self {
+            precision,
             columns: core::array::from_fn(column),
             buffers: Box::new([Line::of(0.0); 1 + Quantity::COUNT]),
             filled: [false; 1 + Quantity::COUNT],
@@ -299,13 +304,15 @@ impl BlockReader {
     /// Some rows, with no derivative yet; the first column stands for the distance.
     ///
     /// # Safety
-    /// The columns have `first + count` rows of double precision, `count` from 1 to [`BLOCK`]; nobody
+    /// The columns have `first + count` rows of the precision, `count` from 1 to [`BLOCK`]; nobody
     /// writes to these rows while the result is in use.
     pub(crate) unsafe fn block(&mut self, first: usize, count: usize) -> Reading<'_> {
         const WIDEST: usize = 16;
         let padded = count.next_multiple_of(WIDEST);
-        let in_place =
-            |column: Column| column.stride == size_of::<f64>().cast_signed() && padded == count;
+        let double = self.precision == Precision::Double;
+        let in_place = |column: Column| {
+            double && column.stride == size_of::<f64>().cast_signed() && padded == count
+        };
         for k in 0..self.columns.len() {
             if !in_place(self.columns[k]) {
                 // SAFETY: the caller's.
@@ -340,15 +347,15 @@ impl BlockReader {
         if column.stride == 0 {
             if !self.filled[k] {
                 // SAFETY: the caller guarantees a number.
-                line.fill(unsafe { *rows.start.cast() });
+                unsafe { self.precision.get(rows, &mut line[..1]) };
+                let number = line[0];
+                line.fill(number);
                 self.filled[k] = true;
             }
             return;
         }
-        for (row, number) in line[..count].iter_mut().enumerate() {
-            // SAFETY: the caller guarantees the rows.
-            *number = unsafe { *rows.skip(row).start.cast() };
-        }
+        // SAFETY: the caller guarantees the rows.
+        unsafe { self.precision.get(rows, &mut line[..count]) };
         let last = line[count - 1];
         line[count..padded].fill(last);
     }
