@@ -1,8 +1,8 @@
 """Time a diagnosis stage by stage and write diagnose_speed.json and docs/diagnose-speed.md.
 
-The table: four stands, a temperature that follows the day, humidity and time; a fixed delay and
+The table: four stations, a temperature that follows the day, humidity and time; a fixed delay and
 humid air that a linear law knows nothing of. The whole catalogue competes, on two processors. Of
-several runs the fastest is told; the first one, which also imports, is not among them. The stands
+several runs the fastest is told; the first one, which also imports, is not among them. The stations
 take turns from row to row; once more, for a million rows, each has a quarter of the table.
 """
 
@@ -52,7 +52,7 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
 
 
 def table(rows: int, one_by_one: bool = False) -> dict[str, np.ndarray]:
-    """A table like a week at four stands, which take turns or are measured one by one."""
+    """A table like a week at four stations, which take turns or are measured one by one."""
     random = np.random.default_rng(1)
     temperature = 20 + 8 * np.sin(np.arange(rows) * 2 * np.pi / 288)
     distance = np.resize([0.5, 1.0, 2.0, 3.0], rows)

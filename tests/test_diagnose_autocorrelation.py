@@ -22,6 +22,7 @@ def log(noise: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keep", [0.0, 0.9])
 def test_a_long_table_has_the_probabilities_of_all_autocorrelations(
     keep: float, random: np.random.Generator

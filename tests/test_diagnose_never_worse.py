@@ -242,6 +242,7 @@ def waved(random: Random, later: float) -> Table:
     return columns | {"time_s": 60.0 * np.arange(600)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("later", [6e-3, -18e-3])
 def test_a_shape_that_does_not_carry_over_extends_no_model(
     later: float, tmp_path: Path, random: np.random.Generator

@@ -29,7 +29,7 @@ def diagnosis(
     return echocal.diagnose(table(rows, EFFECTS["humidity"](rows, 1.0) + noise(rows, random)))
 
 
-def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+def diagnosed(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "echocal", "diagnose", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
 
@@ -118,7 +118,7 @@ def test_plots_are_pictures_of_something(diagnosis: echocal.Diagnosis, tmp_path:
 
 def test_command_line_writes_what_it_is_asked_for(tmp_path: Path) -> None:
     out = tmp_path / "diagnosis.json"
-    done = run(str(TABLE), "--json", str(out))
+    done = diagnosed(str(TABLE), "--json", str(out))
     assert done.returncode == 0, done.stderr
     assert "fixed_speed" in done.stdout
     assert json.loads(out.read_text())["causes"][0]["id"] == "fixed_speed"
@@ -126,9 +126,9 @@ def test_command_line_writes_what_it_is_asked_for(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_command_line_can_be_quiet_and_pipe() -> None:
-    quiet = run(str(TABLE), "--quiet")
+    quiet = diagnosed(str(TABLE), "--quiet")
     assert (quiet.returncode, quiet.stdout) == (0, "")
-    piped = run(str(TABLE), "--json", "-")
+    piped = diagnosed(str(TABLE), "--json", "-")
     assert json.loads(piped.stdout)["verdict"] == "named"
 
 
@@ -149,11 +149,13 @@ def test_command_line_can_be_quiet_and_pipe() -> None:
         (("--plots", str(TABLE)), 2, "cannot be written"),
     ],
 )
-def test_bad_requests_are_one_line(arguments: tuple[str, ...], code: int, words: str) -> None:
-    done = run(str(TABLE), *arguments)
-    assert done.returncode == code
-    assert words in done.stderr
-    assert done.stderr.count("\n") == 1
+def test_bad_requests_are_one_line(
+    arguments: tuple[str, ...], code: int, words: str, run: Callable[..., tuple[int, str]]
+) -> None:
+    found, said = run("diagnose", str(TABLE), *arguments)
+    assert found == code
+    assert words in said
+    assert said.count("\n") == 1
 
 
 def test_a_table_without_reference_says_what_to_do() -> None:
@@ -214,12 +216,12 @@ def test_reference_distances_that_are_not_used_are_told(random: np.random.Genera
 @pytest.mark.slow
 def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
     model = tmp_path / "model.json"
-    assert run(str(TABLE), "--model", str(model), "--quiet").returncode == 0
+    assert diagnosed(str(TABLE), "--model", str(model), "--quiet").returncode == 0
     loaded = echocal.Model.load(model)
     assert list(loaded.effects) == ["fixed_speed"]
     assert loaded.standard_uncertainties["fixed_speed.weight"] == 0.0  # theory fixes it
     assert loaded.standard_uncertainties["fixed_speed.speed"] == pytest.approx(0.12, abs=0.06)
-    again = run(str(TABLE), "--base", str(model), "--json", "-")
+    again = diagnosed(str(TABLE), "--base", str(model), "--json", "-")
     assert json.loads(again.stdout)["verdict"] == "nothing", again.stderr
 
 

@@ -103,7 +103,13 @@ def _side(what: str) -> NextMeasurement:
     return NextMeasurement({"side_measurement": what}, ("clock_error", "oblique_target"), None)
 
 
-@pytest.mark.parametrize("name", [r"$\frac{$ of $x_1$", "long_name " * 40, "[bold]<b>|a_b|</b>"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        r"$\frac{$ of $x_1$",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("long_name " * 40, "[bold]<b>|a_b|</b>")),
+    ],
+)
 def test_columns_may_have_any_name(name: str, tmp_path: Path) -> None:
     wave = np.sin(np.arange(200.0) / 9.0)
     noise = 5e-4 * np.sin(np.arange(200.0) ** 2)

@@ -110,6 +110,7 @@ def test_a_quantization_leaves_the_rows_in_place(noise: Quantization, random: np
     np.testing.assert_array_equal(time, data.conditions["elapsed_time"])
 
 
+@pytest.mark.slow
 @EVERY
 def test_without_its_line_it_is_nowhere(
     noise: NoiseEntry, monkeypatch: pytest.MonkeyPatch, random: np.random.Generator

@@ -183,6 +183,7 @@ def test_two_outputs_are_two_files(run: Run) -> None:
     assert names() == {"w.csv"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["csv", "parquet", "nc"])
 def test_a_sweep_is_made_again_and_nothing_else_is_replaced(ending: str, run: Run) -> None:
     command = ("sweep", "--temperature", "0:50:10", "-o", f"s.{ending}", "-q")
@@ -284,6 +285,7 @@ def test_the_old_file_stays_whatever_ends_the_work(error: BaseException, tmp_pat
     assert (old.read_text(), [path.name for path in tmp_path.iterdir()]) == ("old", ["a.json"])
 
 
+@pytest.mark.slow
 def test_a_full_disk_leaves_no_file(tmp_path: Path) -> None:
     """A real refusal of the system in the middle of a file: its largest size is reached."""
     old = tmp_path / "out.csv"

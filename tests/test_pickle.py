@@ -63,6 +63,7 @@ def test_a_diagnosis_is_the_same(way: Callable[[Any], Any]) -> None:
     assert other.predict(1.5, temperature=20.0) == diagnosis.predict(1.5, temperature=20.0)
 
 
+@pytest.mark.slow
 def test_a_pool_of_processes_diagnoses() -> None:
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         found = list(pool.map(diagnosed, (1, 2)))

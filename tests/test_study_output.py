@@ -46,6 +46,7 @@ def test_a_sentence_that_no_longer_stands_is_taken_back() -> None:
     assert answer.question.means not in render_diagnosed([stale])
 
 
+@pytest.mark.slow
 def test_terminal_report(written: tuple[Path, str]) -> None:
     text = written[1]
     for part in ("30 reproduced", "Table 1 as printed", "10-bit converter", "latency", "331.300 ✗"):

@@ -10,8 +10,12 @@ import pytest
 EXAMPLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii"])
-@pytest.mark.parametrize("command", ["study", "effects", f"diagnose {EXAMPLE}"])
+def _slow(value: str) -> object:
+    return pytest.param(value, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", _slow("cp1252"), _slow("cp437")])
+@pytest.mark.parametrize("command", [_slow("study"), "effects", f"diagnose {EXAMPLE}"])
 def test_a_narrow_encoding_is_no_error(command: str, encoding: str) -> None:
     environment = {**os.environ, "PYTHONIOENCODING": encoding}
     words = [sys.executable, "-m", "echocal", *command.split()]

@@ -51,6 +51,7 @@ def test_the_example_prints_the_twins_distance(package: str, sketch: str, core: 
     assert refused == [echo in {120, 25_120} or echo > 30_000 for echo in ECHOES]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flags", [(), ("-DECHOCAL_NO_INPUT_CAPTURE",)], ids=["capture", "pulseIn"])
 def test_without_an_echo_there_is_no_distance(flags: tuple[str, ...], core: Path, tmp_path: Path) -> None:
     sketch = link(thermometer(), SKETCH, core, tmp_path, *flags)

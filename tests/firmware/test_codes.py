@@ -103,6 +103,7 @@ def test_c_twin_and_model_agree_within_the_bound(
     assert hash_of_all(program) == made.report["output_hash"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", ["avr", "cortex-m0", "rv32"])
 @pytest.mark.parametrize("name", ["ticks_cm", "humid_mm"])
 def test_cores_give_the_bits_of_the_twin(name: str, core: str) -> None:

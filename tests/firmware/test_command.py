@@ -83,6 +83,7 @@ def test_a_bound_out_of_reach_exits_with_4_and_one_line(
     assert not Path("made").exists()
 
 
+@pytest.mark.slow
 def test_the_best_reachable_is_measured_where_that_is_wanted(
     model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

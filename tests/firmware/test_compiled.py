@@ -58,6 +58,7 @@ def test_codes_out_of_range_never_give_a_distance(case: Firmware, tmp_path: Path
         assert accepted == (distance != OUT_OF_RANGE), (time, code, distance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", CXX_COMPILERS)
 def test_the_header_serves_cpp(case: Firmware, compiler: str, tmp_path: Path) -> None:
     case.save(tmp_path)

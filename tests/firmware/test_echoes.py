@@ -33,6 +33,7 @@ def codes(made: firmware.Firmware) -> tuple[int, int]:
     return found["minimum"], found["maximum"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "tick"),
     [*itertools.product(("dry", "delay", "falling"), (0.5, 1.0, 4.0)), ("bent", 4.0)],

@@ -66,6 +66,7 @@ def test_a_refusal_names_the_input_that_is_lacking(name: str) -> None:
         made(model_with(name))
 
 
+@pytest.mark.slow
 def test_a_bound_out_of_reach_of_a_walk_says_the_best() -> None:
     """Its bend in the echo time is what no form follows: the best reachable is told, and can be had."""
     model = Model("cramer", {"amplitude_walk": {"delay": 400e-6, "threshold": 0.6}})

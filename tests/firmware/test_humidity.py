@@ -50,6 +50,7 @@ def test_a_table_in_two_inputs(target: str, tmp_path: Path) -> None:
     assert hash_of_all(build(exact, tmp_path)) == exact.report["output_hash"]
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @example(delay=0.0, law="cramer", low=0.0, span=5.0, max_error=1e-3, prefer="size", target="avr")
 @given(
@@ -119,6 +120,7 @@ def test_humidity_is_measured_or_assumed() -> None:
         dry.distance_um(1, 1, 1)
 
 
+@pytest.mark.slow
 def test_no_tables_where_none_are_allowed() -> None:
     """Tables too large to be allowed once beat the polynomials first, and then nothing was left.
 

@@ -51,6 +51,7 @@ def test_the_code_is_the_same_measured_or_not() -> None:
     assert measured.report["provenance"]["command"].endswith("--measure")
 
 
+@pytest.mark.slow
 def test_more_work_costs_more() -> None:
     """A table of every code is quick and large on any core, Horner's rule is neither."""
     quick = firmware.generate(MODEL, "c99", form="full_table", **CODES)

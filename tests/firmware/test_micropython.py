@@ -55,6 +55,7 @@ def test_micropython_gives_the_bits_of_the_twin(name: str) -> None:
     assert list(map(int, said.split())) == packed.distance_um(*np.transpose(inputs)).tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_it_gives_the_bits_of_the_twin(name: str) -> None:
     packed = made(name, "micropython")

@@ -114,7 +114,7 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
 
 
 def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
-    """Sets of causes, inseparable ones in one line; the causes that all sets have stand above."""
+    """Sets of causes, inseparable ones in one line; the causes that all sets have are above."""
     table = Table(title="probability of each set of causes", title_justify="left", show_header=False)
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)

@@ -61,6 +61,7 @@ def test_all_32_million_inputs(name: str) -> None:
     assert silicon.output_hash(made, name) == made.report["output_hash"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case_", CEILINGS, ids="-".join)
 def test_costs_stay_below_their_ceilings(case_: tuple[str, str, str, str]) -> None:
     core, target, wish, level = case_

@@ -29,7 +29,7 @@ class Thresholds:
         0.9, "1", "part of the rows below the blanking distance that are outliers; judgement"
     )
     most: float = threshold(
-        0.5, "1", "part of all rows that may stand below the blanking distance; judgement"
+        0.5, "1", "part of all rows that may be below the blanking distance; judgement"
     )
     tame: float = threshold(
         0.1, "1", "probability that a row below the blanking distance is no outlier; judgement"
@@ -55,7 +55,7 @@ FACTS = CauseFacts(
 
 
 def detect(view: View, settings: FaultSettings) -> Finding | None:
-    """Find the distance below which outliers stand together."""
+    """Find the distance below which outliers are together."""
     reference = view.reference
     if reference is None or view.given is not None:
         return None

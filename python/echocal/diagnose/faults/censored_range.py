@@ -28,7 +28,7 @@ class Thresholds:
         "robust standard deviations below the limit from which on nothing is clipped: 1 normal row in 30,000",
     )
     clipped: float = threshold(
-        0.9, "1", "part of the rows that should be beyond the limit and stand at it; judgement"
+        0.9, "1", "part of the rows that should be beyond the limit and are at it; judgement"
     )
     doubled: float = threshold(
         0.3,

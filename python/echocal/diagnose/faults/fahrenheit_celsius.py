@@ -29,7 +29,7 @@ class Thresholds:
 
     usual: float = threshold(18.0, "degC", "center of the air that people measure in; judgement")
     spread: float = threshold(15.0, "K", "its spread; judgement")
-    odd: float = threshold(8.0, "K", "deviation from the neighbors for a row to stand out; judgement")
+    odd: float = threshold(8.0, "K", "deviation from the neighbors for a row to be an outlier; judgement")
     deviations: float = threshold(
         8.0, "1", "the same in robust standard deviations of the neighbors; judgement"
     )
@@ -43,9 +43,9 @@ class Thresholds:
     each: float = threshold(
         6.0,
         "1",
-        "log Bayes factor of one row that stands out and fits its neighbors as Fahrenheit; judgement",
+        "log Bayes factor of one outlier that fits its neighbors as Fahrenheit; judgement",
     )
-    most: float = threshold(0.4, "1", "part of the rows that may stand out singly; judgement")
+    most: float = threshold(0.4, "1", "part of the rows that may be single outliers; judgement")
     cold: float = threshold(
         30.0, "1", "log Bayes factor against a whole column in Fahrenheit that air may have had; judgement"
     )
@@ -54,7 +54,7 @@ class Thresholds:
 FACTS = CauseFacts(
     id="fahrenheit_celsius",
     kind="gross",
-    sentence="Temperatures in degrees Fahrenheit stand in a column of degrees Celsius, in all rows or some.",
+    sentence="Temperatures in degrees Fahrenheit are in a column of degrees Celsius, in all rows or some.",
     signature="T = 32 + 1.8 T_true: rows that jump, or a column that no air is as warm as",
     source="range check; CATALOGUE",
     parameters=(Quantity("rows", "1", "rows concerned"),),
@@ -72,7 +72,7 @@ def celsius(fahrenheit: Column) -> Column:
 
 
 def detect(view: View, settings: FaultSettings) -> Finding | None:
-    """Ask whether all rows, or rows that stand out, make sense as Fahrenheit."""
+    """Ask whether all rows, or outliers, make sense as Fahrenheit."""
     own, recorded = settings.of(FACTS, Thresholds), view.temperature
     if recorded is None:
         return None
@@ -125,7 +125,7 @@ def _contradicted(view: View) -> bool:
 
 
 def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
-    """Rows that stand out from their neighbors, and do not once converted."""
+    """Rows that deviate from their neighbors, and do not once converted."""
     rows = np.zeros(len(recorded), dtype=bool)
     at = np.flatnonzero(known)
     values = some(recorded, at)

@@ -42,12 +42,12 @@ class Thresholds:
 FACTS = CauseFacts(
     id="shifted_rows",
     kind="row",
-    sentence="From some row on, readings stand some rows beside the distance that they belong to.",
+    sentence="From some row on, each reading is some rows away from the distance that it belongs to.",
     signature="the reading of each row fits the reference distance of a neighbor",
     source="CATALOGUE, bookkeeping",
     parameters=(
         Quantity("first_row", "1", "first row that is shifted"),
-        Quantity("shift", "1", "rows by which readings stand too low"),
+        Quantity("shift", "1", "rows by which readings are too low"),
     ),
     check="look for a line that was copied or lost in the table",
     prior=0.01,

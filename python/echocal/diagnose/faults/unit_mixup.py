@@ -57,7 +57,7 @@ class Thresholds:
 FACTS = CauseFacts(
     id="unit_mixup",
     kind="gross",
-    sentence="Readings and reference distances stand in different units, in all rows or in some.",
+    sentence="Readings and reference distances are in different units, in all rows or in some.",
     signature="reading / reference = 2.54, 10, 25.4, 100, 1000, 0.3048, or one over these, to a few percent",
     source="jeremylindsayni/Bifrost.Arduino.Sensors.HCSR04 #5: 332 m/s commented as 3320 cm/s",
     parameters=(

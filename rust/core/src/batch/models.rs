@@ -5,7 +5,7 @@
 use super::staged::{BLOCK, BlockReader, Line, Pass, Reading};
 use super::{Column, Kernel, Precision, threads};
 use crate::chain::Stage;
-use crate::conditions::Quantity;
+use crate::conditions::{Conditions, Quantity};
 use crate::model::{Model, Term};
 
 /// What a kernel of a model computes; its inputs are the quantity named here and every influence
@@ -43,15 +43,15 @@ impl Kernel for OfModel {
     }
 
     fn evaluate(&self, inputs: &[f64]) -> f64 {
-        let columns: [Column; INPUTS] = core::array::from_fn(|k| Column::constant(&inputs[k]));
-        let mut value = f64::NAN;
-        let output = Column {
-            start: (&raw mut value).cast(),
-            stride: 0,
-        };
-        // SAFETY: one row of each input, and one of the output.
-        unsafe { self.run_f64(&columns, output, 1, 1) };
-        value
+        let (model, first) = (&self.model, inputs[0]);
+        let recorded = Conditions::new(core::array::from_fn(|q| inputs[1 + q]));
+        match self.output {
+            ModelOutput::Indication => model.indicate(first, &recorded),
+            ModelOutput::SpeedOfSound => model.speed_of_sound(first, &recorded),
+            ModelOutput::TimeOfFlight => model.time_of_flight(first, &recorded),
+            ModelOutput::Correction => model.correct(first, &recorded),
+            ModelOutput::Distance => model.distance(first, &recorded),
+        }
     }
 
     unsafe fn run_f64(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
