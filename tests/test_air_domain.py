@@ -89,6 +89,7 @@ COLUMN = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=500, deadline=None)
 @given(
     st.sampled_from(["linear", "ideal_gas", "cramer", "virial"]),

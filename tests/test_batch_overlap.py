@@ -158,6 +158,7 @@ def test_any_views_of_many_rows(data: st.DataObject, name: str) -> None:
     check(name, memory.view(np.uint8), inputs, view(), n_threads=threads)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["f8", "f4"])
 @pytest.mark.parametrize("shift", [1, -1, 7, 240, 1000])
 @pytest.mark.parametrize("name", [*FUNCTIONS, *METHODS])

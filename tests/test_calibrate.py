@@ -63,6 +63,7 @@ def test_fits_a_subset_beside_known_effects(grid: tuple[np.ndarray, np.ndarray])
     assert found.model.effects["zero_error"] == known["zero_error"]
 
 
+@pytest.mark.slow
 def test_uncertainties_cover_the_truth(grid: tuple[np.ndarray, np.ndarray]) -> None:
     """Over many noises the estimates scatter as their standard uncertainties say."""
     rng = np.random.default_rng(3)

@@ -252,6 +252,7 @@ def mutate(document: dict[str, Any], random: Random) -> None:
             container[key] = deepcopy(random.choice(STRANGE))
 
 
+@pytest.mark.slow
 def test_any_file_is_a_model_or_told_why_not(saved: Path) -> None:
     seed = randrange(2**32)
     print(f"seed {seed}")  # pytest shows it where this fails

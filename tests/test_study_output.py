@@ -72,6 +72,7 @@ def test_figures(written: tuple[Path, str]) -> None:
         assert (PAGE.parent / name).exists()
 
 
+@pytest.mark.slow
 def test_quiet_and_stdout() -> None:
     quiet = CliRunner().invoke(app, ["study", "--quiet"])
     assert quiet.output.strip() == "30 reproduced, 13 not reproduced, 10 physically wrong"

@@ -72,6 +72,7 @@ def test_where_there_is_no_echo_it_says_so(core: Path, tmp_path: Path) -> None:
     assert lines[0] == "no echo"
 
 
+@pytest.mark.slow
 def test_held_interrupts_are_worth_their_trouble(core: Path, tmp_path: Path) -> None:
     """What the sketch says of pulseIn(): 0.6 % short with interrupts on, right without."""
     echoes = list(range(9_000, 13_000, 173))

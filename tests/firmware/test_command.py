@@ -55,6 +55,7 @@ def test_files_report_and_summary(
     assert sorted(path.name for path in Path("made").iterdir()) == names
 
 
+@pytest.mark.slow
 def test_the_recorded_command_makes_the_same_files(
     model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

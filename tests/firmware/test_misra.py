@@ -62,6 +62,7 @@ def test_the_check_sees_what_breaks_a_rule(tmp_path: Path) -> None:
     assert {("echocal_correction.c", "10.8"), ("echocal_correction.c", "14.4")} <= found
 
 
+@pytest.mark.slow
 def test_every_deviation_is_made_and_told_on_the_page(tmp_path: Path) -> None:
     found = findings(made("avr_table"), tmp_path, ".c") | findings(with_humidity(), tmp_path, ".c")
     rules = {rule for rules in DEVIATIONS.values() for rule in rules}

@@ -93,6 +93,7 @@ int main() {
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("humid", [False, True])
 def test_the_lambda_of_esphome_gives_the_twins_distance(humid: bool, tmp_path: Path) -> None:
     packed = with_humidity("esphome", "c99") if humid else made("degree_3", "esphome")

@@ -68,6 +68,7 @@ def test_costs_stay_below_their_ceilings(case_: tuple[str, str, str, str]) -> No
     check(dry_air(target, wish), core, level, CEILINGS[case_])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("core", "prefer"), DELAYED, ids="-".join)
 def test_a_delay_costs_a_subtraction(core: str, prefer: str) -> None:
     """As in a model that a diagnosis made: the product stays one of natural numbers of 16 bits."""

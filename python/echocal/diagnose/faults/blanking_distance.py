@@ -28,9 +28,7 @@ class Thresholds:
     part: float = threshold(
         0.9, "1", "part of the rows below the blanking distance that are outliers; judgement"
     )
-    most: float = threshold(
-        0.5, "1", "part of all rows that may be below the blanking distance; judgement"
-    )
+    most: float = threshold(0.5, "1", "part of all rows that may be below the blanking distance; judgement")
     tame: float = threshold(
         0.1, "1", "probability that a row below the blanking distance is no outlier; judgement"
     )
