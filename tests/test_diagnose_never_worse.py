@@ -85,7 +85,8 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
     assert gain.rms_after_m <= gain.rms_before_m, say
     in_model = [cause.id for cause in diagnosis.causes if cause.in_model]
     assert set(diagnosis.model.effects) == set(in_model), say
-    assert gain.ladder[-1] == (gain.ladder[-1][0], gain.rms_after_m), say
+    if gain.judged_rows == "held-out rows":  # elsewhere each fold chooses by itself
+        assert gain.ladder[-1] == (gain.ladder[-1][0], gain.rms_after_m), say
     assert set(gain.ladder[-1][0]) == set(in_model), say
     if not in_model:
         np.testing.assert_array_equal(traces.after, traces.before, err_msg=say)

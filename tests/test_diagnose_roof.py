@@ -45,7 +45,7 @@ def test_july_names_humidity(roof: Path) -> None:
     assert gain is not None
     assert gain.rms_fixed_speed_m == pytest.approx(15e-3, abs=1e-3)
     assert gain.rms_before_m == pytest.approx(2.5e-3, abs=0.15e-3)
-    assert gain.rms_after_m <= 2.05e-3
+    assert gain.rms_after_m <= 2.2e-3  # no row from 20 July on takes part in the choice
     assert gain.interval_95[0] > 0
 
 
@@ -55,7 +55,7 @@ def test_july_without_the_reading_speed_names_both(roof: Path) -> None:
     gain = diagnosis.gain
     assert gain is not None
     assert gain.rms_before_m == pytest.approx(15e-3, abs=1e-3)
-    assert gain.rms_after_m <= 2.05e-3
+    assert gain.rms_after_m <= 2.2e-3  # no row from 20 July on takes part in the choice
     speed = next(p for c in diagnosis.causes for p in c.parameters if p.name == "speed")
     assert speed.standard_uncertainty > 3  # at an unknown distance nobody can tell which speed
 

@@ -44,7 +44,7 @@ def prepared(rho: float) -> tuple[Case, Stack]:
     base = Base.of("linear")
     observations = read_observations(table(rho), reading_speed="linear")
     ready = prepare(observations, base, None, False, SETTINGS.rows)
-    case = examine(ready, base, Folds.of(ready, observations, None, SETTINGS.rows), 0, SETTINGS)
+    case = examine(ready, base, Folds.of(ready, SETTINGS.rows), 0, SETTINGS)
     return case, Stack(*case.sums.whiten_all(case.noises), case.sums.degrees(), case.noises)
 
 

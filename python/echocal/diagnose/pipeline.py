@@ -14,6 +14,7 @@ from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.preprocess.folds import Folds
+from echocal.diagnose.preprocess.hold_out import split
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
 from echocal.diagnose.preprocess.window import between
@@ -23,8 +24,10 @@ from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.report import report
 from echocal.diagnose.selection.claims import rank
 from echocal.diagnose.selection.joint import join
-from echocal.diagnose.selection.select import select
-from echocal.diagnose.validation.refute import validate
+from echocal.diagnose.validation.hand_over import select_and_refute
+from echocal.diagnose.validation.held_rows import held_rows
+from echocal.diagnose.validation.judges import judge_of
+from echocal.diagnose.validation.validate import validate
 from echocal.errors import DomainWarning
 
 __all__ = ["run"]
@@ -57,7 +60,9 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final one is a note
         work.begin("searching for faults")
         observations = between(reading.observations, request.since, request.until)
+        observations, later = split(observations, request.hold_out_after, settings.rows.fewest)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
+        held = None if later is None else held_rows(later, base, distance, constant, settings)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
         observations = faults.observations
@@ -66,7 +71,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         while True:
             work.begin("building columns")
             table = prepare(observations, base, distance, constant, settings.rows, level_steps)
-            folds = Folds.of(table, observations, request.hold_out_after, settings.rows)
+            folds = Folds.of(table, settings.rows)
             case = examine(table, base, folds, request.seed, settings)
 
             work.begin("comparing causes")
@@ -80,10 +85,11 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             reduced = inference.reduced
             shares = infer_noises(case, inference.fits, reduced, faults.quantizations)
             ranking = rank(shares.fits, case.found.competing, settings)
-            selection = select(case, ranking, shares, reduced)
 
             work.begin("validating claims")
-            validation = validate(case, selection)
+            selection, rest = select_and_refute(case, ranking, shares, reduced)
+            judge = judge_of(case, reduced.noises, faults.quantizations, held, request.hold_out_after)
+            validation = validate(case, selection, rest, judge)
             step = validation.further_level_step(table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
                 break
@@ -94,7 +100,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         joint = join(ranking, faults.found, shares, reduced)
         possible = members(case, ranking, selection.every_claim, validation, reduced)
         proposals = propose(case, possible, selection, validation, ranges)
-        found = (inference, ranking, selection, validation, joint)
+        found = (inference, ranking, selection, validation, judge, joint)
         diagnosis = report(case, observations, *found, possible, proposals)
     work.end()
     return diagnosis

@@ -4,7 +4,7 @@ from echocal.diagnose.findings.parts import Verdict
 from echocal.diagnose.selection.claims import Ranking
 from echocal.diagnose.selection.joint import Joint
 from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.validate import Validation
 
 __all__ = ["credible_set", "verdict"]
 
@@ -13,15 +13,18 @@ def verdict(ranking: Ranking, selection: Selection, validation: Validation, join
     """Choose the verdict.
 
     A noise or a fault alone makes the verdict ``named`` only if no shift of the readings is open. A
-    shift is open if it is more probable than the threshold of ``named`` and no claim is kept, or if a
-    kept claim has no constant size. An open shift is never ``nothing``, even if every claim is refuted.
+    shift is open if it is more probable than the threshold of ``named`` and no claim is kept, if a kept
+    claim has no constant or no plausible size or no certain gain, or if claims were dropped because
+    their model is no better than the base on rows that its choice has not seen. An open shift is never
+    ``nothing``, even if every claim is refuted.
     """
     named = ranking.settings.claims.named
-    steady = [c.probability for c in validation.kept if c.cause not in selection.varying]
+    steady = [c.probability for c in validation.kept if c.cause not in selection.doubts]
+    steady = steady if validation.gain.earned else []
     if any(probability >= named for probability in steady):
         return "named"
     shifted = not validation.kept and _shifted(ranking)
-    is_open = len(steady) < len(validation.kept) or shifted
+    is_open = len(steady) < len(validation.kept) or validation.overruled or shifted
     if not is_open and any(f.probability >= named for f in joint.decisive):
         return "named"
     if selection.term is not None:

@@ -214,6 +214,8 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     rungs = [(f"+ {ids[-1]}" if ids else "base", rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
+    if len(gain.ladder) > 1 and gain.judged_rows != "held-out rows":
+        rungs.append(("chosen by each fold", gain.rms_after_m, _AFTER))
     names, values, colors = zip(*rungs, strict=True)
     bars = ax.barh(range(len(names)), 1e3 * np.array(values), color=colors, height=0.6)
     ax.bar_label(bars, fmt="%.2f mm", padding=3)

@@ -10,7 +10,14 @@ from rich.text import Text
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.sentences import shifted_text
-from echocal.diagnose.results.explain import further_notes, lead, parameter_text, proposal_text, rivals_of
+from echocal.diagnose.results.explain import (
+    further_notes,
+    lead,
+    parameter_text,
+    probability_text,
+    proposal_text,
+    rivals_of,
+)
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
 __all__ = ["print_diagnosis"]
@@ -76,7 +83,7 @@ def _cause(cause: Cause) -> RenderableType:
             "" if cause.in_model or cause.kind != "effect" else "possible instead: ",
             (cause.id, "bold"),
             f"  {sizes}  ",
-            (f"probability {cause.probability:.3f}", "green"),
+            (probability_text(cause), "green"),
         ),
         Text(f"  {find_cause(cause.id).sentence}"),
         Text(f"  check: {cause.because}", style="italic"),
@@ -108,7 +115,10 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
         low, high = (1e3 * end for end in gain.interval_95)
         part = gain.fraction_of_reachable
         reached = "" if part is None else f"; {100 * part:.0f} % of the reachable mean square error"
-        lines.append(Text(f"gain {low:.2f} to {high:.2f} mm (95 % interval){reached}"))
+        least, most = (100 * end for end in gain.variance_removed_interval_95)
+        after = f"on rows that neither choice nor fit has seen: {1e3 * gain.rms_after_m:.2f} mm"
+        share = f"{100 * gain.variance_removed:.0f} % of the mean square error ({least:.0f} to {most:.0f} %)"
+        lines.append(Text(f"{after}; gain {low:.2f} to {high:.2f} mm, {share} (95 % intervals){reached}"))
         lines += [Text(shifted_text(one)) for one in gain.shifted]
     return Group(*lines, Text())
 

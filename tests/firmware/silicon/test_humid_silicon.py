@@ -15,6 +15,8 @@ pytestmark = pytest.mark.slow
 COARSE = {"temperature": (4.0, -20.0, 60.0), "humidity": (0.25, 0.0, 1.0), "echo": 24_000}
 FINE = {"temperature": (0.0625, -20.0, 60.0), "humidity": (0.01, 0.0, 1.0)}
 
+MONTH = {end: JULY[end] for end in ("since", "until")}
+
 MODELS = {
     "cramer": Model("cramer"),
     "delay": Model("cramer", {"fixed_delay": {"delay": 31e-6}}),
@@ -75,7 +77,7 @@ def test_a_diagnosed_model_runs_on_silicon(name: str, shared: Path, tmp_path: Pa
     """From a month of a sonic ranger on a roof to the bits that the chip computes, no step by hand."""
     table = shared / "data" / "roof-sr50" / "roof_fixed_target_tidy.csv"
     diagnosis = echocal.diagnose(
-        table, columns=COLUMNS, constant_distance=True, base="linear", reading_speed="331.4", **JULY
+        table, columns=COLUMNS, constant_distance=True, base="linear", reading_speed="331.4", **MONTH
     )
     diagnosis.model.save(tmp_path / "model.json")
     model = Model.load(tmp_path / "model.json")

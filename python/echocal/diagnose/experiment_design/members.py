@@ -13,7 +13,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Sta
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
 from echocal.diagnose.validation.gain import errors
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model
 
 __all__ = ["members"]

@@ -14,7 +14,7 @@ from echocal.diagnose.experiment_design.ranges import Ranges, corners_and_middle
 from echocal.diagnose.findings.parts import NextMeasurement
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.validate import Validation
 from echocal.quantities import QUANTITIES
 
 __all__ = ["propose"]

@@ -67,6 +67,8 @@ class Cause:
         most probable causes, and none of their alternatives.
     doubt : str
         Why the cause is not named although it is probable; else empty.
+    probability_alone : float or None
+        Of this cause without those that the data cannot separate from it. None for noises and faults.
     """
 
     id: str
@@ -77,6 +79,7 @@ class Cause:
     because: str
     in_model: bool = True
     doubt: str = ""
+    probability_alone: float | None = None
 
 
 @dataclass(frozen=True)
@@ -173,9 +176,11 @@ class Gain:
         Error of a device that converts these echoes with one fixed speed [m]. None where the
         diagnosis finds that the readings come from such a device.
     ladder : tuple of (tuple of str, float)
-        Error [m] of the base alone, and as the causes are added one by one.
+        Error [m] of the base alone, and as the causes are added one by one. The causes are those of the
+        model; their sizes are fitted without the rows.
     rms_before_m, rms_after_m : float
-        Error of the base simulation and of the extended model [m].
+        Error of the base simulation and of the extended model [m]. In a cross-validation, each fold
+        chooses the causes without its rows: then it may differ from the end of the ladder.
     rms_floor_m : float
         Error that all columns together could reach on these rows, without what chance removes [m].
     held_out_rows : int
@@ -185,6 +190,10 @@ class Gain:
         base is at the floor.
     interval_95 : tuple of float
         Of ``rms_before_m - rms_after_m`` [m], from resampled blocks of rows.
+    variance_removed : float
+        Part of the mean square error of the base that the model removes; negative where it adds to it.
+    variance_removed_interval_95 : tuple of float
+        From the same resampled blocks.
     scheme : str
         How these rows were chosen.
     shifted : tuple of Shifted
@@ -199,8 +208,15 @@ class Gain:
     held_out_rows: int
     fraction_of_reachable: float | None
     interval_95: tuple[float, float]
+    variance_removed: float
+    variance_removed_interval_95: tuple[float, float]
     scheme: str
     shifted: tuple[Shifted, ...] = ()
+
+    @property
+    def earned(self) -> bool:
+        """Whether the interval of the gain is above zero: only then a cause is named."""
+        return self.interval_95[0] > 0.0
 
     @property
     def judged_rows(self) -> str:

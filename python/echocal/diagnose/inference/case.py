@@ -36,6 +36,8 @@ class Case:
     settings : Settings
     signals : dict
         What was made before, by columns and sizes.
+    probable : tuple of Noise, or None
+        Noises that are considered; None for all that the table allows.
     """
 
     table: Table
@@ -47,6 +49,7 @@ class Case:
     seed: int
     settings: Settings
     signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
+    probable: tuple[Noise, ...] | None = None
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]; not to be written to, for it is made once."""
@@ -60,6 +63,8 @@ class Case:
     @property
     def noises(self) -> tuple[Noise, ...]:
         """Noises that the table allows."""
+        if self.probable is not None:
+            return self.probable
         found = [one for one in self.sums.correlations if isinstance(one, Convection)]
         return tuple(
             noise

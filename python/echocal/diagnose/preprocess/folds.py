@@ -1,17 +1,13 @@
 """Blocks of rows, and the folds that hold them out."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.preprocess.window import instant, times
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.errors import UsageError
-from echocal.observations import Observations
 
 __all__ = ["Folds", "Rows"]
 
@@ -32,7 +28,7 @@ class Folds:
     held : tuple of ndarray of bool, shape (blocks,)
         Blocks held out, fold by fold.
     fit : ndarray of bool, shape (blocks,)
-        Blocks that causes are selected on: all, except those that the user holds out.
+        Blocks that causes are selected on: all, but within a fold.
     scheme : str
         How the blocks are held out, in words.
     known : dict
@@ -46,20 +42,9 @@ class Folds:
     known: dict[bytes, Rows] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(
-        cls, table: Table, observations: Observations, after: str | float | None, settings: RowSettings
-    ) -> "Folds":
-        """Hold out the rows that the user names; else cross-validate by stations or by runs of rows.
-
-        In a cross-validation the causes are selected on all rows, and their sizes are fitted
-        without the block that is held out. Rows that the user holds out take no part in either.
-        """
+    def of(cls, table: Table, settings: RowSettings) -> "Folds":
+        """Cross-validate by stations or by runs of rows."""
         count = settings.folds
-        held_out, held_text = _held_out(observations, table, after, settings.fewest)
-        if held_out is not None:
-            return cls(
-                held_out.astype(np.int64), (np.array([False, True]),), np.array([True, False]), held_text
-            )
         stations = 1 + int(table.groups.max())
         if table.reference is not None and stations >= count:
             blocks, by = table.groups % count, "station"
@@ -67,9 +52,18 @@ class Folds:
             blocks = np.arange(len(table)) * count // len(table)
             by = "time" if "elapsed_time" in table.conditions else "row order"
         held = tuple(np.arange(count) == fold for fold in range(count))
-        return cls(
-            blocks.astype(np.int64), held, np.ones(count, dtype=bool), f"blocked by {by}, {count} folds"
-        )
+        scheme = f"blocked by {by}, {count} folds"
+        return cls(blocks.astype(np.int64), held, np.ones(count, dtype=bool), scheme)
+
+    def within(self, blocks: Mask) -> "Folds":
+        """The same folds where only these blocks may be seen."""
+        held = tuple(fold & blocks for fold in self.held if (fold & blocks).any())
+        return replace(self, held=held, fit=self.fit & blocks)
+
+    @property
+    def fitted(self) -> Mask:
+        """Rows that causes are selected on, shape (n,)."""
+        return np.asarray(self.fit[self.blocks])
 
     @property
     def judged(self) -> Mask:
@@ -99,27 +93,3 @@ class Folds:
         mask = held[self.blocks]
         first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
         return slice(first, last) if last - first == int(mask.sum()) else mask
-
-
-def _held_out(
-    observations: Observations, table: Table, after: str | float | None, fewest: int
-) -> tuple[Mask | None, str]:
-    """Rows that the user holds out, and the scheme in words."""
-    if after is None:
-        return None, ""
-    if isinstance(after, str):
-        held = times(observations, after)[table.row] >= instant(after)
-    else:
-        elapsed = table.conditions.get("elapsed_time")
-        if elapsed is None:
-            message = "rows cannot be held out by time: the table has no column of times (map one to time_s)"
-            raise UsageError(message)
-        held = elapsed >= after
-    judged = int(held.sum())
-    if min(judged, len(held) - judged) < fewest:
-        message = (
-            f"with rows held out from {after} on, {len(held) - judged} rows are left to fit and {judged} to "
-            f"validate; both numbers must be at least {fewest}"
-        )
-        raise UsageError(message)
-    return held, f"{HELD_OUT} {after} on; causes are selected and fitted without them"

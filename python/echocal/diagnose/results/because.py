@@ -7,7 +7,7 @@ import numpy as np
 from echocal.diagnose.findings.sentences import Recorded, first_against_others, tendency
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.selection.claims import Claim
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.validate import Validation
 from echocal.registry import find_effect
 
 __all__ = ["because"]

@@ -7,7 +7,7 @@ from echocal.diagnose.findings.sentences import enumerated, parameter_text, quan
 from echocal.diagnose.noises.registry import listed_only
 from echocal.diagnose.results.outcome import Outcome
 
-__all__ = ["explain", "further_notes", "lead", "parameter_text", "proposal_text"]
+__all__ = ["explain", "further_notes", "lead", "parameter_text", "probability_text", "proposal_text"]
 
 _SHOWN = 6  # causes named in one proposal
 _OUTSIDE = "an effect outside the catalogue"
@@ -63,6 +63,15 @@ def rivals_of(cause: Cause) -> list[str]:
     return [_OUTSIDE if id_ == UNKNOWN else id_ for id_ in cause.indistinguishable_from]
 
 
+def probability_text(cause: Cause) -> str:
+    """Probability of a cause; where the data cannot separate it from others, of its class and of itself."""
+    count = 1 + len(cause.indistinguishable_from)
+    if count == 1:
+        return f"probability {cause.probability:.3f}"
+    itself = "" if cause.probability_alone is None else f"; {cause.id} alone {cause.probability_alone:.3f}"
+    return f"one of {count} causes: probability {cause.probability:.3f} together{itself}"
+
+
 def _class(cause: Cause) -> str:
     rivals = rivals_of(cause)
     if not rivals:
@@ -83,11 +92,8 @@ def _cause(cause: Cause) -> list[str]:
     )
     alone = "" if cause.in_model or cause.kind != "effect" else "Possible instead: "
     rivals = rivals_of(cause)
-    others = rivals[0] if len(rivals) == 1 else f"one of {len(rivals)} similar causes"
-    shared = f" for this cause or {others}" if rivals else ""
     lines = [
-        f"{alone}{cause.id}, {sizes} (probability {cause.probability:.3f}{shared}): "
-        f"{find_cause(cause.id).sentence}",
+        f"{alone}{cause.id}, {sizes} ({probability_text(cause)}): {find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
     ]
     if cause.doubt:
@@ -110,9 +116,12 @@ def _gain(gain: Gain | None) -> list[str]:
     steps = "; ".join(f"{1e3 * rms:.2f} mm with {' + '.join(ids)}" for ids, rms in rungs)
     low, high = (1e3 * end for end in gain.interval_95)
     shown = " The interval contains 0, so these rows show no gain." if low <= 0.0 else ""
+    least, most = (100 * end for end in gain.variance_removed_interval_95)
     lines = [
         f"{rows} {1e3 * before:.2f} mm with the base; {steps}.",
-        f"The extended model gains {low:.2f} to {high:.2f} mm over the base (95 % interval).{shown}",
+        f"{_choice(gain)} {1e3 * gain.rms_after_m:.2f} mm: the extended model removes "
+        f"{100 * gain.variance_removed:.0f} % of the mean square error ({least:.0f} to {most:.0f} %) and "
+        f"gains {low:.2f} to {high:.2f} mm over the base (95 % intervals).{shown}",
     ]
     if gain.fraction_of_reachable is not None:
         lines += [
@@ -120,6 +129,13 @@ def _gain(gain: Gain | None) -> list[str]:
             f"{100 * gain.fraction_of_reachable:.0f} % of the mean square error that they could remove."
         ]
     return lines + [f"Under other conditions: {shifted_text(one)}." for one in gain.shifted]
+
+
+def _choice(gain: Gain) -> str:
+    """What the error of the extended model is of."""
+    if gain.judged_rows == "held-out rows":
+        return "With all of them, it is"
+    return "If each fold also chooses the causes without these rows, it is"
 
 
 def further_notes(diagnosis: Outcome) -> list[str]:

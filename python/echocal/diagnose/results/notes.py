@@ -13,7 +13,7 @@ from echocal.diagnose.inference.visible import INVISIBLE
 from echocal.diagnose.results.level_steps import LevelStep
 from echocal.diagnose.selection.claims import free_size, without
 from echocal.diagnose.selection.tension import reconciled
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.validate import Validation
 from echocal.observations import Observations
 from echocal.registry import find_effect
 

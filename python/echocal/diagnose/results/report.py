@@ -1,6 +1,7 @@
 """From the results of the stages to the diagnosis that a user gets."""
 
 import warnings
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,10 +10,11 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
-from echocal.diagnose.findings.parts import Cause, NextMeasurement, Parameter, Traces, Verdict
+from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement, Parameter, Traces, Verdict
 from echocal.diagnose.findings.sentences import Recorded
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.posterior import Inference
+from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.results.because import because
 from echocal.diagnose.results.diagnosis import Diagnosis
@@ -22,10 +24,12 @@ from echocal.diagnose.selection.claims import Claim, Ranking, alternatives, para
 from echocal.diagnose.selection.joint import Joint
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import errors
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.judges import HeldOutRows, Judge
 from echocal.diagnose.validation.unexplained_term import with_its_function
+from echocal.diagnose.validation.validate import Validation
 from echocal.diagnose.verdict import credible_set, verdict
 from echocal.errors import DomainWarning
+from echocal.model import Model
 from echocal.observations import Observations
 from echocal.registry import find_effect
 
@@ -39,6 +43,7 @@ def report(
     ranking: Ranking,
     selection: Selection,
     validation: Validation,
+    judge: Judge,
     joint: Joint,
     members: tuple[Member, ...],
     proposals: tuple[NextMeasurement, ...],
@@ -52,22 +57,22 @@ def report(
         causes=_causes(case, ranking, selection, validation, joint, word),
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint),
-        unexplained=term and with_its_function(case, term, validation, noise),
+        unexplained=term and with_its_function(case, term, validation, judge, noise),
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
-        rows=_rows(case.table, steps),
+        rows=_rows(case.table, judge.held, steps),
         base=case.base.to_dict(),
         noise=_noise(selection),
         notes=(
-            *selection.varying.values(),
+            *selection.doubts.values(),
             *_not_claimed(ranking, selection, validation),
             *notes(case, observations, validation, inference.stack, steps),
             *_outside(case.table, validation),
         ),
         settings=case.settings,
         model=validation.model,
-        traces=_traces(case, validation),
+        traces=_traces(case, judge, validation.model),
         members=members,
     )
 
@@ -80,19 +85,28 @@ def _causes(
     joint: Joint,
     word: Verdict,
 ) -> tuple[Cause, ...]:
-    recorded, doubts = Recorded(case.table.against()), selection.varying
+    recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
+    if not validation.gain.earned:
+        doubts |= {c.cause: _unearned(validation.gain) for c in validation.kept if c.cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     return (
         *(
-            _cause(case, claim, validation, recorded, doubts.get(claim.cause, ""))
+            _cause(case, ranking, claim, validation, recorded, doubts.get(claim.cause, ""))
             for claim in validation.kept
         ),
-        *(_cause(case, claim, validation, recorded) for claim in others),
+        *(_cause(case, ranking, claim, validation, recorded) for claim in others),
         *joint.causes,
     )
 
 
-def _cause(case: Case, claim: Claim, validation: Validation, recorded: Recorded, doubt: str = "") -> Cause:
+def _cause(
+    case: Case,
+    ranking: Ranking,
+    claim: Claim,
+    validation: Validation,
+    recorded: Recorded,
+    doubt: str = "",
+) -> Cause:
     in_model = claim in validation.kept
     value = validation.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
     named = claim.deviation[: len(claim.variant.scales)]
@@ -103,7 +117,17 @@ def _cause(case: Case, claim: Claim, validation: Validation, recorded: Recorded,
         if p.name in value
     )
     text = because(case, claim, validation, recorded)
-    return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt)
+    alone = min(ranking.of([claim.cause]), claim.probability)
+    return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone)
+
+
+def _unearned(gain: Gain) -> str:
+    """Why no cause is named: the gain may be chance."""
+    low, high = (1e3 * end for end in gain.interval_95)
+    return (
+        f"on {gain.judged_rows}, which its choice has not seen, the model gains {low:.2f} to {high:.2f} mm "
+        "over the base (95 % interval). The interval is not above 0, so no cause is named"
+    )
 
 
 def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:
@@ -111,7 +135,7 @@ def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation)
     if selection.term is None:
         return []
     said = {id_ for claim in selection.claims for id_ in (claim.cause, *claim.rivals)}
-    said |= {*selection.varying, *(refuted.id for refuted in validation.refuted)}
+    said |= {*selection.doubts, *(refuted.id for refuted in validation.refuted)}
     likely = sorted({id_ for ids, _ in ranking.sets for id_ in ids} - {UNKNOWN, *said})
     return [
         f"{id_} has a high posterior probability, but is not claimed: beside the unexplained term, a second "
@@ -121,11 +145,13 @@ def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation)
     ]
 
 
-def _rows(table: Table, steps: Sequence[LevelStep]) -> dict[str, Any]:
+def _rows(table: Table, held: Table | None, steps: Sequence[LevelStep]) -> dict[str, Any]:
+    unusable = Counter(table.unusable) + Counter({} if held is None else held.unusable)
+    del unusable[HELD_OUT_ROW]
     return {
         "total": table.total,
-        "used": len(table),
-        "unusable": dict(table.unusable),
+        "used": len(table) + (0 if held is None else len(held)),
+        "unusable": dict(sorted(unusable.items())),
         "level_steps_at_rows": (table.steps + 1).tolist(),
         "level_steps": tuple(steps),
     }
@@ -158,13 +184,27 @@ def _outside(table: Table, validation: Validation) -> list[str]:
     return list(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning)))
 
 
-def _traces(case: Case, validation: Validation) -> Traces:
-    table = case.table
-    fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
+def _traces(case: Case, judge: Judge, model: Model) -> Traces:
+    rows = np.ones(len(case.table), dtype=bool)
+    before, after = (errors(case.table, one, rows) for one in (case.base.plain, model))
+    traces = Traces(case.table.row, before, after, ~rows, case.table.against())
+    if not isinstance(judge, HeldOutRows):
+        return traces
+    held, (before, after) = judge.held, (judge.errors(one) for one in (case.base.plain, model))
+    return _joined(traces, Traces(held.row, before, after, np.ones(len(held), dtype=bool), held.against()))
+
+
+def _joined(one: Traces, other: Traces) -> Traces:
+    """Both, in the order of the source, with the columns that both have."""
+    order = np.argsort(np.concatenate([one.row, other.row]), kind="stable")
+
+    def join(*parts: NDArray[Any]) -> NDArray[Any]:
+        return np.concatenate(parts)[order]
+
     return Traces(
-        row=table.row,
-        before=errors(table, case.base.plain, fit),
-        after=errors(table, validation.model, fit),
-        held_out=~fit,
-        against=table.against(),
+        row=join(one.row, other.row),
+        before=join(one.before, other.before),
+        after=join(one.after, other.after),
+        held_out=join(one.held_out, other.held_out),
+        against={n: join(one.against[n], other.against[n]) for n in one.against if n in other.against},
     )

@@ -54,12 +54,19 @@ class Ranking:
     sets : list of (tuple of str, float)
         Sets of ids (with ``unknown`` for an unexplained term), most probable first; sums to one.
     settings : Settings
+    passed : frozenset of tuple of str
+        Sets of effects that are not chosen, because rows of the folds refute them.
     """
 
     fits: list[HypothesisFit]
     probability: NDArray[np.float64]
     sets: list[tuple[tuple[str, ...], float]]
     settings: Settings
+    passed: frozenset[Ids] = frozenset()
+
+    def without(self, effects: Ids) -> "Ranking":
+        """The same ranking, in which a set of effects is not chosen; no probability changes."""
+        return replace(self, passed=self.passed | {effects})
 
     def of(self, causes: Sequence[str]) -> float:
         """Probability that at least one of these causes acts: docs/method.md, Eq. 24."""
@@ -69,11 +76,14 @@ class Ranking:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 
         Of sets that are about equally probable, the one that most devices can compensate. With
-        `beyond`, only sets that have one effect more than these count; None if there is none.
+        `beyond`, only sets that have one effect more than these count; None if there is none. Sets
+        that are passed do not count.
         """
         probability: dict[Ids, float] = {}
         for ids, p in ((ids, p) for ids, p in self.sets if p > 0.0):
             effects = tuple(id_ for id_ in ids if id_ != UNKNOWN)
+            if effects in self.passed:
+                continue
             if beyond is None or (len(effects) == len(beyond) + 1 and set(effects) > set(beyond)):
                 probability[effects] = probability.get(effects, 0.0) + p
         if not probability:
@@ -84,6 +94,10 @@ class Ranking:
         same = [w for w in self.fits if w.hypothesis.effects == top]
         alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
         return preferred(alike, self.settings.search.form_preference)
+
+    def of_set(self, effects: Ids) -> float:
+        """Probability of a set of effects, with or without an unexplained term."""
+        return self.more(effects, ())[0]
 
     def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
         """Probability of a set of effects alone, and of it beside at least one of some causes.

@@ -10,6 +10,7 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Claim, Ranking, beside_a_term, resized, without
 from echocal.diagnose.selection.decision import claim_or_not
+from echocal.diagnose.selection.plausibility import implausible
 from echocal.diagnose.selection.steadiness import unsteady
 from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
 
@@ -34,6 +35,8 @@ class Selection:
         The unexplained term.
     varying : mapping of str to str
         Claims whose size is not constant, each with a sentence on its sizes.
+    implausible : mapping of str to str
+        Claims whose size is far beyond the prior, each with a sentence on it.
     """
 
     best: HypothesisFit
@@ -42,6 +45,12 @@ class Selection:
     noise: Noise
     term: Unexplained | None
     varying: Mapping[str, str]
+    implausible: Mapping[str, str]
+
+    @property
+    def doubts(self) -> dict[str, str]:
+        """Why a claim is not named, whatever its probability is."""
+        return {**self.implausible, **self.varying}
 
 
 def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack) -> Selection:
@@ -59,7 +68,9 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack)
     varying = unsteady(case, likely, noise, whole)
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying, reduced)
-    return Selection(best, every_claim, likely, noise, term, varying)
+    return Selection(
+        best, every_claim, likely, noise, term, varying, implausible(likely, ranking, settings.implausible)
+    )
 
 
 def _left_out(

@@ -94,6 +94,12 @@ class ClaimSettings:
     steadiness_rows: int = number(
         2, "rows", "fewest rows of a part, after subtracting its levels", "for a size and a variance"
     )
+    implausible: float = number(
+        5.0,
+        "prior standard deviations",
+        "a cause with a larger size is not named",
+        "argument: of normal sizes, fewer than one in a million",
+    )
     tension: float = number(
         3.0,
         "standard uncertainties",

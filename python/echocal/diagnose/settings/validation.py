@@ -17,6 +17,9 @@ class ValidationSettings:
         "if a cause changes the errors of the folds by less, they cannot validate it",
         "chosen by hand",
     )
+    sets_tried: int = number(
+        4, "sets", "most sets of causes that are tried where the folds refute the best ones", "chosen by hand"
+    )
     pieces: int = number(
         40, "pieces", "contiguous pieces of rows that are resampled for the interval", "chosen by hand"
     )

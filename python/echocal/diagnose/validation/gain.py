@@ -81,13 +81,13 @@ def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> Held
             held_out -= table.reference[test]
             error[test] = held_out
         else:
-            error[test] = errors(table, model, _others(test, len(table)))[test]
+            error[test] = errors(table, model, _others(test, folds.fitted))[test]
     return HeldOut(error)
 
 
-def _others(rows: Rows, count: int) -> Mask:
-    """All other rows."""
-    others = np.ones(count, dtype=bool)
+def _others(rows: Rows, among: Mask) -> Mask:
+    """All of some rows except these."""
+    others = among.copy()
     others[rows] = False
     return others
 
@@ -112,14 +112,22 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
             reading -= table.reference[test]
             error[test] = reading
             continue
-        others = _others(test, len(table))
+        others = _others(test, folds.fitted)
         reading = table.indication / speed * speed[others].mean()
         error[test] = (reading - levels(reading, table.groups, others, np.mean))[test]
     return HeldOut(error).rms
 
 
-def interval(before: HeldOut, after: HeldOut, seed: int, settings: ValidationSettings) -> tuple[float, float]:
-    """Interval of the decrease of the RMS error [m], from resampled contiguous pieces of rows."""
+Interval = tuple[float, float]
+
+
+def intervals(
+    before: HeldOut, after: HeldOut, seed: int, settings: ValidationSettings
+) -> tuple[Interval, Interval]:
+    """Intervals of the decrease of the RMS error [m] and of the part of the mean square that is removed.
+
+    From resampled contiguous pieces of rows.
+    """
     judged = before.known & after.known
     count = int(judged.sum())
     pieces = min(settings.pieces, count)
@@ -131,10 +139,13 @@ def interval(before: HeldOut, after: HeldOut, seed: int, settings: ValidationSet
     places = drawn + len(rows) * np.arange(settings.resamples)[:, None]
     counts = np.bincount(places.ravel(), minlength=places.size).reshape(settings.resamples, -1)
     total = counts @ rows
-    rms = [np.sqrt(counts @ square / total) for square in squares]
+    first, second = (counts @ square / total for square in squares)
+    removed = 1.0 - np.divide(second, first, out=np.ones_like(first), where=first > 0.0)
     tail = 50 * (1 - settings.interval)
-    low, high = np.percentile(rms[0] - rms[1], [tail, 100 - tail])
-    return float(low), float(high)
+    low, high = np.percentile(
+        [np.sqrt(first) - np.sqrt(second), removed], [tail, 100 - tail], axis=1
+    ).tolist()
+    return (low[0], high[0]), (low[1], high[1])
 
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
@@ -189,7 +200,7 @@ def summarize(
     before: HeldOut,
     after: HeldOut,
     rms_floor: float,
-    folds: Folds,
+    scheme: str,
     seed: int,
     settings: ValidationSettings,
 ) -> Gain:
@@ -197,6 +208,7 @@ def summarize(
     judged = int((before.known & after.known).sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
+    gained, removed = intervals(before, after, seed, settings)
     worth = reachable > settings.reachable * before.rms**2  # else there is no gain to reach
     return Gain(
         rms_fixed_speed_m=rms_fixed,
@@ -206,6 +218,8 @@ def summarize(
         rms_floor_m=rms_floor,
         held_out_rows=judged,
         fraction_of_reachable=(before.rms**2 - after.rms**2) / reachable if worth else None,
-        interval_95=interval(before, after, seed, settings),
-        scheme=folds.scheme,
+        interval_95=gained,
+        variance_removed=1.0 - (after.rms / before.rms) ** 2 if before.rms > 0.0 else 0.0,
+        variance_removed_interval_95=removed,
+        scheme=scheme,
     )

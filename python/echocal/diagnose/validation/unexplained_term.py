@@ -14,8 +14,9 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
-from echocal.diagnose.validation.gain import errors, measure
-from echocal.diagnose.validation.refute import Validation
+from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.validation.judges import Judge
+from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model, Shape
 from echocal.quantities import BY_COLUMN
 
@@ -24,7 +25,9 @@ __all__ = ["with_its_function"]
 _KNOTS = 65
 
 
-def with_its_function(case: Case, found: Unexplained, judgment: Validation, noise: Noise) -> Unexplained:
+def with_its_function(
+    case: Case, found: Unexplained, judgment: Validation, judge: Judge, noise: Noise
+) -> Unexplained:
     """Fit the unexplained term to the residuals of the model.
 
     The term gets only what no cause of the model explains: where a cause and the term could both
@@ -40,8 +43,8 @@ def with_its_function(case: Case, found: Unexplained, judgment: Validation, nois
             model = judgment.fitted(blocks)
             return model.with_shape(_shape(case, found.against, model, blocks, noise))
 
-        after = measure(case.table, case.folds, extended).rms
-        found = replace(found, rms_without_m=judgment.gain.rms_after_m, rms_with_m=after)
+        without, with_it = (judge.extended(model).rms for model in (judgment.fitted, extended))
+        found = replace(found, rms_without_m=without, rms_with_m=with_it)
     return replace(found, description=described(found, judgment.gain.judged_rows))
 
 

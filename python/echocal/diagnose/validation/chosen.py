@@ -1,0 +1,31 @@
+"""The choice of causes on some blocks of a table, from the inference to the claims."""
+
+from collections.abc import Collection
+
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.posterior import infer
+from echocal.diagnose.noises.common.posterior import infer_noises
+from echocal.diagnose.selection.claims import rank
+from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.validation.hand_over import select_and_refute
+from echocal.diagnose.validation.refute import Rest
+
+__all__ = ["chosen"]
+
+
+def chosen(case: Case, quantizations: Collection[str]) -> tuple[Selection, Rest]:
+    """Choose causes as `echocal.diagnose.pipeline.run` does, on the blocks that the case may see.
+
+    The columns and the sums are those of the whole table: where a step or an edge may lie, and the
+    segments of an unknown level, are not searched again.
+
+    Parameters
+    ----------
+    case : Case
+    quantizations : collection of str
+        Quantizations found before; noises that they imitate are not fitted.
+    """
+    inference = infer(case)
+    shares = infer_noises(case, inference.fits, inference.reduced, quantizations)
+    ranking = rank(shares.fits, case.found.competing, case.settings)
+    return select_and_refute(case, ranking, shares, inference.reduced)

@@ -1,0 +1,186 @@
+"""The rows that judge a model at last: rows that neither its choice nor its fit has seen."""
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.findings.parts import HELD_OUT
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.table import Table, levels
+from echocal.diagnose.validation.chosen import chosen
+from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure
+from echocal.diagnose.validation.refute import Rest
+from echocal.diagnose.validation.trials import Trials
+from echocal.model import Model
+
+__all__ = ["HeldOutRows", "Judge", "Nested", "judge_of"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class Judge(Protocol):
+    """Rows on which a model is compared with the base."""
+
+    @property
+    def scheme(self) -> str:
+        """How these rows were chosen."""
+
+    @property
+    def held(self) -> Table | None:
+        """Rows that no other stage has, if the user holds out some."""
+
+    def base(self) -> HeldOut:
+        """Errors of the base."""
+
+    def judged(self, trials: Trials, rest: Rest) -> Rest:
+        """The same claims, with the errors of their model on these rows."""
+
+    def sized(self, trials: Trials, rest: Rest) -> HeldOut:
+        """Errors of a model with some causes, whose sizes are fitted without these rows."""
+
+    def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
+        """Errors of a model that is a function of the blocks that it is fitted on."""
+
+    def fixed_speed(self) -> float:
+        """Error of a device that converts every echo with one speed [m]."""
+
+
+@dataclass(frozen=True)
+class Nested:
+    """Cross-validation: each fold chooses, refutes and fits without its rows.
+
+    Attributes
+    ----------
+    case : Case
+    noises : tuple of Noise
+        Those that are probable beside some hypothesis on all rows; a fold considers no other.
+    quantizations : collection of str
+        Quantizations found before.
+    """
+
+    case: Case
+    noises: tuple[Noise, ...]
+    quantizations: Collection[str]
+
+    @property
+    def scheme(self) -> str:
+        """How these rows were chosen."""
+        return f"nested, {self.case.folds.scheme}"
+
+    @property
+    def held(self) -> None:
+        """No row is held out from all folds."""
+
+    def base(self) -> HeldOut:
+        """Errors of the base."""
+        return Trials(self.case, self.case.noises[0]).base()
+
+    def judged(self, trials: Trials, rest: Rest) -> Rest:
+        """The same claims, with the errors of the models that the folds choose."""
+        return replace(rest, after=self.extended(self._chosen)) if rest.kept else rest
+
+    def sized(self, trials: Trials, rest: Rest) -> HeldOut:
+        """Errors of a model with some causes, whose sizes are fitted without these rows."""
+        return trials.of(rest.hypothesis, rest.kept)
+
+    def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
+        """Errors of a model that is a function of the blocks that it is fitted on."""
+        return measure(self.case.table, self.case.folds, fitted)
+
+    def fixed_speed(self) -> float:
+        """Error of a device that converts every echo with one speed [m]."""
+        return fixed_speed_rms(self.case.table, self.case.folds, _speed(self.case.base, self.case.table))
+
+    def _chosen(self, blocks: Mask) -> Model:
+        """The model that some blocks choose, refute and fit."""
+        folds = self.case.folds.within(blocks)
+        part = replace(self.case, folds=folds, signals={}, probable=self.noises)
+        selection, rest = chosen(part, self.quantizations)
+        return Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+
+
+@dataclass(frozen=True)
+class HeldOutRows:
+    """Rows that the user holds out, which no other stage has.
+
+    Attributes
+    ----------
+    case : Case
+        Of the other rows.
+    held : Table
+    after : str or float
+        Time from which on rows are held out.
+    """
+
+    case: Case
+    held: Table
+    after: str | float
+
+    @property
+    def scheme(self) -> str:
+        """How these rows were chosen."""
+        return f"{HELD_OUT} {self.after} on; causes are selected and fitted without them"
+
+    def base(self) -> HeldOut:
+        """Errors of the base."""
+        return HeldOut(self.errors(self.case.base.model()))
+
+    def judged(self, trials: Trials, rest: Rest) -> Rest:
+        """The same claims, all of which these rows judge."""
+        return replace(rest, after=self.sized(trials, rest), unjudged=())
+
+    def sized(self, trials: Trials, rest: Rest) -> HeldOut:
+        """Errors of a model with some causes, whose sizes are fitted without these rows."""
+        return self.extended(trials.fitted(rest.hypothesis, rest.kept))
+
+    def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
+        """Errors of a model that is a function of the blocks that it is fitted on."""
+        return HeldOut(self.errors(fitted(self.case.folds.fit)))
+
+    def fixed_speed(self) -> float:
+        """Error of a device that converts every echo with the mean speed of the other rows [m]."""
+        seen, held = (_speed(self.case.base, table) for table in (self.case.table, self.held))
+        usual = float(seen.mean())
+        other, own = self.case.table.indication / seen * usual, self.held.indication / held * usual
+        return HeldOut(self._less_the_distance(own, lambda: other)).rms
+
+    def errors(self, model: Model) -> Column:
+        """Held-out rows corrected by a model, less reference or level [m]."""
+        return self._less_the_distance(self.held.correct(model), lambda: self.case.table.correct(model))
+
+    def _less_the_distance(self, values: Column, seen: Callable[[], Column]) -> Column:
+        """Less the reference; else less the level.
+
+        The first held-out segment continues the last one of the other rows, and has its level. A segment
+        that begins later has a level of its own.
+        """
+        if self.held.reference is not None:
+            return values - self.held.reference
+        groups, others = self.held.groups, self.case.table.groups
+        level = levels(values, groups, np.ones(len(values), dtype=bool), np.mean)
+        level[groups == groups[0]] = seen()[others == others[-1]].mean()
+        return values - level
+
+
+def judge_of(
+    case: Case,
+    noises: tuple[Noise, ...],
+    quantizations: Collection[str],
+    held: Table | None,
+    after: str | float | None,
+) -> Judge:
+    """The rows that the user holds out; else folds, each of which chooses by itself."""
+    if held is not None and after is not None:
+        return HeldOutRows(case, held, after)
+    return Nested(case, noises, quantizations)
+
+
+def _speed(base: Base, table: Table) -> NDArray[np.float64]:
+    """Speed that the base converts each echo with [m/s]."""
+    return 2.0 * base.indication(np.ones(len(table)), table.conditions)

@@ -1,0 +1,68 @@
+"""Models on the folds: each is fitted once for each fold."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
+from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.selection.claims import Claim, effects_of
+from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
+from echocal.model import Model
+
+__all__ = ["Trials", "fit_with"]
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass
+class Trials:
+    """Errors of models on the folds, with the causes chosen before and the sizes fitted for each fold.
+
+    Attributes
+    ----------
+    case : Case
+    noise : Noise
+        Under which sizes are fitted.
+    known : dict
+        Errors that were computed before.
+    """
+
+    case: Case
+    noise: Noise
+    known: dict[tuple[frozenset[str], frozenset[str]], HeldOut] = field(default_factory=dict)
+
+    def base(self) -> HeldOut:
+        """Errors of the base."""
+        return measure(self.case.table, self.case.folds, lambda _: self.case.base.model())
+
+    def of(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> HeldOut:
+        """Errors with the kept causes, fitted beside all of a hypothesis, part of the best one."""
+        key = frozenset(hypothesis.causes), frozenset(claim.cause for claim in kept)
+        if key not in self.known:
+            fitted = self.fitted(hypothesis, kept)
+            self.known[key] = measure(self.case.table, self.case.folds, fitted)
+        return self.known[key]
+
+    def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
+        """Whether the folds cannot validate causes with this signal."""
+        return cannot_judge(one, other, signal, self.case.settings.validation.informative_share)
+
+    def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
+        """The model with the kept causes, as a function of the blocks that it is fitted on."""
+        causes = [claim.cause for claim in kept]
+
+        def fitted(blocks: Mask) -> Model:
+            fit = fit_with(self.case, hypothesis, blocks, self.noise)
+            return self.case.base.model(effects_of(fit, causes))
+
+        return fitted
+
+
+def fit_with(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> HypothesisFit:
+    """Fit with the most likely noise, which is enough for a point estimate."""
+    whitened = case.sums.whiten(noise, blocks, hypothesis.columns)
+    return fit_hypothesis(hypothesis, Stack.of([whitened], case.sums.degrees(blocks)))

@@ -1,0 +1,138 @@
+"""Validation of the claims, and the gain of those that are kept."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import HypothesisFit
+from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
+from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.validation.gain import HeldOut, floor, summarize
+from echocal.diagnose.validation.judges import Judge
+from echocal.diagnose.validation.refute import Rest, against_the_base
+from echocal.diagnose.validation.shifted import shifted
+from echocal.diagnose.validation.trials import Trials, fit_with
+from echocal.model import Model
+
+__all__ = ["Validation", "validate"]
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Validation:
+    """The claims after the validation.
+
+    Attributes
+    ----------
+    kept : tuple of Claim
+    refuted : tuple of Refuted
+    fit : HypothesisFit
+        Hypothesis of the kept causes, fitted to all rows except held-out ones.
+    model : Model
+        Base extended by the kept causes. It assumes the median of the recorded air.
+    gain : Gain
+    fitted : callable
+        ``fitted(blocks)`` is the same model, fitted on these blocks alone.
+    unjudged : tuple of str
+        Kept causes that the folds cannot validate.
+    overruled : bool
+        Whether claims that the folds do not refute were dropped with the model.
+    """
+
+    kept: tuple[Claim, ...]
+    refuted: tuple[Refuted, ...]
+    fit: HypothesisFit
+    model: Model
+    gain: Gain
+    fitted: Callable[[Mask], Model]
+    unjudged: tuple[str, ...] = ()
+    overruled: bool = False
+
+    def further_level_step(self, table: Table) -> int | None:
+        """Source row of a claimed step of an unknown level, if no segment begins there yet.
+
+        A step of an unknown level is not an error of the sensor, so a new segment begins there.
+        """
+        if table.reference is not None or all(claim.cause != "step_change" for claim in self.kept):
+            return None
+        time = self.model.effects["step_change"]["time"]
+        later = np.flatnonzero(table.conditions["elapsed_time"] > time)
+        return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])
+
+
+def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Validation:
+    """Compare the model with the base on rows that its choice has not seen, and measure its gain.
+
+    A model that is no better than the base is dropped with all its causes.
+
+    Parameters
+    ----------
+    case : Case
+    selection : Selection
+    rest : Rest
+        Its claims that the folds do not refute.
+    judge : Judge
+        The rows.
+    """
+    noise = selection.noise
+    trials = Trials(case, noise)
+    before = judge.base()
+    claimed = rest.kept
+    rest = against_the_base(trials, judge.judged(trials, rest), before)
+    fit = fit_with(case, rest.hypothesis, case.folds.fit, noise)
+    fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
+    gain = summarize(
+        None if fixed else judge.fixed_speed(),
+        _ladder(trials, judge, rest, before),
+        before,
+        rest.after if rest.kept else before,
+        floor(case.sums, case.folds.judged, fit.variance, case.settings.noise_models.ridge_width),
+        judge.scheme,
+        case.seed,
+        case.settings.validation,
+    )
+    gain = replace(gain, shifted=shifted(case, rest.hypothesis, [c.cause for c in rest.kept], noise))
+    model = _extended(case, fit, rest.kept, gain)
+    fitted = trials.fitted(rest.hypothesis, rest.kept)
+    overruled = len(rest.kept) < len(claimed)
+    return Validation(rest.kept, rest.refuted, fit, model, gain, fitted, rest.unjudged, overruled)
+
+
+def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain) -> Model:
+    """Base and kept causes; where the air is not measured, the model assumes the recorded medians."""
+    base = replace(case.base, air={**case.base.air, **case.table.air()})
+    effects = effects_of(fit, [c.cause for c in kept])
+    names = base.model(effects).parameter_names
+    return base.model(
+        effects,
+        covariance=covariance_of(fit, names) if names else None,
+        provenance={"made_by": "echocal diagnose", "rows": len(case.table), "gain": asdict(gain)},
+    )
+
+
+def _ladder(trials: Trials, judge: Judge, rest: Rest, before: HeldOut) -> Ladder:
+    """Error as the causes are added, the largest first; their sizes are fitted without the judging rows."""
+
+    def size(claim: Claim) -> float:
+        signal = trials.case.signal(claim.variant, claim.mean)
+        mean = 0.0 if trials.case.table.reference is not None else signal.mean()  # the level includes it
+        return float(np.mean((signal - mean) ** 2))
+
+    joined = sorted(rest.kept, key=size, reverse=True)
+    steps: list[tuple[tuple[str, ...], float]] = [((), before.rms)]
+    for count in range(1, len(joined) + 1):
+        some = tuple(joined[:count])
+        part = rest.hypothesis
+        for claim in joined[count:]:
+            part = without(part, claim.cause)
+        after = (
+            before if rest.after is before else judge.sized(trials, replace(rest, hypothesis=part, kept=some))
+        )
+        steps.append((tuple(c.cause for c in some), after.rms))
+    return tuple(steps)

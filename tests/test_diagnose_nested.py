@@ -1,0 +1,113 @@
+"""The gain is of rows that neither the choice nor the fit of the causes has seen."""
+
+import numpy as np
+import pytest
+
+import echocal
+from echocal import Diagnosis
+
+Table = dict[str, np.ndarray]
+
+
+def logged(random: np.random.Generator, rows: int = 600) -> Table:
+    """A target at 1.5 m whose device ignores the temperature, a row a minute."""
+    seconds = 60.0 * np.arange(rows)
+    celsius = 15.0 + 8.0 * np.sin(seconds / 8e3) + random.normal(0.0, 0.1, rows)
+    reading = 1.5 * 343.0 / (331.4 + 0.6 * celsius) + random.normal(0.0, 5e-4, rows)
+    distance = np.full(rows, 1.5)
+    return {"time_s": seconds, "reading_m": reading, "temperature_C": celsius, "distance_m": distance}
+
+
+def chosen(diagnosis: Diagnosis) -> tuple[object, ...]:
+    """Everything that rows may choose."""
+    kept = [cause.id for cause in diagnosis.causes if cause.in_model]
+    claimed = sorted({*kept, *(refuted.id for refuted in diagnosis.refuted)})
+    noises = [(c.id, c.probability) for c in diagnosis.causes if c.kind == "noise"]
+    return diagnosis.posterior, diagnosis.credible_set, diagnosis.noise, claimed, noises
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_nothing_sees_the_rows_that_a_user_holds_out(known: bool, random: np.random.Generator) -> None:
+    table = logged(random)
+    if not known:
+        del table["distance_m"]
+    later = table["time_s"] >= 24_000.0
+    first = echocal.diagnose(table, constant_distance=not known, hold_out_after=24_000.0)
+    corrupted = {name: column.copy() for name, column in table.items()}
+    corrupted["reading_m"][later] *= random.uniform(0.3, 3.0, later.sum())
+    corrupted["temperature_C"][later] += random.normal(5.0, 10.0, later.sum())
+    if known:
+        corrupted["distance_m"][later] = random.uniform(0.5, 3.0, later.sum())
+    corrupted["temperature_C"][-1] = np.nan
+    with pytest.warns(echocal.DataWarning):
+        second = echocal.diagnose(corrupted, constant_distance=not known, hold_out_after=24_000.0)
+    assert chosen(first) == chosen(second)
+    assert first.verdict == "named"
+    assert first.gain.held_out_rows == 200
+    assert first.gain.rms_after_m < 0.1 * first.gain.rms_before_m
+    assert second.gain.rms_before_m > 0.05  # they do judge
+
+
+def test_counts_of_rows_add_up_where_some_are_held_out(random: np.random.Generator) -> None:
+    table = logged(random)
+    table["reading_m"][[10, 550]] = np.nan
+    with pytest.warns(echocal.DataWarning):
+        diagnosis = echocal.diagnose(table, hold_out_after=24_000.0)
+    rows = diagnosis.rows
+    assert rows["used"] + sum(rows["unusable"].values()) == rows["total"] == 600
+    assert rows["unusable"] == {"reading_m missing": 2}
+    assert diagnosis.traces.held_out.sum() == 199
+    assert (np.diff(diagnosis.traces.row) > 0).all()
+
+
+def test_a_rate_of_change_ends_before_the_held_out_rows(random: np.random.Generator) -> None:
+    from echocal.diagnose.preprocess.hold_out import split
+
+    table = logged(random)
+    observations = echocal.read_observations(table)
+    seen, held = split(observations, 24_000.0, 8)
+    alone = echocal.read_observations({name: column[:400] for name, column in table.items()})
+    assert held is not None
+    for name, column in alone.conditions.items():
+        np.testing.assert_array_equal(seen.conditions[name][:400], column)
+        assert np.isnan(seen.conditions[name][400:]).all()
+        assert np.isnan(held.conditions[name][:400]).all()
+
+
+@pytest.mark.slow
+def test_where_nothing_is_planted_no_gain_is_told(random: np.random.Generator) -> None:
+    """A choice that each fold makes by itself has no gain of chance; each table here is without an effect."""
+    gains = []
+    for _ in range(30):
+        rows = 60
+        celsius = random.uniform(5.0, 30.0, rows)
+        distance = np.repeat([0.5, 1.0, 2.0], 20)
+        reading = distance + random.normal(0.0, 1e-3, rows)
+        table = {"reading_m": reading, "temperature_C": celsius, "distance_m": distance}
+        gain = echocal.diagnose(table, base="linear").gain
+        gains.append(gain.variance_removed)
+        assert gain.rms_after_m <= gain.rms_before_m
+        assert gain.scheme.startswith("nested")
+    assert np.mean(gains) < 0.01
+
+
+def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
+    """A clock that is 9 % off: no clock is, so something else may act."""
+    distance = np.tile([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], 20)
+    reading = 1.0 * distance + random.normal(0.0, 5e-4, len(distance))
+    reading = reading * 1.09
+    table = {"reading_m": reading, "distance_m": distance, "temperature_C": np.full(len(distance), 20.0)}
+    diagnosis = echocal.diagnose(table, base="linear")
+    large = [cause for cause in diagnosis.causes if cause.doubt]
+    assert large, diagnosis.explain()
+    assert "times the usual one" in large[0].doubt
+    assert diagnosis.verdict == "ambiguous"
+
+
+def test_the_terminal_says_what_the_share_is_of(random: np.random.Generator) -> None:
+    diagnosis = echocal.diagnose(logged(random))
+    gain = diagnosis.gain
+    low, high = gain.variance_removed_interval_95
+    assert low <= gain.variance_removed <= high
+    assert "If each fold also chooses the causes without these rows" in diagnosis.explain()
+    assert diagnosis.to_dict()["gain"]["variance_removed"] == pytest.approx(gain.variance_removed)
