@@ -1,6 +1,10 @@
 """The gain is of rows that neither the choice nor the fit of the causes has seen."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 
 import echocal
@@ -104,6 +108,17 @@ def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
     assert diagnosis.verdict == "ambiguous"
 
 
+def test_columns_that_cross_are_not_exchanged(random: np.random.Generator) -> None:
+    """A day on which temperature and humidity have the same number twice, and change their roughness."""
+    table = logged(random)
+    phase = np.linspace(0.0, 2.0 * np.pi, 600)
+    rough = np.where(np.arange(600) < 300, 0.05, 0.6)
+    table["temperature_C"] = 30.0 + 6.0 * np.sin(phase) + random.normal(0.0, 1.0, 600) * rough
+    table["humidity_percent"] = 30.0 - 6.0 * np.sin(phase) + random.normal(0.0, 1.0, 600) * rough[::-1]
+    diagnosis = echocal.diagnose(table)
+    assert "swapped_columns" not in {cause.id for cause in diagnosis.causes}
+
+
 def test_the_terminal_says_what_the_share_is_of(random: np.random.Generator) -> None:
     diagnosis = echocal.diagnose(logged(random))
     gain = diagnosis.gain
@@ -111,3 +126,56 @@ def test_the_terminal_says_what_the_share_is_of(random: np.random.Generator) -> 
     assert low <= gain.variance_removed <= high
     assert "If each fold also chooses the causes without these rows" in diagnosis.explain()
     assert diagnosis.to_dict()["gain"]["variance_removed"] == pytest.approx(gain.variance_removed)
+
+
+def test_every_row_has_a_fate(
+    random: np.random.Generator, tmp_path: Path, run: Callable[..., tuple[int, str]]
+) -> None:
+    table = logged(random)
+    table["reading_m"][10] = np.nan
+    table["reading_m"][20] = 4.0
+    table["temperature_C"][30] = 85.0
+    data, out = tmp_path / "data.csv", tmp_path / "rows.csv"
+    pd.DataFrame(table).to_csv(data, index=False)
+    with pytest.warns(echocal.DataWarning):
+        diagnosis = echocal.diagnose(data, hold_out_after=24_000.0)
+    rows = diagnosis.row_table()
+    assert rows["row"].tolist() == list(range(1, 601))
+    assert rows["fate"].iloc[[10, 30]].tolist() == ["reading_m missing", "reset_temperature"]
+    assert rows["fate"].iloc[20] not in ("used", "held out")
+    assert (rows["fate"] == "used").sum() == 397
+    assert (rows["fate"].iloc[400:] == "held out").all()
+    assert rows["error_before_mm"].notna().sum() == diagnosis.rows["used"] == 597
+    assert run("diagnose", str(data), "--rows", str(out), "-q") == (0, "")
+    written = pd.read_csv(out)
+    assert written.columns.tolist() == ["row", "fate", "error_before_mm", "error_after_mm"]
+    assert (written["fate"].iloc[400:] == "used").all()
+
+
+def test_a_fault_that_begins_before_the_held_out_rows_is_repaired_there(random: np.random.Generator) -> None:
+    table = logged(random)
+    table["humidity_percent"] = 60.0 + 5.0 * np.cos(table["time_s"] / 5e3) + random.normal(0.0, 1.0, 600)
+    warm, humid = table["temperature_C"].copy(), table["humidity_percent"].copy()
+    table["temperature_C"][200:], table["humidity_percent"][200:] = humid[200:], warm[200:]
+    diagnosis = echocal.diagnose(table, hold_out_after=24_000.0)
+    assert "swapped_columns" in {cause.id for cause in diagnosis.causes}
+    assert diagnosis.gain.rms_after_m < 0.1 * diagnosis.gain.rms_before_m
+
+
+def test_a_unit_that_a_fault_explains_is_no_reason_to_refuse(random: np.random.Generator) -> None:
+    table = logged(random)
+    table["reading_m"] *= 1e3
+    diagnosis = echocal.diagnose(table, hold_out_after=24_000.0)
+    assert {"unit_mixup", "fixed_speed"} <= {cause.id for cause in diagnosis.causes}
+
+
+def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
+    table = logged(random)
+    del table["distance_m"]
+    table["reading_m"][200:] += 0.3
+    gains = [
+        echocal.diagnose(one, constant_distance=True, hold_out_after=24_000.0).gain
+        for one in (table, {name: column[::-1].copy() for name, column in table.items()})
+    ]
+    assert gains[1].rms_before_m == pytest.approx(gains[0].rms_before_m)
+    assert gains[1].rms_after_m == pytest.approx(gains[0].rms_after_m)

@@ -18,7 +18,8 @@ Recognize = Callable[[Path], bool]
 
 _CORRECTED = {"corrected_distance_m", "unusable"}
 _SWEPT = {"speed_of_sound_m_s", "echo_s", "reading_m", "error_m"}
-_COLUMNS = {"correct": _CORRECTED, "sweep": _SWEPT}
+_FATES = {"row", "fate", "error_before_mm", "error_after_mm"}
+_COLUMNS = {"correct": _CORRECTED, "sweep": _SWEPT, "diagnose": _FATES}
 """Columns by which the tables of a command are known."""
 
 _SEAL = "data_sha256"

@@ -29,6 +29,7 @@ from echocal.diagnose import Diagnosis, diagnose
 from echocal.diagnose.experiment_design.ranges import parsed_ranges
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
+from echocal.outputs import replace_text
 from echocal.report import print_diagnosis
 
 
@@ -67,6 +68,10 @@ def command(
         ),
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
+    rows: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.csv", help="Write of each row whether it is used, why not, and its error."),
+    ] = None,
     can_vary: Annotated[
         list[str] | None,
         typer.Option(
@@ -85,6 +90,7 @@ def command(
     check_outputs(
         Output("--model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
+        Output("--rows", rows, _made_by.table("diagnose")),
         *_pictures(plots),
         inputs=[data, base if base.endswith(".json") else None, *toml_files(column)],
         folder=plots,
@@ -112,6 +118,8 @@ def command(
         _made_by.sign(diagnosis.model, "diagnose", data, model)
     _write(diagnosis, model, plots, with_shape=with_shape)
     write_json(diagnosis.to_dict(), json)
+    if rows is not None:
+        replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
 

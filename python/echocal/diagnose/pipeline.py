@@ -59,12 +59,13 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     base, distance, constant = request.base, request.reference_distance, request.constant_distance
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final one is a note
         work.begin("searching for faults")
-        observations = between(reading.observations, request.since, request.until)
-        observations, later = split(observations, request.hold_out_after, settings.rows.fewest)
+        whole = between(reading.observations, request.since, request.until)
+        after = request.hold_out_after
+        observations, _ = split(whole, after, settings.rows.fewest)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
-        held = None if later is None else held_rows(later, base, distance, constant, settings)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
+        held = None if after is None else held_rows(whole, after, base, distance, constant, settings)
         observations = faults.observations
         ranges = request.ranges(list(observations.conditions))
         level_steps: list[int] = []
@@ -88,7 +89,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("validating claims")
             selection, rest = select_and_refute(case, ranking, shares, reduced)
-            judge = judge_of(case, reduced.noises, faults.quantizations, held, request.hold_out_after)
+            judge = judge_of(case, reduced.noises, faults.quantizations, held, after)
             validation = validate(case, selection, rest, judge)
             step = validation.further_level_step(table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:

@@ -86,6 +86,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
             return None
         rows, why = known, "the whole column"
         evidence = _whole(recorded[known], own)
+        if abs(np.median(celsius(recorded[known]))) > own.hottest:
+            return None  # no air either way: kelvin, for example
         if evidence < 0.0 or _contradicted(view):
             return None
     low, high = (float(np.quantile(recorded[rows], q)) for q in (0.0, 1.0))

@@ -29,6 +29,7 @@ FAULTS: tuple[Fault, ...] = tuple(
         "unit_mixup",
         "shifted_rows",
         "censored_range",
+        "reset_temperature",
         "stuck_reading",
         "mistyped_rows",
         "timeout",

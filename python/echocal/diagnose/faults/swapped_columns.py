@@ -149,8 +149,8 @@ def _evidence(
         return -np.inf
     usual = np.array([median(own[: row - 1]) for own in steps])
     straight, crossed = straight / _wide(usual), crossed / _wide(usual)
-    if crossed.max() > settings.fits:
-        return -np.inf
+    if crossed.max() > settings.fits or straight.max() <= settings.fits:
+        return -np.inf  # where the columns cross, their levels go on either way
     scale = _scale(usual)
     after = steps[:, row:]
     stays, changes = (

@@ -139,7 +139,7 @@ class Unexplained:
         """Whether the function may extend the model: it does not make the error larger."""
         if self.rms_without_m is None or self.rms_with_m is None:
             return self.against not in OF_THIS_TABLE
-        return not self.rms_with_m >= self.rms_without_m
+        return self.rms_with_m < self.rms_without_m  # not, where no row can judge it
 
 
 @dataclass(frozen=True)

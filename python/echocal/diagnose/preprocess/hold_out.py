@@ -11,7 +11,7 @@ from echocal.observations import Observations
 from echocal.observations.derived import derived
 from echocal.quantities import QUANTITIES
 
-__all__ = ["HELD_OUT_ROW", "split"]
+__all__ = ["HELD_OUT_ROW", "NOT_HELD_OUT", "blanked", "split"]
 
 Mask = NDArray[np.bool_]
 Column = NDArray[np.float64]
@@ -19,14 +19,17 @@ Column = NDArray[np.float64]
 HELD_OUT_ROW = "held out"
 """Reason for which such a row takes no part."""
 
+NOT_HELD_OUT = "not held out"
+"""Reason for which any other row takes no part among the held-out rows."""
+
 
 def split(
     observations: Observations, after: str | float | None, fewest: int
 ) -> tuple[Observations, Observations | None]:
     """Separate the rows from a time on.
 
-    Each part keeps the length of the table. It has no value of a row of the other part, and what is derived
-    from several rows, such as a rate of change, is derived from its own rows.
+    Each part keeps the length of the table. It has no measured value of a row of the other part, and what is
+    derived from several rows, such as a rate of change, is derived from its own rows.
 
     Parameters
     ----------
@@ -34,7 +37,7 @@ def split(
     after : str, float or None
         ISO 8601, or seconds since the first row. With None, all rows are in the first part.
     fewest : int
-        Usable rows that each part needs.
+        Rows that each part needs.
 
     Returns
     -------
@@ -51,14 +54,14 @@ def split(
     if after is None:
         return observations, None
     held = _from(observations, after)
-    judged, seen = (int((observations.usable & part).sum()) for part in (held, ~held))
+    judged, seen = int(held.sum()), int((~held).sum())  # usable or not: a fault may still be repaired
     if min(judged, seen) < fewest:
         message = (
             f"with rows held out from {after} on, {seen} rows are left to fit and {judged} to "
             f"validate; both numbers must be at least {fewest}"
         )
         raise UsageError(message)
-    return _without(observations, held), _without(observations, ~held)
+    return blanked(observations, held, HELD_OUT_ROW), blanked(observations, ~held, NOT_HELD_OUT)
 
 
 def _from(observations: Observations, after: str | float) -> Mask:
@@ -71,8 +74,8 @@ def _from(observations: Observations, after: str | float) -> Mask:
     return np.asarray(elapsed >= after)
 
 
-def _without(observations: Observations, rows: Mask) -> Observations:
-    """The table without the values of some rows."""
+def blanked(observations: Observations, rows: Mask, reason: str) -> Observations:
+    """The table without the values of some rows, also not in what is derived from several rows."""
 
     def blank(column: Column) -> Column:
         return np.where(rows, np.nan, column)
@@ -87,7 +90,7 @@ def _without(observations: Observations, rows: Mask) -> Observations:
     for name, values in own.items():
         conditions[name][kept] = values
     reasons = observations.unusable.astype(object)
-    reasons[rows & (observations.unusable == "")] = HELD_OUT_ROW
+    reasons[rows & (observations.unusable == "")] = reason
     reading, reference = observations.reading, observations.reference_distance
     return replace(
         observations,

@@ -76,5 +76,4 @@ def without_other_echoes(
     far = far_from_station(usable.indication, labels, temperature, settings)
     if not far.any():
         return usable
-    left_out = {**usable.left_out, OFF_STATION: int(far.sum())}
-    return Usable(usable.rows[~far], usable.indication[~far], left_out)
+    return usable.without(far, OFF_STATION)

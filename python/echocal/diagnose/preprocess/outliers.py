@@ -117,4 +117,4 @@ def without_far_rows(
         far &= ~far_as_a_whole(far, stations(observations, reference, rows, settings), settings)
     if not far.any():
         return usable
-    return Usable(rows[~far], usable.indication[~far], {**usable.left_out, FAR: int(far.sum())})
+    return usable.without(far, FAR)

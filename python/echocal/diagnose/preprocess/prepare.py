@@ -60,9 +60,9 @@ def prepare(
         if len(usable.rows) < count:
             labels = stations(observations, reference, usable.rows, settings)
     rows, indication = usable.rows, usable.indication
-    unusable = dict(sorted(usable.left_out.items()))
+    left_out = dict(sorted(usable.left_out.items()))
     if len(rows) < settings.fewest:
-        why = "".join(f", {count} {reason}" for reason, count in unusable.items())
+        why = "".join(f", {len(where)} {reason}" for reason, where in left_out.items())
         message = (
             f"a diagnosis needs at least {settings.fewest} usable rows; of {len(observations)}, "
             f"{len(rows)} are{why}"
@@ -87,7 +87,7 @@ def prepare(
         groups=groups.astype(np.int64),
         starts=series_starts(elapsed, breaks, settings.gap),
         steps=rows[steps],
-        unusable=unusable,
+        left_out=left_out,
         total=len(observations),
         echoes=observations.reading is None or "echo_time" in observations.source_names,
     )

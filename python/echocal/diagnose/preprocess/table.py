@@ -38,8 +38,8 @@ class Table:
         First rows of series.
     steps : ndarray of int
         Source rows at which the level jumps.
-    unusable : mapping of str to int
-        Rows left out, by reason.
+    left_out : mapping of str to ndarray of int
+        Positions in the source of the rows that are left out, by reason.
     total : int
         Rows of the source.
     echoes : bool
@@ -55,7 +55,7 @@ class Table:
     groups: Labels
     starts: NDArray[np.bool_]
     steps: Labels
-    unusable: Mapping[str, int]
+    left_out: Mapping[str, Labels]
     total: int
     echoes: bool = False
 

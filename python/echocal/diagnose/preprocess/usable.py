@@ -1,6 +1,5 @@
 """Rows that a diagnosis can use, and the reasons why the others are left out."""
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,6 +13,7 @@ __all__ = ["Usable", "some", "usable_rows"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +26,18 @@ class Usable:
         Position in the source.
     indication : ndarray, shape (n,)
         Reading [m] with the base's speed of sound.
-    left_out : mapping of str to int
-        Rows that are not used, by reason.
+    left_out : mapping of str to ndarray of int
+        Positions in the source of the rows that are not used, by reason.
     """
 
     rows: Labels
     indication: Column
-    left_out: Mapping[str, int]
+    left_out: Mapping[str, Labels]
+
+    def without(self, far: Mask, reason: str) -> "Usable":
+        """The same rows without some of them."""
+        left_out = {**self.left_out, reason: self.rows[far]}
+        return Usable(self.rows[~far], self.indication[~far], left_out)
 
 
 def usable_rows(observations: Observations, base: Base, reference: Column | None) -> Usable:
@@ -52,12 +57,13 @@ def usable_rows(observations: Observations, base: Base, reference: Column | None
         some(observations.echo_time, rows), {k: some(v, rows) for k, v in observations.conditions.items()}
     )
     known = np.isfinite(indication)
-    left_out = Counter(observations.unusable[~usable].tolist())
-    left_out["no reference distance"] += int(usable.sum()) - len(rows)
-    left_out["no reading can be computed"] += len(rows) - int(known.sum())
-    if not known.all():
-        rows, indication = rows[known], indication[known]
-    return Usable(rows, indication, +left_out)
+    bad = np.flatnonzero(~usable)
+    reasons = observations.unusable[bad]
+    left_out = {str(reason): bad[reasons == reason] for reason in np.unique(reasons)}
+    if len(unknown := np.flatnonzero(usable & ~good)):
+        left_out["no reference distance"] = unknown
+    found = Usable(rows, indication, left_out)
+    return found if known.all() else found.without(~known, "no reading can be computed")
 
 
 def some(column: Column, rows: Labels) -> Column:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,9 @@ from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 __all__ = ["Diagnosis"]
 
 SCHEMA = "echocal.diagnosis/1"
@@ -33,7 +36,7 @@ class Diagnosis(Outcome):
     Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
     ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
     ``next_measurements``, ``rows``, ``base``, ``noise``, ``notes``, ``settings``, ``model``, ``traces``,
-    ``members`` and ``seconds``.
+    ``fates``, ``members`` and ``seconds``.
 
     Examples
     --------
@@ -67,6 +70,33 @@ class Diagnosis(Outcome):
             "settings": self.settings.to_dict(),
             "seconds": self.seconds,
         }
+
+    def row_table(self) -> "DataFrame":
+        """What became of each row of the source.
+
+        Returns
+        -------
+        DataFrame
+            ``row`` counts from 1, as messages do. ``fate`` is ``used``, ``held out``, or the reason why the
+            row is left out. ``error_before_mm`` and ``error_after_mm`` are reading less reference (or
+            level) with the base and with the extended model [mm]; empty for a row that is left out.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import echocal
+        >>> reading = 1.008 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+        >>> reading[3] = 1.9
+        >>> table = {"reading_m": reading, "temperature_C": np.full(40, 20.0)}
+        >>> found = echocal.diagnose(table, reference_distance=1.0).row_table()
+        >>> found["fate"].iloc[2:4].tolist()
+        ['used', 'multipath']
+        """
+        import pandas as pd  # takes long to import
+
+        before, after = 1e3 * self.traces.before, 1e3 * self.traces.after
+        columns = self.fates.columns(self.traces.row, error_before_mm=before, error_after_mm=after)
+        return pd.DataFrame(columns)
 
     def to_json(self, path: str | Path) -> None:
         """Write `to_dict` to a file."""

@@ -14,6 +14,7 @@ from echocal.diagnose.findings.parts import (
     Unexplained,
     Verdict,
 )
+from echocal.diagnose.results.fates import Fates
 from echocal.diagnose.settings import Settings
 from echocal.model import Model
 
@@ -52,6 +53,8 @@ class Outcome:
         humidity, pressure and CO2, which the model assumes where they are not given.
     traces : Traces
         Columns for plots.
+    fates : Fates
+        What became of each row.
     members : tuple of Member
         The possible sets of causes, each with its model. `predict` and `correct` average over them.
     seconds : float
@@ -73,5 +76,6 @@ class Outcome:
     settings: Settings = field(repr=False)
     model: Model = field(repr=False)
     traces: Traces = field(repr=False)
+    fates: Fates = field(repr=False)
     members: tuple[Member, ...] = field(repr=False, default=())
     seconds: float = 0.0

@@ -1,7 +1,6 @@
 """From the results of the stages to the diagnosis that a user gets."""
 
 import warnings
-from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,10 +13,10 @@ from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement, Parame
 from echocal.diagnose.findings.sentences import Recorded
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.posterior import Inference
-from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.results.because import because
 from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.fates import Fates
 from echocal.diagnose.results.level_steps import LevelStep, steps_of
 from echocal.diagnose.results.notes import notes
 from echocal.diagnose.selection.claims import Claim, Ranking, alternatives, parameters
@@ -52,6 +51,7 @@ def report(
     word = verdict(ranking, selection, validation, joint)
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
+    fates = Fates.of(case.table, judge.held)
     return Diagnosis(
         verdict=word,
         causes=_causes(case, ranking, selection, validation, joint, word),
@@ -61,7 +61,7 @@ def report(
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
-        rows=_rows(case.table, judge.held, steps),
+        rows=_rows(case.table, judge.held, fates, steps),
         base=case.base.to_dict(),
         noise=_noise(selection),
         notes=(
@@ -73,6 +73,7 @@ def report(
         settings=case.settings,
         model=validation.model,
         traces=_traces(case, judge, validation.model),
+        fates=fates,
         members=members,
     )
 
@@ -89,6 +90,8 @@ def _causes(
     if not validation.gain.earned:
         doubts |= {c.cause: _unearned(validation.gain) for c in validation.kept if c.cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
+    refuted = {one.id for one in validation.refuted}
+    others = [claim for claim in others if claim.cause not in refuted]
     return (
         *(
             _cause(case, ranking, claim, validation, recorded, doubts.get(claim.cause, ""))
@@ -145,13 +148,11 @@ def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation)
     ]
 
 
-def _rows(table: Table, held: Table | None, steps: Sequence[LevelStep]) -> dict[str, Any]:
-    unusable = Counter(table.unusable) + Counter({} if held is None else held.unusable)
-    del unusable[HELD_OUT_ROW]
+def _rows(table: Table, held: Table | None, fates: Fates, steps: Sequence[LevelStep]) -> dict[str, Any]:
     return {
         "total": table.total,
         "used": len(table) + (0 if held is None else len(held)),
-        "unusable": dict(sorted(unusable.items())),
+        "unusable": dict(fates.counts),
         "level_steps_at_rows": (table.steps + 1).tolist(),
         "level_steps": tuple(steps),
     }

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.findings.sentences import parameter_text
-from echocal.diagnose.selection.claims import Claim, Ranking, parameters, sizes
+from echocal.diagnose.selection.claims import Claim, Ranking, parameters
 from echocal.registry import find_effect
 
 __all__ = ["implausible"]
@@ -35,7 +36,7 @@ def implausible(claims: Sequence[Claim], ranking: Ranking, most: float) -> dict[
     everything = {claim.cause for claim in claims}
     for claim in claims:
         others = everything - {claim.cause}
-        if _largest(claim.mean) <= most or any(
+        if _largest(claim.variant, claim.mean) <= most or any(
             _size_beside(rival, others, ranking) <= most for rival in claim.rivals
         ):
             continue
@@ -43,16 +44,18 @@ def implausible(claims: Sequence[Claim], ranking: Ranking, most: float) -> dict[
     return said
 
 
-def _largest(mean: NDArray[np.floating[Any]]) -> float:
-    """Largest of the sizes of a cause, in prior standard deviations."""
-    return float(np.abs(mean).max(initial=0.0))
+def _largest(variant: Variant, mean: NDArray[np.floating[Any]]) -> float:
+    """Largest of the named sizes of a cause, in prior standard deviations."""
+    return float(np.abs(mean[: len(variant.names)]).max(initial=0.0))
 
 
 def _size_beside(cause: str, others: set[str], ranking: Ranking) -> float:
     """The same of another cause in place of a claim; infinite where no such hypothesis is listed."""
     wanted = tuple(sorted({cause, *others}))
     fit = next((fit for fit in ranking.fits if fit.hypothesis.effects == wanted), None)
-    return float("inf") if fit is None else _largest(sizes(fit)[cause][0])
+    if fit is None:
+        return float("inf")
+    return next(_largest(v, fit.mean[place]) for v, place in fit.hypothesis.placed if v.cause == cause)
 
 
 def _sentence(claim: Claim) -> str:
@@ -65,6 +68,6 @@ def _sentence(claim: Claim) -> str:
     )
     times = abs(float(claim.mean[place]))
     return (
-        f"the size of {claim.cause} is {times:.0f} times the usual one, so {claim.cause} is not named: "
+        f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not named: "
         f"{value}, where {usual} is usual"
     )

@@ -1,7 +1,7 @@
 """The claims before the validation: the decision, then its checks."""
 
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
@@ -10,6 +10,7 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Claim, Ranking, beside_a_term, resized, without
 from echocal.diagnose.selection.decision import claim_or_not
+from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.plausibility import implausible
 from echocal.diagnose.selection.steadiness import unsteady
 from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
@@ -37,6 +38,10 @@ class Selection:
         Claims whose size is not constant, each with a sentence on its sizes.
     implausible : mapping of str to str
         Claims whose size is far beyond the prior, each with a sentence on it.
+    effects : tuple of str
+        The set that was chosen, before any of its claims was left out.
+    later : mapping of str to str
+        Claims of a set that is not the most probable one, each with a sentence on that.
     """
 
     best: HypothesisFit
@@ -46,11 +51,13 @@ class Selection:
     term: Unexplained | None
     varying: Mapping[str, str]
     implausible: Mapping[str, str]
+    effects: Ids
+    later: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def doubts(self) -> dict[str, str]:
         """Why a claim is not named, whatever its probability is."""
-        return {**self.implausible, **self.varying}
+        return {**self.later, **self.implausible, **self.varying}
 
 
 def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack) -> Selection:
@@ -68,9 +75,8 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack)
     varying = unsteady(case, likely, noise, whole)
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying, reduced)
-    return Selection(
-        best, every_claim, likely, noise, term, varying, implausible(likely, ranking, settings.implausible)
-    )
+    large = implausible(likely, ranking, settings.implausible)
+    return Selection(best, every_claim, likely, noise, term, varying, large, whole.hypothesis.effects)
 
 
 def _left_out(

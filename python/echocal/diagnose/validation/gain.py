@@ -130,6 +130,8 @@ def intervals(
     """
     judged = before.known & after.known
     count = int(judged.sum())
+    if count == 0:  # no row that judges has a level
+        return (0.0, 0.0), (0.0, 0.0)
     pieces = min(settings.pieces, count)
     firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
     rows = np.diff(firsts)

@@ -1,5 +1,6 @@
 """From a refuted set of causes to the next one of the posterior."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from echocal.diagnose.findings.parts import Refuted
@@ -19,26 +20,38 @@ def select_and_refute(
 ) -> tuple[Selection, Rest]:
     """Claim the causes of the best set, and drop those that the folds refute.
 
-    If they refute all claims of a set, the next best set is tried. A set that is too improbable to be
-    mentioned ends the search. If no set is left, the answer is that for the first one.
+    If they refute all claims of a set, the next best set is tried, unless it has only causes that the data
+    cannot separate from refuted ones. A set that is too improbable to be mentioned ends the search. If no set
+    is left, the answer is that for the first one. A claim of a later set may enter the model, but is not
+    named: a more probable set was wrong.
     """
     settings = case.settings
     first: tuple[Selection, Rest] | None = None
     found: list[Refuted] = []
     for _ in range(settings.validation.sets_tried):
         selection = select(case, ranking, shares, reduced)
+        effects = selection.effects
+        if first is not None and ranking.of_set(effects) < settings.claims.mentioned_from:
+            break
+        ranking = ranking.without(effects)
+        if effects and set(effects) <= {id_ for r in found for id_ in (r.id, *r.indistinguishable_from)}:
+            continue
         trials = Trials(case, selection.noise)
         rest = refute(trials, selection, trials.base())
-        found += [r for r in rest.refuted if r.id not in {other.id for other in found}]
+        if rest.kept and first is not None:
+            return _later(selection, rest, found)
         first = first or (selection, rest)
-        if rest.kept:
-            kept = {claim.cause for claim in rest.kept}
-            return selection, replace(rest, refuted=tuple(r for r in found if r.id not in kept))
-        if not rest.refuted:
+        if rest.kept or not rest.refuted:
             break
-        ranking = ranking.without(selection.best.hypothesis.effects)
-        following = ranking.best()
-        if following is None or ranking.of_set(following.hypothesis.effects) < settings.claims.mentioned_from:
-            break
+        found += [r for r in rest.refuted if r.id not in {other.id for other in found}]
     assert first is not None
     return first
+
+
+def _later(selection: Selection, rest: Rest, refuted: Sequence[Refuted]) -> tuple[Selection, Rest]:
+    """A set after the refuted ones, with a doubt about each of its claims."""
+    kept = {claim.cause for claim in rest.kept}
+    others = {one.id: one for one in (*refuted, *rest.refuted) if one.id not in kept}
+    why = f"the rows of the folds refute a more probable set ({', '.join(sorted(r.id for r in refuted))})"
+    doubts = {cause: f"{why}, so {cause} is not named" for cause in sorted(kept)}
+    return replace(selection, later=doubts), replace(rest, refuted=tuple(others.values()))

@@ -1,10 +1,12 @@
 """The rows that the user holds out, prepared without the others."""
 
-from collections import Counter
 from dataclasses import replace
+
+import numpy as np
 
 from echocal.diagnose.faults import find_faults
 from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.hold_out import NOT_HELD_OUT, split
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
@@ -14,14 +16,24 @@ __all__ = ["held_rows"]
 
 
 def held_rows(
-    observations: Observations, base: Base, distance: float | None, constant: bool, settings: Settings
+    observations: Observations,
+    after: str | float,
+    base: Base,
+    distance: float | None,
+    constant: bool,
+    settings: Settings,
 ) -> Table:
-    """Search the held-out rows for faults of their own, and prepare them.
+    """Repair and prepare the held-out rows.
+
+    A fault may begin in the rows before. So the repair of the held-out rows, and it alone, comes from a
+    search in all rows.
 
     Parameters
     ----------
     observations : Observations
-        Without a value of any other row; see `echocal.diagnose.preprocess.hold_out.split`.
+        All rows.
+    after : str or float
+        Time from which on rows are held out.
     base : Base
     distance : float or None
         Reference distance of every row [m].
@@ -32,8 +44,13 @@ def held_rows(
     Returns
     -------
     Table
-        Its count of unusable rows has only those that were usable before this.
+        The rows that it leaves out are only those that were usable before this.
     """
     faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
-    table = prepare(faults.observations, base, distance, constant, settings.rows)
-    return replace(table, unusable=Counter(table.unusable) - Counter(observations.unusable_counts))
+    _, later = split(faults.observations, after, settings.rows.fewest)
+    assert later is not None
+    table = prepare(later, base, distance, constant, settings.rows)
+    seen = np.flatnonzero(later.unusable == NOT_HELD_OUT)
+    known = np.union1d(seen, np.flatnonzero(~observations.usable))
+    left_out = {reason: np.setdiff1d(rows, known) for reason, rows in table.left_out.items()}
+    return replace(table, left_out={reason: rows for reason, rows in left_out.items() if len(rows)})

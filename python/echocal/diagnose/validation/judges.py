@@ -157,14 +157,16 @@ class HeldOutRows:
     def _less_the_distance(self, values: Column, seen: Callable[[], Column]) -> Column:
         """Less the reference; else less the level.
 
-        The first held-out segment continues the last one of the other rows, and has its level. A segment
-        that begins later has a level of its own.
+        The first held-out segment in time continues the last one of the other rows, and has its level. A
+        segment that begins later has a level of its own.
         """
         if self.held.reference is not None:
             return values - self.held.reference
         groups, others = self.held.groups, self.case.table.groups
         level = levels(values, groups, np.ones(len(values), dtype=bool), np.mean)
-        level[groups == groups[0]] = seen()[others == others[-1]].mean()
+        first = int(self.held.conditions["elapsed_time"].argmin())
+        last = int(self.case.table.conditions["elapsed_time"].argmax())
+        level[groups == groups[first]] = seen()[others == others[last]].mean()
         return values - level
 
 

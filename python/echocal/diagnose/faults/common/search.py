@@ -111,7 +111,7 @@ def find_faults(
         if finding is None:
             continue
         finding = replace(finding, facts=settings.facts(finding.facts))
-        if finding.probability < settings.listed:
+        if not finding.probability >= settings.listed:  # nor one that is not a number
             continue
         found.append(finding)
         if finding.probability >= settings.accepted and finding.repaired is not None:

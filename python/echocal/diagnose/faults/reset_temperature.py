@@ -1,0 +1,89 @@
+"""A digital thermometer that answers before it has measured."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.finding import Finding, listed
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
+from echocal.observations import Observations
+from echocal.observations.derived import derived
+from echocal.quantities import QUANTITIES
+
+__all__ = ["FAULT"]
+
+_RESET = (85.0, 185.0)  # degC, and the same in degF: DS18B20 data sheet, "power-on reset value"
+_EXACT = 1e-6  # relative; what the arithmetic of units leaves of it
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    apart: float = threshold(
+        15.0, "K", "from the median of the other rows, for 85 degC to be no air temperature; judgement"
+    )
+    most: float = threshold(0.5, "1", "part of the rows that may have the value; judgement")
+    each: float = threshold(12.0, "1", "log Bayes factor of a row that has exactly this value; judgement")
+
+
+FACTS = CauseFacts(
+    id="reset_temperature",
+    kind="row",
+    sentence="The thermometer was read before it had measured: it gives its value at power-on, 85 degC.",
+    signature="exactly 85 degC (185 degF) in single rows, far from all others",
+    source="DS18B20 data sheet (Maxim 19-7487), table 1: the power-on reset value is +85 degC",
+    parameters=(Quantity("rows", "1", "rows"),),
+    check="wait 750 ms after the conversion command, and look at the supply of the thermometer",
+    prior=0.01,
+    formula="T' = 85 degC, in single rows",
+    needs=("temperature",),
+    repair="leaves the rows out",
+)
+
+
+def detect(view: View, settings: FaultSettings) -> Finding | None:
+    """Look for rows with exactly the value at power-on, far from what the others have."""
+    own, recorded = settings.of(FACTS, Thresholds), view.temperature
+    if recorded is None:
+        return None
+    rows = _at_reset(recorded) & np.isfinite(view.observations.echo_time)
+    others = np.isfinite(recorded) & ~rows
+    if not rows.any() or rows.sum() > own.most * len(rows) or not others.any():
+        return None
+    usual = float(np.median(recorded[others]))
+    if np.abs(recorded[rows] - usual).min() < own.apart:
+        return None
+    because = (
+        f"{listed(rows)}: exactly {recorded[rows][0]:g} degC, the value of a DS18B20 at power-on, "
+        f"where the other rows have a median of {usual:.1f} degC; left out"
+    )
+    evidence = min(own.each * float(rows.sum()), settings.cap)
+    parameters = (Parameter("rows", float(rows.sum()), 0.0, "1"),)
+    return Finding(FACTS, evidence, because, parameters, rows, _without(view, rows))
+
+
+def _without(view: View, rows: NDArray[np.bool_]) -> Observations:
+    """The table without these rows, also in what is derived from the rows around."""
+    left = view.without(rows, FACTS.id)
+    recorded = {n: c for n, c in left.conditions.items() if QUANTITIES[n].derived_from is None}
+    recorded["temperature"] = np.where(rows, np.nan, recorded["temperature"])
+    return replace(left, conditions={**left.conditions, **derived(recorded, left.labels)})
+
+
+def _at_reset(celsius: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.asarray(np.any([np.abs(celsius - value) <= _EXACT * value for value in _RESET], axis=0))
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Answer with the value at power-on in some rows."""
+    table["temperature_C"][random.choice(len(table["temperature_C"]), 4, replace=False)] = _RESET[0]
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -1,0 +1,53 @@
+"""What became of each row of the source."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW
+from echocal.diagnose.preprocess.table import Table
+
+__all__ = ["USED", "Fates"]
+
+USED = "used"
+"""Fate of a row that causes are chosen and fitted on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fates:
+    """What became of each row of the source.
+
+    Attributes
+    ----------
+    fate : ndarray of str, shape (n,)
+        ``used``, ``held out``, or the reason why the row is left out.
+    """
+
+    fate: NDArray[np.object_]
+
+    @classmethod
+    def of(cls, table: Table, held: Table | None) -> "Fates":
+        """The fates of the rows of a table, and of those that are held out."""
+        fate = np.full(table.total, USED, dtype=object)
+        for one in [table] if held is None else [table, held]:
+            for reason, rows in one.left_out.items():
+                fate[rows] = reason
+        return cls(fate)
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Rows that are left out, by reason."""
+        reasons, counts = np.unique(self.fate.astype(str), return_counts=True)
+        found = dict(zip(reasons.tolist(), counts.tolist(), strict=True))
+        return {reason: n for reason, n in found.items() if reason not in (USED, HELD_OUT_ROW)}
+
+    def columns(self, row: NDArray[np.int64], **values: NDArray[Any]) -> dict[str, NDArray[Any]]:
+        """Number and fate of every row of the source, and values of some, NaN for the others."""
+        columns: dict[str, NDArray[Any]] = {"row": np.arange(1, len(self.fate) + 1), "fate": self.fate}
+        for name, some in values.items():
+            columns[name] = np.full(len(self.fate), np.nan)
+            columns[name][row] = some
+        return columns
