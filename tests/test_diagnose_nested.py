@@ -179,3 +179,23 @@ def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
     ]
     assert gains[1].rms_before_m == pytest.approx(gains[0].rms_before_m)
     assert gains[1].rms_after_m == pytest.approx(gains[0].rms_after_m)
+
+
+def test_a_target_that_is_placed_anew_has_a_new_level(random: np.random.Generator) -> None:
+    """Five placements whose distances nobody measured: each level is free, and rows of each judge."""
+    table = logged(random)
+    del table["distance_m"]
+    table["stand"] = np.repeat([3, 1, 4, 5, 9], 120)
+    table["reading_m"] *= np.repeat([1.0, 1.3, 0.8, 1.6, 1.1], 120)
+    diagnosis = echocal.diagnose(table, constant_distance=True)
+    assert "fixed_speed" in {cause.id for cause in diagnosis.causes}
+    assert diagnosis.gain.held_out_rows == 600
+    assert diagnosis.gain.rms_after_m < 0.3 * diagnosis.gain.rms_before_m < 0.02
+
+
+def test_errors_are_compared_on_the_rows_that_both_models_know() -> None:
+    from echocal.diagnose.validation.gain import HeldOut, on_common_rows
+
+    one, other = HeldOut(np.array([9.0, 1.0, 1.0, np.nan])), HeldOut(np.array([np.nan, 2.0, 2.0, 5.0]))
+    assert [held.rms for held in on_common_rows(one, other)] == [1.0, 2.0]
+    assert np.isnan(HeldOut(np.array([np.nan])).rms)

@@ -182,7 +182,8 @@ class Gain:
         Error of the base simulation and of the extended model [m]. In a cross-validation, each fold
         chooses the causes without its rows: then it may differ from the end of the ladder.
     rms_floor_m : float
-        Error that all columns together could reach on these rows, without what chance removes [m].
+        Error that all columns together could reach, without what chance removes [m]. It is of the rows that
+        causes are selected on, also where others are held out.
     held_out_rows : int
         Number of rows on which the errors are measured.
     fraction_of_reachable : float or None

@@ -49,7 +49,9 @@ class Folds:
         if table.reference is not None and stations >= count:
             blocks, by = table.groups % count, "station"
         else:
-            blocks = np.arange(len(table)) * count // len(table)
+            blocks = _runs(len(table), count)
+            if table.reference is None:
+                _divide_segments(blocks, table.groups, count)
             by = "time" if "elapsed_time" in table.conditions else "row order"
         held = tuple(np.arange(count) == fold for fold in range(count))
         scheme = f"blocked by {by}, {count} folds"
@@ -93,3 +95,19 @@ class Folds:
         mask = held[self.blocks]
         first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
         return slice(first, last) if last - first == int(mask.sum()) else mask
+
+
+def _runs(rows: int, count: int) -> Labels:
+    """Contiguous runs of nearly equal length."""
+    return np.arange(rows) * count // rows
+
+
+def _divide_segments(blocks: Labels, groups: Labels, count: int) -> None:
+    """Divide each segment that lies in one block into runs of its own.
+
+    Otherwise no other row would have the level of a row that is held out, and it could not be judged.
+    """
+    firsts = np.flatnonzero(np.diff(groups, prepend=-1))
+    for first, end in zip(firsts, np.append(firsts[1:], len(groups)), strict=True):
+        if blocks[first] == blocks[end - 1]:
+            blocks[first:end] = _runs(end - first, count)

@@ -10,7 +10,7 @@ from echocal.diagnose.preprocess.off_station import without_other_echoes
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
 from echocal.diagnose.preprocess.series import series_starts
-from echocal.diagnose.preprocess.stations import stations
+from echocal.diagnose.preprocess.stations import moved, stations
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.preprocess.usable import some, usable_rows
 from echocal.diagnose.settings.rows import RowSettings
@@ -76,6 +76,8 @@ def prepare(
         steps = np.union1d(steps, np.searchsorted(rows, np.array(more_steps, dtype=np.int64)))
     breaks = np.zeros(len(rows), dtype=bool)
     breaks[steps] = True
+    if reference is None:
+        breaks[1:] |= moved(observations, rows)
     groups = np.cumsum(breaks) if labels is None else labels
     breaks[1:] |= groups[1:] != groups[:-1]
     return Table(

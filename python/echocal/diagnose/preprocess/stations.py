@@ -7,7 +7,7 @@ from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations
 
-__all__ = ["far_as_a_whole", "stations"]
+__all__ = ["far_as_a_whole", "moved", "stations"]
 
 Labels = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -27,6 +27,14 @@ def stations(
     source = some(reference, rows) if labels is None else labels[rows]
     groups = pd.factorize(source, sort=True)[0].astype(np.int64)
     return groups if 1 + groups.max() <= len(rows) // settings.rows_per_station else np.zeros_like(groups)
+
+
+def moved(observations: Observations, rows: Labels) -> Mask:
+    """Rows, from the second of some rows on, before which the target was placed anew."""
+    labels = observations.labels.get("stand")
+    if labels is None:
+        return np.zeros(max(len(rows) - 1, 0), dtype=bool)
+    return np.asarray(labels[rows][1:] != labels[rows][:-1])
 
 
 def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:

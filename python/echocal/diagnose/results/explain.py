@@ -106,6 +106,11 @@ def _cause(cause: Cause) -> list[str]:
 def _gain(gain: Gain | None) -> list[str]:
     if gain is None:
         return []
+    if not gain.held_out_rows:
+        return [
+            "No row can judge a model: each row that a fold holds out has a level that no other row shows. "
+            "So no gain is measured, and no cause is named."
+        ]
     (_, before), *rungs = gain.ladder
     rows = f"On {gain.held_out_rows} {gain.judged_rows} ({gain.scheme}), the RMS error is"
     floor = f"{1e3 * gain.rms_floor_m:.2f} mm"

@@ -44,6 +44,11 @@ class Fates:
         found = dict(zip(reasons.tolist(), counts.tolist(), strict=True))
         return {reason: n for reason, n in found.items() if reason not in (USED, HELD_OUT_ROW)}
 
+    @property
+    def used(self) -> int:
+        """Number of rows that causes are chosen on or judged by."""
+        return int(np.isin(self.fate.astype(str), (USED, HELD_OUT_ROW)).sum())
+
     def columns(self, row: NDArray[np.int64], **values: NDArray[Any]) -> dict[str, NDArray[Any]]:
         """Number and fate of every row of the source, and values of some, NaN for the others."""
         columns: dict[str, NDArray[Any]] = {"row": np.arange(1, len(self.fate) + 1), "fate": self.fate}

@@ -61,7 +61,7 @@ def report(
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
-        rows=_rows(case.table, judge.held, fates, steps),
+        rows=_rows(case.table, fates, steps),
         base=case.base.to_dict(),
         noise=_noise(selection),
         notes=(
@@ -148,10 +148,10 @@ def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation)
     ]
 
 
-def _rows(table: Table, held: Table | None, fates: Fates, steps: Sequence[LevelStep]) -> dict[str, Any]:
+def _rows(table: Table, fates: Fates, steps: Sequence[LevelStep]) -> dict[str, Any]:
     return {
         "total": table.total,
-        "used": len(table) + (0 if held is None else len(held)),
+        "used": fates.used,
         "unusable": dict(fates.counts),
         "level_steps_at_rows": (table.steps + 1).tolist(),
         "level_steps": tuple(steps),

@@ -23,6 +23,7 @@ __all__ = [
     "fixed_speed_rms",
     "floor",
     "measure",
+    "on_common_rows",
     "summarize",
     "worse",
 ]
@@ -30,6 +31,8 @@ __all__ = [
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Labels = NDArray[np.int64]
+
+Interval = tuple[float, float]
 
 _CACHED = 32_768  # rows whose differences fit into the cache of a processor
 
@@ -54,11 +57,15 @@ class HeldOut:
 
     @cached_property
     def rms(self) -> float:
-        """Root mean square [m]."""
+        """Root mean square [m]; NaN where no row is known."""
         total = _squares(self.error)
         if not np.isfinite(total):
-            return float(np.sqrt(np.nanmean(self.error**2)))
+            return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
         return float(np.sqrt(total / len(self.error)))
+
+    def on(self, rows: Mask) -> "HeldOut":
+        """The same, of some rows."""
+        return self if rows.all() else HeldOut(np.where(rows, self.error, np.nan))
 
 
 def measure(table: Table, folds: Folds, fitted: Callable[[Mask], Model]) -> HeldOut:
@@ -118,9 +125,6 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
     return HeldOut(error).rms
 
 
-Interval = tuple[float, float]
-
-
 def intervals(
     before: HeldOut, after: HeldOut, seed: int, settings: ValidationSettings
 ) -> tuple[Interval, Interval]:
@@ -148,6 +152,12 @@ def intervals(
         [np.sqrt(first) - np.sqrt(second), removed], [tail, 100 - tail], axis=1
     ).tolist()
     return (low[0], high[0]), (low[1], high[1])
+
+
+def on_common_rows(one: HeldOut, other: HeldOut) -> tuple[HeldOut, HeldOut]:
+    """Errors of two models on the rows that both can judge."""
+    rows = one.known & other.known
+    return one.on(rows), other.on(rows)
 
 
 def worse(with_cause: HeldOut, without: HeldOut) -> bool:
@@ -207,7 +217,8 @@ def summarize(
     settings: ValidationSettings,
 ) -> Gain:
     """Put the errors together: docs/method.md, Eq. 31."""
-    judged = int((before.known & after.known).sum())
+    before, after = on_common_rows(before, after)
+    judged = int(before.known.sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
     gained, removed = intervals(before, after, seed, settings)

@@ -9,7 +9,7 @@ from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.inference.hypothesis import Hypothesis
 from echocal.diagnose.selection.claims import Claim, without
 from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.validation.gain import HeldOut, worse
+from echocal.diagnose.validation.gain import HeldOut, on_common_rows, worse
 from echocal.diagnose.validation.trials import Trials
 
 __all__ = ["Rest", "against_the_base", "refute"]
@@ -70,7 +70,10 @@ def against_the_base(trials: Trials, rest: Rest, before: HeldOut) -> Rest:
     alone may be larger. A cause that the folds cannot validate is kept: the small change that it
     makes in their errors is due to chance.
     """
-    if not rest.kept or not rest.after.rms >= before.rms:
+    if not rest.kept:
+        return rest
+    after, base = on_common_rows(rest.after, before)
+    if not after.rms >= base.rms:
         return rest
     unjudged = tuple(claim for claim in rest.kept if claim.cause in rest.unjudged)
     hypothesis = rest.hypothesis
@@ -84,7 +87,7 @@ def against_the_base(trials: Trials, rest: Rest, before: HeldOut) -> Rest:
     dropped = [claim for claim in rest.kept if claim not in unjudged]
     ids = tuple(claim.cause for claim in dropped)
     refuted = tuple(
-        Refuted(c.cause, c.probability, rest.after.rms, before.rms, c.rivals, together=ids) for c in dropped
+        Refuted(c.cause, c.probability, after.rms, base.rms, c.rivals, together=ids) for c in dropped
     )
     kept = tuple(claim.cause for claim in unjudged)
     return Rest(hypothesis, unjudged, before, (*rest.refuted, *refuted), kept)

@@ -14,7 +14,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
-from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.validation.gain import errors, on_common_rows
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model, Shape
@@ -43,8 +43,9 @@ def with_its_function(
             model = judgment.fitted(blocks)
             return model.with_shape(_shape(case, found.against, model, blocks, noise))
 
-        without, with_it = (judge.extended(model).rms for model in (judgment.fitted, extended))
-        found = replace(found, rms_without_m=without, rms_with_m=with_it)
+        errors_of = (judge.extended(model) for model in (judgment.fitted, extended))
+        without, with_it = on_common_rows(*errors_of)
+        found = replace(found, rms_without_m=without.rms, rms_with_m=with_it.rms)
     return replace(found, description=described(found, judgment.gain.judged_rows))
 
 
