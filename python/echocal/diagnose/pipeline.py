@@ -13,6 +13,7 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.posterior import infer_noises
+from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
 from echocal.diagnose.preprocess.prepare import prepare
@@ -84,12 +85,13 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("comparing noises")
             reduced = inference.reduced
-            shares = infer_noises(case, inference.fits, reduced, faults.quantizations)
+            shares = infer_noises(case, inference.fits, reduced, not_imitated(faults.quantizations))
             ranking = rank(shares.fits, case.found.competing, settings)
 
             work.begin("validating claims")
             selection, rest = select_and_refute(case, ranking, shares, reduced)
-            judge = judge_of(case, reduced.noises, faults.quantizations, held, after)
+            possible = shares.possible(settings.noises.considered)
+            judge = judge_of(case, reduced.noises, possible, held, after)
             validation = validate(case, selection, rest, judge)
             step = validation.further_level_step(table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
@@ -99,9 +101,9 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
         work.begin("planning measurements")
         joint = join(ranking, faults.found, shares, reduced)
-        possible = members(case, ranking, selection.every_claim, validation, reduced)
-        proposals = propose(case, possible, selection, validation, ranges)
+        able = members(case, ranking, selection.every_claim, validation, reduced)
+        proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint)
-        diagnosis = report(case, observations, *found, possible, proposals)
+        diagnosis = report(case, observations, *found, able, proposals)
     work.end()
     return diagnosis

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
@@ -60,13 +61,13 @@ class Nested:
     case : Case
     noises : tuple of Noise
         Those that are probable beside some hypothesis on all rows; a fold considers no other.
-    quantizations : collection of str
-        Quantizations found before.
+    tried : collection of FittedNoise
+        The same, of noises with a likelihood of their own.
     """
 
     case: Case
     noises: tuple[Noise, ...]
-    quantizations: Collection[str]
+    tried: Collection[FittedNoise]
 
     @property
     def scheme(self) -> str:
@@ -101,7 +102,7 @@ class Nested:
         """The model that some blocks choose, refute and fit."""
         folds = self.case.folds.within(blocks)
         part = replace(self.case, folds=folds, signals={}, probable=self.noises)
-        selection, rest = chosen(part, self.quantizations)
+        selection, rest = chosen(part, self.tried)
         return Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
 
 
@@ -173,14 +174,14 @@ class HeldOutRows:
 def judge_of(
     case: Case,
     noises: tuple[Noise, ...],
-    quantizations: Collection[str],
+    tried: Collection[FittedNoise],
     held: Table | None,
     after: str | float | None,
 ) -> Judge:
     """The rows that the user holds out; else folds, each of which chooses by itself."""
     if held is not None and after is not None:
         return HeldOutRows(case, held, after)
-    return Nested(case, noises, quantizations)
+    return Nested(case, noises, tried)
 
 
 def _speed(base: Base, table: Table) -> NDArray[np.float64]:
