@@ -5,6 +5,7 @@ variance of autocorrelated noise may grow with the distance, the posterior is co
 """
 
 import warnings
+from dataclasses import replace
 
 from echocal.diagnose.experiment_design.members import members
 from echocal.diagnose.experiment_design.next_measurements import propose
@@ -25,6 +26,7 @@ from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.report import report
 from echocal.diagnose.selection.claims import rank
 from echocal.diagnose.selection.joint import join
+from echocal.diagnose.selection.leverage import carried_by_few
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
@@ -90,6 +92,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("validating claims")
             selection, rest = select_and_refute(case, ranking, shares, reduced)
+            carried = carried_by_few(case, rest.kept, selection.best, selection.noise)
+            selection = replace(selection, carried=carried)
             possible = shares.possible(settings.noises.considered)
             judge = judge_of(case, reduced.noises, possible, held, after)
             validation = validate(case, selection, rest, judge)

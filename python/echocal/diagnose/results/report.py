@@ -127,6 +127,11 @@ def _cause(
 def _unearned(gain: Gain) -> str:
     """Why no cause is named: the gain may be chance."""
     low, high = (1e3 * end for end in gain.interval_95)
+    if low == high == 0.0:
+        return (
+            f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
+            "the base. No cause is named"
+        )
     return (
         f"on {gain.judged_rows}, which its choice has not seen, the model gains {low:.2f} to {high:.2f} mm "
         "over the base (95 % interval). The interval is not above 0, so no cause is named"

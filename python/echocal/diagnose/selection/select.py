@@ -42,6 +42,8 @@ class Selection:
         The set that was chosen, before any of its claims was left out.
     later : mapping of str to str
         Claims of a set that is not the most probable one, each with a sentence on that.
+    carried : mapping of str to str
+        Claims that a few rows carry, each with a sentence on these rows.
     """
 
     best: HypothesisFit
@@ -53,11 +55,12 @@ class Selection:
     implausible: Mapping[str, str]
     effects: Ids
     later: Mapping[str, str] = field(default_factory=dict)
+    carried: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def doubts(self) -> dict[str, str]:
         """Why a claim is not named, whatever its probability is."""
-        return {**self.later, **self.implausible, **self.varying}
+        return {**self.later, **self.implausible, **self.varying, **self.carried}
 
 
 def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack) -> Selection:

@@ -100,6 +100,21 @@ class ClaimSettings:
         "a cause with a larger size is not named",
         "argument: of normal sizes, fewer than one in a million",
     )
+    leverage_pieces: int = number(
+        40,
+        "pieces",
+        "contiguous pieces of rows over which the effect of a cause is added up",
+        "chosen by hand",
+    )
+    leverage_rows: float = number(
+        0.1, "of the pieces", "so many pieces, those that remove most, may carry a cause", "chosen by hand"
+    )
+    leverage_share: float = number(
+        0.8,
+        "of the squared error",
+        "if they have more, the other rows must speak for the cause, or it is not named",
+        "chosen by hand",
+    )
     tension: float = number(
         3.0,
         "standard uncertainties",
