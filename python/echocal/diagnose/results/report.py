@@ -66,6 +66,7 @@ def report(
         noise=_noise(selection),
         notes=(
             *selection.doubts.values(),
+            *_varying_a_little(selection, validation),
             *_not_claimed(ranking, selection, validation),
             *notes(case, observations, validation, inference.stack, steps),
             *_outside(case.table, validation),
@@ -136,6 +137,17 @@ def _unearned(gain: Gain) -> str:
         f"on {gain.judged_rows}, which its choice has not seen, the model gains {low:.2f} to {high:.2f} mm "
         "over the base (95 % interval). The interval is not above 0, so no cause is named"
     )
+
+
+def _varying_a_little(selection: Selection, validation: Validation) -> list[str]:
+    """Say how much the size of a cause of the model varies from part to part."""
+    return [
+        f"the size of {claim.cause} varies between parts of the table by {100 * part:.0f} % (standard "
+        "deviation), more than chance; its standard uncertainty includes this"
+        for claim in validation.kept
+        if claim.cause in selection.between
+        and (part := float((selection.between[claim.cause] / np.abs(claim.mean)).max()))
+    ]
 
 
 def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:

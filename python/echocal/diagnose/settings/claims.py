@@ -88,6 +88,12 @@ class ClaimSettings:
         "the same, beside an unexplained term",
         "tuned on the benchmark's unknown effects",
     )
+    unsteady_share: float = number(
+        0.2,
+        "of the size",
+        "a standard deviation between parts up to this is an uncertainty of the size, not a doubt",
+        "chosen by hand: sizes on real records vary by 0.1 from day to day",
+    )
     steadiness_runs: int = number(
         5, "runs", "runs of rows whose sizes are compared, besides the stations", "as many as folds"
     )

@@ -12,6 +12,7 @@ from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
 from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.selection.steadiness import varied
 from echocal.diagnose.validation.gain import HeldOut, floor, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.refute import Rest, against_the_base
@@ -85,7 +86,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     before = judge.base()
     claimed = rest.kept
     rest = against_the_base(trials, judge.judged(trials, rest), before)
-    fit = fit_with(case, rest.hypothesis, case.folds.fit, noise)
+    fit = varied(fit_with(case, rest.hypothesis, case.folds.fit, noise), selection.between)
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
     gain = summarize(
         None if fixed else judge.fixed_speed(),
