@@ -130,17 +130,31 @@ def intervals(
 ) -> tuple[Interval, Interval]:
     """Intervals of the decrease of the RMS error [m] and of the part of the mean square that is removed.
 
-    From resampled contiguous pieces of rows.
+    From resampled contiguous pieces of rows; of several lengths of the pieces, the widest interval.
     """
     judged = before.known & after.known
     count = int(judged.sum())
     if count == 0:  # no row that judges has a level
         return (0.0, 0.0), (0.0, 0.0)
-    pieces = min(settings.pieces, count)
-    firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
+    one, other = (held.error if count == len(judged) else held.error[judged] for held in (before, after))
+    drawn = [_resampled(one, other, min(pieces, count), seed, settings) for pieces in settings.pieces]
+    gained, removed = (max(each, key=_width) for each in zip(*drawn, strict=True))
+    return gained, removed
+
+
+def _width(interval: Interval) -> float:
+    return interval[1] - interval[0]
+
+
+def _resampled(
+    before: Column, after: Column, pieces: int, seed: int, settings: ValidationSettings
+) -> tuple[Interval, Interval]:
+    """The same from pieces of one length; errors that depend on each other need long ones."""
+    firsts = -(-np.arange(pieces + 1) * len(before) // pieces)  # a piece begins at the first whole row
     rows = np.diff(firsts)
-    errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
-    squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
+    squares = [
+        np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in (before, after)
+    ]
     drawn = np.random.default_rng(seed).integers(len(rows), size=(settings.resamples, len(rows)))
     places = drawn + len(rows) * np.arange(settings.resamples)[:, None]
     counts = np.bincount(places.ravel(), minlength=places.size).reshape(settings.resamples, -1)
