@@ -21,7 +21,7 @@ class ValidationSettings:
         4, "sets", "most sets of causes that are tried where the folds refute the best ones", "chosen by hand"
     )
     pieces: tuple[int, ...] = number(
-        (40, 20, 10),
+        (40, 20, 10, 5),
         "pieces",
         "contiguous pieces of rows that are resampled for the interval, in turn; the widest counts, as "
         "errors that depend on each other need long pieces",
