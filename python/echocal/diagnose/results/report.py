@@ -88,15 +88,16 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
-    if not validation.gain.earned:
-        doubts |= {c.cause: _unearned(validation.gain) for c in validation.kept if c.cause not in doubts}
+    if validation.withheld is not None:
+        why = _unearned(validation.withheld.gain)
+        doubts |= {c.cause: why for c in validation.claims if c.cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     others = [claim for claim in others if claim.cause not in refuted]
     return (
         *(
             _cause(case, ranking, claim, validation, recorded, doubts.get(claim.cause, ""))
-            for claim in validation.kept
+            for claim in validation.claims
         ),
         *(_cause(case, ranking, claim, validation, recorded) for claim in others),
         *joint.causes,
@@ -131,11 +132,12 @@ def _unearned(gain: Gain) -> str:
     if low == high == 0.0:
         return (
             f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
-            "the base. No cause is named"
+            "the base. The model leaves it out, and no cause is named"
         )
     return (
-        f"on {gain.judged_rows}, which its choice has not seen, the model gains {low:.2f} to {high:.2f} mm "
-        "over the base (95 % interval). The interval is not above 0, so no cause is named"
+        f"on {gain.judged_rows}, which its choice has not seen, a model with it gains {low:.2f} to "
+        f"{high:.2f} mm over the base (95 % interval). The interval is not above 0, so the model leaves it "
+        "out, and no cause is named"
     )
 
 
