@@ -20,13 +20,16 @@ class ValidationSettings:
     sets_tried: int = number(
         4, "sets", "most sets of causes that are tried where the folds refute the best ones", "chosen by hand"
     )
-    pieces: tuple[int, ...] = number(
-        (40, 20, 10, 5),
-        "pieces",
-        "contiguous pieces of rows that are resampled for the interval, in turn; the widest counts, as "
-        "errors that depend on each other need long pieces",
-        "chosen by hand",
+    pieces: int = number(
+        40, "pieces", "contiguous pieces of rows that are resampled for the interval", "chosen by hand"
     )
+    memories: float = number(
+        2.0,
+        "times 1/(1 - autoregression) rows",
+        "pieces are not shorter than this, so that neighboring ones are nearly independent",
+        "exp(-2) of the autocorrelation is left over such a length",
+    )
+    fewest_pieces: int = number(5, "pieces", "there are not fewer, however long the memory is", "the folds")
     resamples: int = number(2000, "draws", "resamples of these pieces", "chosen by hand")
     interval: float = number(0.95, "probability", "of the interval of the gain", "convention")
     reachable: float = number(

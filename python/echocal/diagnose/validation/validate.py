@@ -156,6 +156,7 @@ def _gain(trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: 
         rest.after if rest.kept else before,
         floor(case.sums, case.folds.judged, variance, settings.noise_models.ridge_width),
         judge.scheme,
+        selection.noise.rho,
         case.seed,
         settings.validation,
     )
