@@ -64,8 +64,8 @@ RECORDS = {
     "ot-hw-2022": Kind(_TOWN + "ot-hw-2022.csv", "time", "2022-04-10", (13,), _RAW, left_out=_SECOND),
     "ot-sw-ard-2021": Kind(_TOWN + "ot-sw-ard-2021.csv", "time", "2021-04-16", (30,), {}, left_out=_SECOND),
 }
-"""The last one compensates by itself. Its readings are taken as they are. `roof from May` has the time in which
-the level jumps; its figures stand apart."""
+"""The last one compensates by itself. Its readings are taken as they are. `roof from May` has the time in
+which the level jumps; its figures stand apart."""
 
 EXTRA = frozenset({"roof from May"})
 
@@ -127,7 +127,9 @@ def ask(table: pd.DataFrame, name: str) -> Asked:
         diagnosis = echocal.diagnose(table, columns=kind.columns, constant_distance=True, **kind.options)
     rows = np.asarray(diagnosis.traces.row)
     begins = np.asarray(diagnosis.rows["level_steps_at_rows"], dtype=np.int64) - 1
-    shape = diagnosis.unexplained is not None and diagnosis.unexplained.shape and diagnosis.unexplained.extends
+    shape = (
+        diagnosis.unexplained is not None and diagnosis.unexplained.shape and diagnosis.unexplained.extends
+    )
     model = diagnosis.model.transferable()
     return Asked(
         said=said(diagnosis),
@@ -153,7 +155,7 @@ def said(diagnosis: echocal.Diagnosis) -> Record:
         "gain_interval": gain.get("variance_removed_interval_95", [0.0, 0.0]),
         "level_steps": len(diagnosis.rows["level_steps_at_rows"]),
         "used": len(diagnosis.traces.row),
-        "noise": dict(diagnosis.noise),
+        "autocorrelation": diagnosis.noise["autoregression"],
     }
 
 

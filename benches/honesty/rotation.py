@@ -1,8 +1,8 @@
 """Rotation nulls: a real residual against its own columns, turned by whole days. Nothing may be named.
 
-Every stretch without a gap and without a change of the level by more than 0.1 m is a circle of whole days. A turned
-residual keeps its noise, its steps and its mean day. The mean day stays in phase with sun and temperature, so a
-cause of that phase can be true. `no mean day` takes the mean of each time of the day off first.
+Every stretch without a gap and without a change of the level by more than 0.1 m is a circle of whole days.
+A turned residual keeps its noise, its steps and its mean day. The mean day stays in phase with sun and
+temperature, so a cause of that phase can be true. `no mean day` takes the mean of each time of the day off.
 """
 
 import json
@@ -29,7 +29,6 @@ Column = NDArray[np.float64]
 
 _JUMP = 0.1  # m, of the level: no circle goes across it
 _NEAR = 12  # rows on each side that tell the level
-_READING = {"roof": "SR_U"}
 _DAY = pd.Timedelta(days=1)
 
 
@@ -65,7 +64,7 @@ class Stretch:
         """The table with its residual turned by some days, with its mean day or without it."""
         residual = self.residual if whole else self.residual - self.mean_day()
         reading = (self.level + np.roll(residual, days * self.per_day)) / self.ratio
-        return self.table.assign(**{_READING.get(self.name, "reading_m"): reading})
+        return self.table.assign(**{_reading(self.name): reading})
 
     def mean_day(self) -> Column:
         """Mean residual of each time of the day, less the level [m]."""
@@ -76,14 +75,14 @@ class Stretch:
 def stretches(name: str) -> Iterator[Stretch]:
     """The stretches of a record with three days or more."""
     kind, table = RECORDS[name], records.load(name)
-    column = _READING.get(name, "reading_m")
+    column = _reading(name)
     own = records.corrected(table, _base(kind), name)
     ratio = records.corrected(table.assign(**{column: 1.0}), _base(kind), name)
     times = pd.to_datetime(table[kind.time])
     step = times.diff().median()
     per_day = round(_DAY / step)
     series = pd.Series(own)
-    around = dict(window=_NEAR, min_periods=1)
+    around = {"window": _NEAR, "min_periods": 1}
     jump = series[::-1].rolling(**around).median()[::-1] - series.rolling(**around).median().shift()
     far = jump.abs().to_numpy() > _JUMP
     peak = far & (jump.abs() == jump.abs().rolling(2 * _NEAR, center=True, min_periods=1).max()).to_numpy()
@@ -98,6 +97,11 @@ def stretches(name: str) -> Iterator[Stretch]:
         values = np.where(np.abs(values - level) > _JUMP, np.nan, values)
         part = table.iloc[rows].reset_index(drop=True)
         yield Stretch(name, part, values - level, ratio[rows], level, per_day)
+
+
+def _reading(name: str) -> str:
+    columns = RECORDS[name].columns
+    return next((column for column, role in columns.items() if role == "reading_m"), "reading_m")
 
 
 def _base(kind: Kind) -> echocal.Model:
@@ -150,7 +154,9 @@ def _ask(task: tuple[str, int, bool, pd.DataFrame]) -> Record:
 
 
 def main(
-    names: Annotated[str, typer.Option(help="Records, by comma.")] = ",".join(n for n in RECORDS if n not in EXTRA),
+    names: Annotated[str, typer.Option(help="Records, by comma.")] = ",".join(
+        n for n in RECORDS if n not in EXTRA
+    ),
     turns: Annotated[int, typer.Option(help="Most turns of a stretch, evenly spaced.")] = 24,
     processes: Annotated[int, typer.Option(help="Processes at once, one thread each.")] = 2,
     write: Annotated[bool, typer.Option("--write", help="Write rotation.json.")] = False,
@@ -173,7 +179,12 @@ def main(
                 for turn in some
                 for piece in cut(part.turned(int(turn), whole=whole), part.per_day, days)
             ]
-        counts[name] = {"stretches": len(parts), "windows": windows, "turns": chosen, "independent": effective}
+        counts[name] = {
+            "stretches": len(parts),
+            "windows": windows,
+            "turns": chosen,
+            "independent": effective,
+        }
     answers = run(tasks, _ask, "turned windows", processes)
     found = [{"record": task[0], **answer} for task, answer in zip(tasks, answers, strict=True)]
     summary = summarize(found, counts)
@@ -200,7 +211,8 @@ def summarize(found: list[Record], counts: Record) -> Record:
 def _figures(own: list[Record]) -> Record:
     names = Counter(cause["id"] for one in own for cause in told(one["causes"]))
     believed = [
-        any(c["kind"] == "effect" and c["in_model"] and c["probability"] > SURE for c in one["causes"]) for one in own
+        any(c["kind"] == "effect" and c["in_model"] and c["probability"] > SURE for c in one["causes"])
+        for one in own
     ]
     return {
         "named": share(sum(bool(told(one["causes"])) for one in own), len(own)),

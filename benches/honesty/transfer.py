@@ -78,7 +78,10 @@ def _pair(job: tuple[str, int, int, list[tuple[Any, Asked]]]) -> Record:
             continue
         known = np.isfinite(before) & np.isfinite(after)
         record[key] = {
-            level: {"base": variance(before[known], group[known]), "model": variance(after[known], group[known])}
+            level: {
+                "base": variance(before[known], group[known]),
+                "model": variance(after[known], group[known]),
+            }
             for level, group in (("segments", own.groups), ("window", np.zeros_like(own.groups)))
         } | {"lost_rows": int(np.sum(np.isfinite(before) & ~known))}
     return record
@@ -105,13 +108,29 @@ def summarize(outcome: Record) -> Record:
     """Figures of every record and window, and of all."""
     figures = {label: _figures([part]) for label, part in outcome.items()}
     figures["all but extra"] = _figures([part for part in outcome.values() if not part["extra"]])
-    return {"figures": figures}
+    return {"figures": figures, "windows": {label: _windows(part) for label, part in outcome.items()}}
+
+
+def _windows(part: Record) -> list[Record]:
+    """Each window: what it names, what it reports, and the share that its model removes in the others."""
+    return [
+        {
+            "verdict": said["verdict"],
+            "named": [cause["id"] for cause in told(said["causes"])],
+            "in_model": [c["id"] for c in said["causes"] if c["kind"] == "effect" and c["in_model"]],
+            "reported": said["gain"],
+            "removed": [removed(pair) for pair in part["pairs"] if pair["source"] == i],
+        }
+        for i, said in enumerate(part["windows"])
+    ]
 
 
 def _figures(parts: list[Record]) -> Record:
     pairs = [pair for part in parts for pair in part["pairs"]]
     acting = [pair for pair in pairs if pair["changes"] or pair["with_shape"] is not None]
-    names = Counter(cause["id"] for part in parts for said in part["windows"] for cause in told(said["causes"]))
+    names = Counter(
+        cause["id"] for part in parts for said in part["windows"] for cause in told(said["causes"])
+    )
     gains = [said["gain"] for part in parts for said in part["windows"] if told(said["causes"])]
     return {
         "windows": sum(len(part["windows"]) for part in parts),
@@ -120,6 +139,8 @@ def _figures(parts: list[Record]) -> Record:
         "refused": sum(removed(pair) is None for pair in pairs),
         "worse": _worse(pairs),
         "worse_of_changed": _worse([pair for pair in pairs if pair["changes"]]),
+        "worse_of_named": _worse(_named(parts)),
+        "mean_removed_of_named": _mean([removed(pair) for pair in _named(parts)]),
         "worse_one_level": _worse(pairs, level="window"),
         "mean_removed": _mean([removed(pair) for pair in pairs]),
         "mean_removed_of_changed": _mean([removed(pair) for pair in pairs if pair["changes"]]),
@@ -128,12 +149,17 @@ def _figures(parts: list[Record]) -> Record:
         "with_shape": {
             "pairs": sum(pair["with_shape"] is not None for pair in pairs),
             "worse": _worse([pair for pair in acting if pair["with_shape"] is not None], "with_shape"),
-            "mean_removed": _mean(
-                [removed(p, "with_shape") for p in acting if p["with_shape"] is not None]
-            ),
+            "mean_removed": _mean([removed(p, "with_shape") for p in acting if p["with_shape"] is not None]),
         },
         "recurrence": _recurrence(parts),
     }
+
+
+def _named(parts: list[Record]) -> list[Record]:
+    """Pairs whose source names a cause."""
+    return [
+        pair for part in parts for pair in part["pairs"] if told(part["windows"][pair["source"]]["causes"])
+    ]
 
 
 def _worse(pairs: list[Record], key: str = "model", level: str = "segments") -> Record | None:
