@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from common import ROOT, Record, run, save, share, text, told
+from common import LIKELY, ROOT, Record, run, save, share, text, told
 
 import numpy as np  # isort: skip  (common limits the threads first)
 import typer
@@ -186,6 +186,7 @@ def _figures(own: list[Record]) -> Record:
     named = [one for one in own if told(one["causes"])]
     return {
         "not_nothing": share(sum(one["verdict"] != "nothing" for one in own), len(own)),
+        "alarm": share(sum(_alarm(one) for one in own), len(own)),
         "acts": share(len(acting), len(own)),
         "named": share(len(named), len(own)),
         "names": dict(Counter(c["id"] for one in own for c in told(one["causes"])).most_common()),
@@ -196,6 +197,12 @@ def _figures(own: list[Record]) -> Record:
         "reported_where_named": _mean([one["gain"] for one in named]),
         "fresh_where_named": _mean([one["fresh"] for one in named]),
     }
+
+
+def _alarm(one: Record) -> bool:
+    """Whether anything but noise is reported: an effect, a fault, a term, or an open question."""
+    likely = {cause["kind"] for cause in one["causes"] if cause["probability"] > LIKELY}
+    return one["verdict"] != "nothing" and not (one["verdict"] == "named" and likely == {"noise"})
 
 
 def _mean(values: list[float]) -> list[float] | None:
@@ -211,7 +218,7 @@ def show(summary: Record, console: Console) -> None:
     for key in ("nulls", "planted"):
         columns = (
             "",
-            "not nothing",
+            "alarm",
             "model acts",
             "cause named",
             "reported / fresh",
@@ -230,7 +237,7 @@ def show(summary: Record, console: Console) -> None:
                 )
             ]
             names = ", ".join(f"{name} {count}" for name, count in list(row["names"].items())[:4])
-            shares = [text(row[name]) for name in ("not_nothing", "acts", "named")]
+            shares = [text(row[name]) for name in ("alarm", "acts", "named")]
             table.add_row(label, *shares, *pairs, names if key == "nulls" else "")
         console.print(table)
 

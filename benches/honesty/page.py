@@ -56,6 +56,8 @@ mean of `gain.variance_removed`. *Replicate* is the mean part of the mean square
 from a table with the same rows and new noise; +/- is the standard error. Both are over all tables, then
 over those in which the model has an effect.
 
+An *alarm* is any verdict but `nothing`, unless it names noises alone.
+
 Goals: at most 0.02 false alarms; a mean reported gain of at most 0 without an effect; with one, within 2
 points of the replicate.
 """
@@ -135,10 +137,10 @@ def _nulls(summary: Record) -> list[str]:
         for label, row in summary[key].items():
             gains = [_percent(row[name]) for name in ("reported", "fresh")]
             acting = [_percent(row[f"{name}_where_acting"]) for name in ("reported", "fresh")]
-            alarms = f"{text(row['not_nothing'])} | {text(row['acts'])} | {text(row['named'])}"
+            alarms = f"{text(row['alarm'])} | {text(row['acts'])} | {text(row['named'])}"
             rows.append(f"| {label} | {alarms} | {' | '.join(gains)} | {' | '.join(acting)} |")
         head = (
-            "| noise, design | verdict is not `nothing` | model has an effect | cause named | "
+            "| noise, design | alarm | model has an effect | cause named | "
             "reported [%] | replicate [%] | reported, with an effect [%] | replicate [%] |"
         )
         parts += [f"### {title}\n", _table(head, rows)]
@@ -153,7 +155,7 @@ def _percent(figure: list[float] | None) -> str:
 
 def plot(transfer: Record) -> Figure:
     """Share removed in other windows against the gain that the window reports, by window."""
-    figure, ax = plt.subplots(figsize=(7.5, 4.5), layout="constrained")
+    figure, ax = plt.subplots(figsize=(8.5, 4.5), layout="constrained")
     for label, windows in transfer["windows"].items():
         some = [one for one in windows if one["in_model"]]
         points = [
@@ -171,11 +173,10 @@ def plot(transfer: Record) -> Figure:
             ax.scatter(*zip(*own, strict=True), s=18, facecolors=face, edgecolors=color) if own else None
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.axline((0.0, 0.0), slope=1.0, color="gray", linewidth=0.8, linestyle="--")
-    ax.set_ylim(-120.0, 60.0)
     ax.set_xlabel("reported by the window of the model, nested [% of the variance]")
     ax.set_ylabel("removed in another window [%]")
     ax.set_title("Filled: the window names a cause. Open: the model has a cause without a name.", fontsize=9)
-    ax.legend(fontsize=8, loc="lower right")
+    figure.legend(fontsize=8, loc="outside right upper")
     return figure
 
 

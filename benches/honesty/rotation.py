@@ -1,8 +1,9 @@
 """Rotation nulls: a real residual against its own columns, turned by whole days. Nothing may be named.
 
 Every stretch without a gap and without a change of the level by more than 0.1 m is a circle of whole days.
-A turned residual keeps its noise, its steps and its mean day. The mean day stays in phase with sun and
-temperature, so a cause of that phase can be true. `no mean day` takes the mean of each time of the day off.
+A turned residual keeps its noise, its steps and its mean day; readings are rounded again. The mean day stays
+in phase with sun and temperature, so a cause of that phase can be true. `no mean day` takes the mean of each
+time of the day off.
 """
 
 import json
@@ -47,6 +48,8 @@ class Stretch:
         [m]
     per_day : int
         Rows of a day.
+    step : float
+        Resolution of the readings [m]. A turned reading has it too.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Stretch:
     ratio: Column
     level: float
     per_day: int
+    step: float
 
     @property
     def days(self) -> int:
@@ -64,6 +68,7 @@ class Stretch:
         """The table with its residual turned by some days, with its mean day or without it."""
         residual = self.residual if whole else self.residual - self.mean_day()
         reading = (self.level + np.roll(residual, days * self.per_day)) / self.ratio
+        reading = np.round(reading / self.step) * self.step
         return self.table.assign(**{_reading(self.name): reading})
 
     def mean_day(self) -> Column:
@@ -86,6 +91,7 @@ def stretches(name: str) -> Iterator[Stretch]:
     jump = series[::-1].rolling(**around).median()[::-1] - series.rolling(**around).median().shift()
     far = jump.abs().to_numpy() > _JUMP
     peak = far & (jump.abs() == jump.abs().rolling(2 * _NEAR, center=True, min_periods=1).max()).to_numpy()
+    resolution = float(np.diff(np.unique(table[column].dropna().round(6))).min())
     begins = np.flatnonzero((times.diff() > 1.5 * step).to_numpy() | peak)
     for rows in np.split(np.arange(len(table)), begins):
         days = len(rows) // per_day
@@ -96,7 +102,7 @@ def stretches(name: str) -> Iterator[Stretch]:
         level = float(np.nanmedian(values))
         values = np.where(np.abs(values - level) > _JUMP, np.nan, values)
         part = table.iloc[rows].reset_index(drop=True)
-        yield Stretch(name, part, values - level, ratio[rows], level, per_day)
+        yield Stretch(name, part, values - level, ratio[rows], level, per_day, resolution)
 
 
 def _reading(name: str) -> str:
