@@ -211,7 +211,7 @@ def summarize(found: list[Record], counts: Record) -> Record:
     for whole in (True, False):
         own = [one for one in found if one["whole"] == whole]
         rows[f"all, {'whole' if whole else 'no mean day'}"] = _figures(own)
-    return {"counts": counts, "figures": rows}
+    return {"rounded": True, "counts": counts, "figures": rows}
 
 
 def _figures(own: list[Record]) -> Record:
