@@ -61,15 +61,15 @@ def test_sessions_that_differ_are_not_one_cause(random: np.random.Generator) -> 
 
 
 def test_a_size_that_varies_a_little_is_named_with_this_uncertainty(random: np.random.Generator) -> None:
-    # the scale of each session differs by 10 %, as a mounting that is taken off and put back
-    scale = -8e-3 * (1.0 + random.permutation([-0.1, -0.1, 0.0, 0.1, 0.1]) + random.normal(0.0, 0.01, 5))
-    distance, temperature = np.tile(np.linspace(0.2, 3.0, 60), 25), random.uniform(5.0, 35.0, 1500)
-    reading = distance * (1.0 + np.repeat(scale, 300)) + random.normal(0.0, 2e-4, 1500)
-    seconds = 60.0 * np.arange(1500)
-    table = {"reading_m": reading, "distance_m": distance, "temperature_C": temperature, "time_s": seconds}
-    diagnosis = echocal.diagnose(table)
-    (cause,) = [c for c in diagnosis.causes if "reference_scale" in {c.id, *c.indistinguishable_from}]
+    # a thermometer whose gain differs from day to day by a tenth, as its radiation shield is turned
+    temperature = random.uniform(0.0, 40.0, 600)
+    gain = 0.1 * (1.0 + np.repeat(random.permutation([-0.12, -0.06, 0.0, 0.06, 0.12]), 120))
+    recorded, true = 331.4 + 0.6 * temperature, 331.4 + 0.6 * temperature * (1 + gain)
+    reading = 2.0 * recorded / true + random.normal(0.0, 3e-4, 600)
+    diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, reference_distance=2.0)
+    (cause,) = [c for c in diagnosis.causes if "temperature_gain" in {c.id, *c.indistinguishable_from}]
     assert not cause.doubt, diagnosis.explain()
+    assert diagnosis.verdict == "named"
     (size,) = cause.parameters
     assert 0.04 < size.standard_uncertainty / abs(size.value) < 0.2
     at = diagnosis.model.parameter_names.index(f"{cause.id}.{size.name}")
