@@ -25,6 +25,7 @@ class Described(Protocol):
     air: dict[str, float]
     effects: dict[str, dict[str, float]]
     shape: Shape | None
+    columns: dict[str, str]
     covariance: NDArray[np.float64] | None
     provenance: dict[str, Any]
 
@@ -49,6 +50,7 @@ def content(model: Described) -> dict[str, Any]:
         }
 
     shape = {} if model.shape is None else {"shape": model.shape.to_dict()}
+    columns = {"columns": model.columns} if model.columns else {}
     return {
         "schema": SCHEMA,
         "law": model.law,
@@ -56,6 +58,7 @@ def content(model: Described) -> dict[str, Any]:
         "effects": [{"id": id_, "parameters": parameters(id_)} for id_ in model.effects],
         "covariance": None if model.covariance is None else model.covariance.tolist(),
         **shape,
+        **columns,
     }
 
 

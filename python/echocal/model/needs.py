@@ -1,6 +1,6 @@
 """Conditions that a model needs, and whether it is used inside its domain."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from numbers import Real
@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from echocal import _core
 from echocal.domain import warn_outside
 from echocal.errors import DataError, ModelError
-from echocal.quantities import AIR, DEFAULTS, QUANTITIES
+from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Needs", "assumed", "of"]
+__all__ = ["Needs", "assumed", "of", "read_from"]
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,18 @@ def assumed(air: Mapping[str, float]) -> dict[str, float]:
             message = f"air.{name} is {value:g}, outside {low:g} .. {high:g} [{unit}]"
             raise ModelError(message)
     return {name: float(value) for name, value in air.items()}
+
+
+def read_from(columns: Mapping[str, str], reads: Collection[str]) -> dict[str, str]:
+    """Return the columns that quantities are read from, checked; without those that the model does not read."""
+    for quantity, column in columns.items():
+        if quantity not in FROM_THERMOMETERS or not isinstance(column, str) or not column:
+            message = (
+                f"columns has '{quantity}': {column!r}; give the name of a column for "
+                f"{' or '.join(FROM_THERMOMETERS)}"
+            )
+            raise ModelError(message)
+    return {quantity: column for quantity, column in columns.items() if quantity in reads}
 
 
 def of(model: _core.Model) -> Needs:

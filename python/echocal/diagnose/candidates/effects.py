@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.onsets import places
 from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.candidates.thermometers import bound_forms, no_thermometer, read_from_thermometers
 from echocal.diagnose.candidates.variant import Candidates, Variant
+from echocal.observations.quantiles import quantiles
+from echocal.quantities import FROM_THERMOMETERS
 from echocal.registry import Effect, Parameter, effects
 
 __all__ = ["effect_candidates"]
@@ -28,8 +31,11 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
             found.skipped[effect.id] = reason
             continue
         sizes = [p for p in effect.parameters if p.role == "size"]
-        form = _known if all(p.known for p in sizes) else _free
-        variants = form(found, effect, scene)
+        if quantity := read_from_thermometers(effect):
+            variants = bound_forms(found, effect, quantity, scene, _free)
+        else:
+            form = _known if all(p.known for p in sizes) else _free
+            variants = form(found, effect, scene)
         if not variants:
             found.skipped[effect.id] = "too few distances before the one where it would begin"
             continue
@@ -39,7 +45,7 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
 
 def _why_not(effect: Effect, scene: Scene) -> str:
     recorded = scene.conditions
-    missing = [name for name in effect.requires if name not in recorded]
+    missing = [name for name in effect.requires if name not in recorded and name not in FROM_THERMOMETERS]
     superseded = [name for name in effect.excludes if name in recorded]
     assumed = [name for name in effect.excludes if name in scene.base.air]
     if not scene.base.allows(effect):
@@ -53,7 +59,7 @@ def _why_not(effect: Effect, scene: Scene) -> str:
         return f"recorded: {', '.join(superseded)}"
     if assumed:
         return f"assumed by the base: {', '.join(assumed)}"
-    return ""
+    return no_thermometer(scene) if read_from_thermometers(effect) else ""
 
 
 def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
@@ -117,15 +123,19 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
 def _forms(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]:
     """Values of the nonlinear parameters that are tried, each with its part of the prior."""
     nonlinear = [p for p in effect.parameters if p.role == "shape"]
-    fixed = [
-        [(p.name, float(x)) for x in (*p.known, *p.tried) or (p.neutral,)]
-        for p in nonlinear
-        if not p.tried_along
-    ]
+    onsets = [p for p in nonlinear if p.tried_along and effect.edges]
+    fixed = [[(p.name, x) for x in _values(p, scene)] for p in nonlinear if p not in onsets]
     at = [(dict(values), 1.0) for values in product(*fixed)]
-    for p in (p for p in nonlinear if p.tried_along):
+    for p in onsets:
         at = [({**a, p.name: x}, w) for a, _ in at for x, w in places(effect, p, a, scene)]
     return at
+
+
+def _values(parameter: Parameter, scene: Scene) -> tuple[float, ...]:
+    """Values of a nonlinear parameter that is no onset; along a column, quantiles of it."""
+    if parameter.tried_along is not None:
+        return tuple(quantiles(scene.conditions[parameter.tried_along], parameter.tried))
+    return tuple(float(x) for x in (*parameter.known, *parameter.tried)) or (parameter.neutral,)
 
 
 def _scale(parameter: Parameter, scene: Scene) -> float:

@@ -86,6 +86,7 @@ def prepare(
         reference=None if reference is None else some(reference, rows),
         conditions=conditions,
         extra={name: some(column, rows) for name, column in observations.extra.items()},
+        thermometers={name: some(column, rows) for name, column in observations.thermometers.items()},
         groups=groups.astype(np.int64),
         starts=series_starts(elapsed, breaks, settings.gap),
         steps=rows[steps],

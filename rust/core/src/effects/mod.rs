@@ -92,6 +92,7 @@ registry!(
     temperature_daylight::TemperatureDaylight,
     temperature_radiation::TemperatureRadiation,
     temperature_gradient::TemperatureGradient,
+    thermometer_mix::ThermometerMix,
     // speed
     linear_speed_law::LinearSpeedLaw,
     speed_intercept::SpeedIntercept,
@@ -111,6 +112,7 @@ registry!(
     drift::Drift,
     step_change::StepChange,
     thermal_expansion::ThermalExpansion,
+    echo_quality::EchoQuality,
     transducer_spacing::TransducerSpacing,
     // flight
     wind_along::WindAlong,
@@ -130,6 +132,7 @@ registry!(
     fixed_speed::FixedSpeed,
     double_correction::DoubleCorrection,
     pressure_sqrt_law::PressureSqrtLaw,
+    internal_thermometer::InternalThermometer,
 );
 
 /// The ids of all effects.
