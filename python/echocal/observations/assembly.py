@@ -42,6 +42,7 @@ class Assembly:
     reason: NDArray[np.int16] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
     time: clock.Instants | None = field(init=False, default=None)
+    reading_speed: str = field(init=False, default="")
 
     def __post_init__(self) -> None:
         self.reason = np.zeros(len(self.table), dtype=np.int16)
@@ -68,6 +69,7 @@ class Assembly:
             labels=named,
             extra=self._extra(),
             thermometers=self._thermometers(),
+            reading_speed=self.reading_speed,
             source_names={name: source.column for name, source in held.items()},
             notes=tuple(self.notes),
         )
@@ -142,6 +144,7 @@ class Assembly:
                     f"readings are taken to be made with the speed {speed.law}; "
                     "if the firmware used another: --reading-speed 343"
                 )
+            self.reading_speed = speed.law if speed.stated else ""
             return speed.echo_time(reading, self.reason == 0)
         if reading_speed is not None or "temperature" in conditions:
             sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])

@@ -43,6 +43,9 @@ class Observations:
     thermometers : mapping of str to ndarray, shape (n,)
         Those of them that are thermometers (``temperature_box_C``, or mapped ``=thermometer_C``) [degC],
         NaN where one has no possible value.
+    reading_speed : str
+        Law or speed [m/s] that the user states for the readings, with which they became echo times; else
+        empty.
     source_names : mapping of str to str
         Name of the source's column by quantity, for messages and plots.
     notes : tuple of str
@@ -70,6 +73,7 @@ class Observations:
     labels: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
     extra: Mapping[str, Column] = field(default_factory=dict)
     thermometers: Mapping[str, Column] = field(default_factory=dict)
+    reading_speed: str = ""
     source_names: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 

@@ -50,9 +50,8 @@ def _why_not(effect: Effect, scene: Scene) -> str:
     assumed = [name for name in effect.excludes if name in scene.base.air]
     if not scene.base.allows(effect):
         return "the base accounts for it"
-    asked = effect.id == "fixed_speed" and scene.base.device_speed is not None
-    if scene.echoes and effect.stage == "firmware" and not asked:  # the device's arithmetic acts later
-        return "echo times were recorded"
+    if reason := _why_no_arithmetic(effect, scene):
+        return reason
     if missing:
         return f"not recorded: {', '.join(missing)}"
     if superseded:
@@ -60,6 +59,31 @@ def _why_not(effect: Effect, scene: Scene) -> str:
     if assumed:
         return f"assumed by the base: {', '.join(assumed)}"
     return no_thermometer(scene) if read_from_thermometers(effect) else ""
+
+
+def _why_no_arithmetic(effect: Effect, scene: Scene) -> str:
+    """Why an effect on the arithmetic of the device does not compete; empty where it does, or is none.
+
+    Recorded echo times do not know this arithmetic. If the user states the speed that readings were made
+    with, the echo times are computed from the readings, and do not know it either. If the stated speed
+    depends on the temperature, the device may still have read another thermometer.
+    """
+    if effect.stage != "firmware" or (effect.id == "fixed_speed" and scene.base.device_speed is not None):
+        return ""
+    if scene.echoes:
+        return "echo times were recorded"
+    own = read_from_thermometers(effect) and not _is_number(scene.stated_speed)
+    if scene.stated_speed and not own:
+        return f"readings were made with the stated speed {scene.stated_speed}"
+    return ""
+
+
+def _is_number(speed: str) -> bool:
+    try:
+        float(speed)
+    except ValueError:
+        return False
+    return True
 
 
 def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:

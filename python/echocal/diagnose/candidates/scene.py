@@ -40,6 +40,8 @@ class Scene:
     settings : Settings
     echoes : bool
         Whether the readings come from recorded echo times.
+    stated_speed : str
+        Speed of the device that the user states; empty where it is that of the base.
     thermometers : mapping of str to ndarray
         Further thermometers [degC], by the names of their columns.
     """
@@ -52,6 +54,7 @@ class Scene:
     residual: Column
     settings: Settings
     echoes: bool = False
+    stated_speed: str = ""
     thermometers: Mapping[str, Column] = field(default_factory=dict)
 
     @cached_property

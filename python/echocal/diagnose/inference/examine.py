@@ -37,6 +37,7 @@ def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Setting
         residual,
         settings,
         table.echoes,
+        table.stated_speed,
         table.thermometers,
     )
     found = Candidates(scene.columns())

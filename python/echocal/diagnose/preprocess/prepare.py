@@ -93,4 +93,5 @@ def prepare(
         left_out=left_out,
         total=len(observations),
         echoes=observations.reading is None or "echo_time" in observations.source_names,
+        stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
     )

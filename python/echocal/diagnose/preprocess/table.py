@@ -45,6 +45,9 @@ class Table:
     echoes : bool
         Whether the indication comes from recorded echo times, which the arithmetic of the device
         does not change; also if readings are recorded, too.
+    stated_speed : str
+        Speed of the device that the user states, as a law or in m/s: its arithmetic is known. Empty where
+        the speed is that of the base.
     """
 
     row: Labels
@@ -59,6 +62,7 @@ class Table:
     total: int
     echoes: bool = False
     thermometers: Mapping[str, Column] = field(default_factory=dict)
+    stated_speed: str = ""
 
     def __len__(self) -> int:
         return len(self.row)

@@ -11,9 +11,9 @@ pub struct EchoQuality;
 impl Effect for EchoQuality {
     const FACTS: Facts = Facts {
         id: "echo_quality",
-        stage: Stage::Path,
+        stage: Stage::Transducer,
         sentence: "Grass, snow, rain or rough ground change where the echo comes from, and its recorded quality with it.",
-        formula: "d' = d + gain (q - reference), with q the quality number as it was recorded",
+        formula: "t' = t + 2 gain (q - reference) / c, with q the quality number as it was recorded",
         source: "the leading edge of an echo from soft ground is weaker, and a quality number says how much: manual of \
                  the SR50A, 152 to 210 good, up to 300 weak, up to 600 uncertain (general knowledge); 0.05 to 0.2 mm \
                  for one unit on two fields of grass",
@@ -35,8 +35,8 @@ impl Effect for EchoQuality {
                 neutral: 180.0,
                 bounds: (-1e6, 1e6),
                 prior_scale: 20.0,
-                // the usual echo of a table: there the distance is right
-                tried: Tried::Quantiles(Quantity::EchoQuality, &[0.5]),
+                // where the distance is right: at the usual echo of a table, or at the best, at either end
+                tried: Tried::Quantiles(Quantity::EchoQuality, &[0.05, 0.5, 0.95]),
                 ..ParameterFacts::USUAL
             },
         ],
@@ -49,7 +49,8 @@ impl Effect for EchoQuality {
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
         let worse = chain.recorded.get(Quantity::EchoQuality) - parameters[1];
-        chain.path = parameters[0].mul_add(worse, chain.path);
+        let later = S::constant(2.0) * worse / chain.speed;
+        chain.time = parameters[0].mul_add(later, chain.time);
     }
 }
 

@@ -112,7 +112,6 @@ registry!(
     drift::Drift,
     step_change::StepChange,
     thermal_expansion::ThermalExpansion,
-    echo_quality::EchoQuality,
     transducer_spacing::TransducerSpacing,
     // flight
     wind_along::WindAlong,
@@ -121,6 +120,7 @@ registry!(
     fixed_delay::FixedDelay,
     amplitude_walk::AmplitudeWalk,
     recorded_amplitude::RecordedAmplitude,
+    echo_quality::EchoQuality,
     resonance_drift::ResonanceDrift,
     supply_voltage::SupplyVoltage,
     first_ping::FirstPing,
