@@ -134,7 +134,7 @@ class Model:
         self.covariance = covariances.checked(covariance, self.parameter_names)
         self.provenance = dict(provenance or {})
         self.shape = shape
-        self.columns = needs.read_from(columns or {}, self.reads)
+        self.given_columns = needs.of_thermometers(columns or {})
 
     def _build(self, law: str, effects: Mapping[str, Mapping[str, float]]) -> None:
         try:
@@ -169,6 +169,14 @@ class Model:
         effects = [find_effect(id_) for id_ in self.effects]
         own = (name for effect in effects for name in (*effect.reads, *effect.requires))
         return frozenset((*self._core.law_reads, *own))
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Column of a table by quantity, for quantities that it reads and several columns may hold."""
+        if not self.given_columns:
+            return {}
+        reads = self.reads
+        return {quantity: column for quantity, column in self.given_columns.items() if quantity in reads}
 
     @property
     def standard_uncertainties(self) -> dict[str, float | None]:
@@ -305,7 +313,7 @@ class Model:
             air=self.air,
             provenance=self.provenance,
             shape=shape,
-            columns=self.columns,
+            columns=self.given_columns,
         )
         same.covariance = self.covariance
         return same
@@ -339,7 +347,7 @@ class Model:
             air=self.air,
             provenance=self.provenance,
             shape=self.shape,
-            columns=self.columns,
+            columns=self.given_columns,
         )
         if self.covariance is not None:
             same.covariance = self.covariance[np.ix_(kept, kept)]

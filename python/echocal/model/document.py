@@ -25,12 +25,13 @@ class Described(Protocol):
     air: dict[str, float]
     effects: dict[str, dict[str, float]]
     shape: Shape | None
-    columns: dict[str, str]
     covariance: NDArray[np.float64] | None
     provenance: dict[str, Any]
 
     @property
     def law(self) -> str: ...
+    @property
+    def columns(self) -> dict[str, str]: ...
     @property
     def standard_uncertainties(self) -> dict[str, float | None]: ...
 

@@ -35,9 +35,7 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
     indication = base_indication(observations, model.law)
     try:
         distance = np.asarray(
-            model.correct(
-                indication, **_conditions(observations, model), **_extra(observations, model)
-            )
+            model.correct(indication, **_conditions(observations, model), **_extra(observations, model))
         )
     except DataError as error:
         message = f'{error}; map a column with --column, or leave one out with --column "NAME=ignore"'

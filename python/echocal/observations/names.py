@@ -35,7 +35,8 @@ def by_name(column: str) -> tuple[Form, str] | None:
     if role is None:
         return None
     form, unit = _FORM_BY_ROLE[role], column[len(role) + 1 :]
-    if form.label or form.several or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
+    weak = form.label or form.several or form.stand_in  # asks for no unit
+    if weak or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
         return None
     what = f"unknown unit '{unit}'" if unit else "no unit"
     message = (

@@ -106,7 +106,13 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
         if form.several:
             several[column] = Assignment(column, form, unit)
             continue
-        if earlier := assignments.get(form.quantity):
+        earlier = assignments.get(form.quantity)
+        if earlier and form.stand_in and not earlier.form.stand_in:
+            others.append(column)
+            continue
+        if earlier and earlier.form.stand_in and not form.stand_in:
+            others.append(earlier.column)
+        elif earlier:
             _refuse_second(earlier.column, column, form.quantity)
         assignments[form.quantity] = Assignment(column, form, unit)
     return Plan(assignments, tuple(others), several)

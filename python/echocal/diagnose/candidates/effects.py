@@ -156,9 +156,14 @@ def _forms(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]
 
 
 def _values(parameter: Parameter, scene: Scene) -> tuple[float, ...]:
-    """Values of a nonlinear parameter that is no onset; along a column, quantiles of it."""
+    """Values of a nonlinear parameter that is no onset; along a column, quantiles of it.
+
+    Such a value says in which rows the distance is right. An unknown level includes that; then the middle is
+    enough.
+    """
     if parameter.tried_along is not None:
-        return tuple(quantiles(scene.conditions[parameter.tried_along], parameter.tried))
+        tried = parameter.tried if scene.groups is None else parameter.tried[len(parameter.tried) // 2 :][:1]
+        return tuple(quantiles(scene.conditions[parameter.tried_along], tried))
     return tuple(float(x) for x in (*parameter.known, *parameter.tried)) or (parameter.neutral,)
 
 

@@ -74,9 +74,7 @@ def _ranges(case: Case, can_vary: Ranges | None) -> Ranges:
     return {k: v for k, v in _WORKSHOP.items() if k == "distance" or k in case.table.conditions}
 
 
-def _conditions(
-    case: Case, varied: Mapping[str, Column], members: Sequence[Member]
-) -> dict[str, Column]:
+def _conditions(case: Case, varied: Mapping[str, Column], members: Sequence[Member]) -> dict[str, Column]:
     """Conditions of each place: the varied ones, else the median; the time is that of the last row.
 
     A further thermometer differs from that of the air by the median difference of these rows.

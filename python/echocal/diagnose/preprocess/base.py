@@ -52,8 +52,8 @@ class Base:
             base.refuse_shape("the base of a diagnosis")
             if base.columns:
                 message = (
-                    f"the base of a diagnosis reads {', '.join(base.columns)} from a further thermometer, which no "
-                    "base does; give a base without that effect"
+                    f"the base of a diagnosis reads {', '.join(base.columns)} from a further thermometer, "
+                    "which no base does; give a base without that effect"
                 )
                 raise UsageError(message)
             return cls(base.law, base.effects, base.air)

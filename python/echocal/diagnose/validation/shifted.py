@@ -94,9 +94,7 @@ def _seen(case: Case) -> Labels:
     return np.asarray(rows[case.folds.fit[case.folds.blocks[rows]]])
 
 
-def _fit(
-    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, at: Labels
-) -> Model:
+def _fit(case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, at: Labels) -> Model:
     """The model with the causes, fitted to some rows."""
     table = case.table
     used = [0, *sorted({c for v in hypothesis.variants for c in v.columns}), len(case.found.columns) - 1]
