@@ -7,7 +7,7 @@
 //! `temperature_lag`; a part of the compensation only, `temperature_gain`, or `fixed_speed` where all of it is
 //! lacking; too much of it, `double_correction`.
 
-use super::{Effect, Facts, Firmware, ParameterFacts};
+use super::{Effect, Facts, ParameterFacts};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -38,8 +38,8 @@ impl Effect for InternalThermometer {
             ..ParameterFacts::USUAL
         }],
         domain: "readings that the device compensates itself; recorded echo times do not know it",
+        // a firmware that reads the echo time itself never meets it
         check: "log the ranger's own temperature, or shade it for an hour",
-        firmware: Firmware::Needs(Quantity::DeviceTemperature),
         ..Facts::USUAL
     };
 
