@@ -12,6 +12,7 @@ from echocal.conditions import columns as broadcast
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.quantities import FROM_THERMOMETERS
 from echocal.registry import find_effect
 
 __all__ = ["LAW", "Chain"]
@@ -52,7 +53,8 @@ class Chain:
         self._keys = [LAW.get(name, tuple(name.split("."))) for name in self.names]
         self.parameters = [self._parameter(name) for name in self.names]
         start = np.array([parameter.start for parameter in self.parameters])
-        self._extended = Model(model.law, self._effects(start), air=model.air)
+        self._columns = model.given_columns
+        self._extended = Model(model.law, self._effects(start), air=model.air, columns=self._columns)
         order = self._extended.parameter_names
         self._picked = [1 + order.index(".".join(key)) for key in self._keys]
 
@@ -67,9 +69,19 @@ class Chain:
             message = "calibration needs a reference distance; add a column distance_m, _cm or _mm"
             raise DataError(message)
         used = observations.usable
-        at = {name: column[used] for name, column in observations.conditions.items()}
+        self._columns = {**self._only_thermometer(observations), **self._columns}
+        self._extended = Model(
+            self.model.law, self._extended.effects, air=self.model.air, columns=self._columns
+        )
+        given = {**observations.conditions, **observations.bound(self._extended.columns)}
+        at = {name: column[used] for name, column in given.items()}
         self._extended.indicate(distance[used], **at)  # refuses or warns as the model does, once
-        return {"distance": distance, **observations.conditions}
+        return {"distance": distance, **given}
+
+    def _only_thermometer(self, observations: Observations) -> dict[str, str]:
+        """Where a table has one further thermometer, the effects that read one read this one."""
+        names = list(observations.thermometers)
+        return {} if len(names) != 1 else dict.fromkeys(FROM_THERMOMETERS, names[0])
 
     def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
         """Return the indication [m] and the core's exact derivatives."""
@@ -92,13 +104,13 @@ class Chain:
             if moved
             else self.model.law
         )
-        model = Model(law, effects, air=self.model.air)
+        model = Model(law, effects, air=self.model.air, columns=self._columns)
         kept = [index for index, name in enumerate(self.names) if name not in LAW]
         if kept:
             places = [model.parameter_names.index(self.names[index]) for index in kept]
             whole = np.zeros((len(model.parameter_names),) * 2)
             whole[np.ix_(places, places)] = covariance[np.ix_(kept, kept)]
-            model = Model(law, effects, air=self.model.air, covariance=whole)
+            model = Model(law, effects, air=self.model.air, covariance=whole, columns=self._columns)
         return model
 
     def _effects(self, values: Column) -> dict[str, dict[str, float]]:

@@ -107,6 +107,9 @@ def correct_table(
         )
     distance = corrected_distance(observations, model)
     reasons = np.where(observations.usable & np.isnan(distance), "no distance fits", observations.unusable)
+    for column in model.columns.values():
+        lacks = observations.usable & np.isnan(observations.thermometers[column])
+        reasons = np.where(lacks, f"{column} missing", reasons)
     codes, counts = np.unique(reasons[reasons != ""], return_counts=True)
     return Corrected(
         table.assign(**dict(zip(RESULTS, (distance, reasons), strict=True))),

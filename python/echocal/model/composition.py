@@ -90,6 +90,9 @@ class Model:
         Where the model comes from; saved without change, not part of the `hash`.
     shape : Shape, optional
         An unexplained term that is added to every indication; no firmware can contain it.
+    columns : mapping of str to str, optional
+        Column of a table from which a quantity is read that several columns may hold, e.g.
+        ``{"second_temperature": "temperature_box_C"}``.
 
     Raises
     ------
@@ -119,6 +122,7 @@ class Model:
         covariance: ArrayLike | None = None,
         provenance: Mapping[str, Any] | None = None,
         shape: Shape | None = None,
+        columns: Mapping[str, str] | None = None,
     ) -> None:
         if not isinstance(law, str):
             message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
@@ -130,6 +134,7 @@ class Model:
         self.covariance = covariances.checked(covariance, self.parameter_names)
         self.provenance = dict(provenance or {})
         self.shape = shape
+        self.given_columns = needs.of_thermometers(columns or {})
 
     def _build(self, law: str, effects: Mapping[str, Mapping[str, float]]) -> None:
         try:
@@ -164,6 +169,14 @@ class Model:
         effects = [find_effect(id_) for id_ in self.effects]
         own = (name for effect in effects for name in (*effect.reads, *effect.requires))
         return frozenset((*self._core.law_reads, *own))
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Column of a table by quantity, for quantities that it reads and several columns may hold."""
+        if not self.given_columns:
+            return {}
+        reads = self.reads
+        return {quantity: column for quantity, column in self.given_columns.items() if quantity in reads}
 
     @property
     def standard_uncertainties(self) -> dict[str, float | None]:
@@ -294,7 +307,14 @@ class Model:
 
     def with_shape(self, shape: Shape | None) -> "Model":
         """The same model with an unexplained term."""
-        same = Model(self.law, self.effects, air=self.air, provenance=self.provenance, shape=shape)
+        same = Model(
+            self.law,
+            self.effects,
+            air=self.air,
+            provenance=self.provenance,
+            shape=shape,
+            columns=self.given_columns,
+        )
         same.covariance = self.covariance
         return same
 
@@ -321,7 +341,14 @@ class Model:
         left_out = self.campaign_effects
         effects = {id_: own for id_, own in self.effects.items() if id_ not in left_out}
         kept = [i for i, name in enumerate(self.parameter_names) if name.partition(".")[0] in effects]
-        same = Model(self.law, effects, air=self.air, provenance=self.provenance, shape=self.shape)
+        same = Model(
+            self.law,
+            effects,
+            air=self.air,
+            provenance=self.provenance,
+            shape=self.shape,
+            columns=self.given_columns,
+        )
         if self.covariance is not None:
             same.covariance = self.covariance[np.ix_(kept, kept)]
         return same
@@ -351,7 +378,8 @@ class Model:
     def __repr__(self) -> str:
         air = f", air={self.air}" if self.air else ""
         shape = f", shape against {self.shape.against} (not explained)" if self.shape else ""
-        return f"Model({self.law!r}, {self.effects}{air}{shape})"
+        columns = f", columns={self.columns}" if self.columns else ""
+        return f"Model({self.law!r}, {self.effects}{air}{columns}{shape})"
 
     def refuse_missing(self, conditions: Mapping[str, Any]) -> None:
         """Raise `DataError` where a condition that the model needs is not among these names."""

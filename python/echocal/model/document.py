@@ -31,6 +31,8 @@ class Described(Protocol):
     @property
     def law(self) -> str: ...
     @property
+    def columns(self) -> dict[str, str]: ...
+    @property
     def standard_uncertainties(self) -> dict[str, float | None]: ...
 
 
@@ -49,6 +51,7 @@ def content(model: Described) -> dict[str, Any]:
         }
 
     shape = {} if model.shape is None else {"shape": model.shape.to_dict()}
+    columns = {"columns": model.columns} if model.columns else {}
     return {
         "schema": SCHEMA,
         "law": model.law,
@@ -56,6 +59,7 @@ def content(model: Described) -> dict[str, Any]:
         "effects": [{"id": id_, "parameters": parameters(id_)} for id_ in model.effects],
         "covariance": None if model.covariance is None else model.covariance.tolist(),
         **shape,
+        **columns,
     }
 
 

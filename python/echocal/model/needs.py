@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from echocal import _core
 from echocal.domain import warn_outside
 from echocal.errors import DataError, ModelError
-from echocal.quantities import AIR, DEFAULTS, QUANTITIES
+from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Needs", "assumed", "of"]
+__all__ = ["Needs", "assumed", "of", "of_thermometers"]
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,13 @@ class Needs:
         for name, who in self.required.items():
             if name not in conditions:
                 source = QUANTITIES[name].derived_from
+                if name in FROM_THERMOMETERS:
+                    message = (
+                        f"{who} needs {name} [degC], which is not given; say which of a table's further "
+                        f"thermometers it is, Model(columns={{'{name}': 'temperature_box_C'}}), or pass "
+                        f"{name}=..."
+                    )
+                    raise DataError(message)
                 record = f"record {source} (read_observations derives it)" if source else "record it"
                 message = (
                     f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; {record}, "
@@ -82,6 +89,21 @@ def assumed(air: Mapping[str, float]) -> dict[str, float]:
             message = f"air.{name} is {value:g}, outside {low:g} .. {high:g} [{unit}]"
             raise ModelError(message)
     return {name: float(value) for name, value in air.items()}
+
+
+def of_thermometers(columns: Mapping[str, str]) -> dict[str, str]:
+    """Return the columns that quantities are read from, checked: the quantity may be in several columns."""
+    if not isinstance(columns, Mapping):
+        message = f"columns maps quantities to names of columns; got {columns!r}"
+        raise ModelError(message)
+    for quantity, column in columns.items():
+        if quantity not in FROM_THERMOMETERS or not isinstance(column, str) or not column:
+            message = (
+                f"columns has '{quantity}': {column!r}; give the name of a column for "
+                f"{' or '.join(FROM_THERMOMETERS)}"
+            )
+            raise ModelError(message)
+    return dict(columns)
 
 
 def of(model: _core.Model) -> Needs:

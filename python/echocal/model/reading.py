@@ -50,6 +50,7 @@ class _File(_Entry):
     effects: list[_Effect] = []
     covariance: list[list[float]] | None = None
     shape: _Shape | None = None
+    columns: dict[str, str] = {}
     hash: str | None = None
     data: dict[str, Any] = {}
 
@@ -139,6 +140,7 @@ def _arguments(file: _File) -> dict[str, Any]:
         "effects": {e.id: {n: p.value for n, p in e.parameters.items()} for e in file.effects},
         "provenance": file.data,
         "shape": None if file.shape is None else _shape(file.shape),
+        "columns": file.columns,
     }
 
 

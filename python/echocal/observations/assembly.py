@@ -42,6 +42,7 @@ class Assembly:
     reason: NDArray[np.int16] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
     time: clock.Instants | None = field(init=False, default=None)
+    reading_speed: str = field(init=False, default="")
 
     def __post_init__(self) -> None:
         self.reason = np.zeros(len(self.table), dtype=np.int16)
@@ -67,6 +68,8 @@ class Assembly:
             time=self.time,
             labels=named,
             extra=self._extra(),
+            thermometers=self._thermometers(),
+            reading_speed=self.reading_speed,
             source_names={name: source.column for name, source in held.items()},
             notes=tuple(self.notes),
         )
@@ -141,6 +144,7 @@ class Assembly:
                     f"readings are taken to be made with the speed {speed.law}; "
                     "if the firmware used another: --reading-speed 343"
                 )
+            self.reading_speed = speed.law if speed.stated else ""
             return speed.echo_time(reading, self.reason == 0)
         if reading_speed is not None or "temperature" in conditions:
             sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])
@@ -163,13 +167,30 @@ class Assembly:
     def _extra(self) -> dict[str, Column]:
         """Other columns that hold numbers."""
         found = {}
-        for column in self.plan.others:
+        for column in (*self.plan.others, *self.plan.several):
             try:
                 values = to_numbers(self.table[column], column, self.missing)
             except DataError:
                 continue  # text: a remark, a name
             if np.isfinite(values).any():
                 found[column] = values
+        return found
+
+    def _thermometers(self) -> dict[str, Column]:
+        """Further thermometers [degC], NaN where one has no possible value; no row is unusable by them."""
+        found = {}
+        for column, source in self.plan.several.items():
+            values = to_numbers(self.table[column], column, self.missing)
+            low, high = source.form.physical
+            values = source.unit.to_si(values)
+            wrong = np.isfinite(values) & ~((low <= values) & (values <= high))
+            if wrong.any():
+                first = row(np.flatnonzero(wrong)[0])
+                self.notes.append(
+                    f"{column} is outside {low:g} to {high:g} degC in {rows(wrong.sum())}, first at {first}; "
+                    "it counts as missing there"
+                )
+            found[column] = np.where(wrong, np.nan, values) if wrong.any() else values
         return found
 
     def _note_lookalikes(self) -> None:

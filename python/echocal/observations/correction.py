@@ -35,7 +35,7 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
     indication = base_indication(observations, model.law)
     try:
         distance = np.asarray(
-            model.correct(indication, **_conditions(observations), **_extra(observations, model))
+            model.correct(indication, **_conditions(observations, model), **_extra(observations, model))
         )
     except DataError as error:
         message = f'{error}; map a column with --column, or leave one out with --column "NAME=ignore"'
@@ -49,7 +49,9 @@ def _extra(observations: Observations, model: Model) -> dict[str, Column]:
     return {name: extra[name] for name in extra if model.shape is not None and name == model.shape.against}
 
 
-def _conditions(observations: Observations) -> dict[str, Column]:
+def _conditions(observations: Observations, model: Model | None = None) -> dict[str, Column]:
     # what cannot be used must not raise a warning about domains either
     usable = observations.usable
-    return {name: np.where(usable, values, np.nan) for name, values in observations.conditions.items()}
+    bound = {} if model is None else observations.bound(model.columns)
+    given = {**observations.conditions, **bound}
+    return {name: np.where(usable, values, np.nan) for name, values in given.items()}

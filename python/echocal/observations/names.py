@@ -4,7 +4,7 @@ import re
 from difflib import get_close_matches
 
 from echocal.errors import DataError, UsageError
-from echocal.observations.units import FORMS, NAMES, UNIT_WORDS, Form
+from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
 
 __all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
@@ -14,6 +14,7 @@ IGNORE = "ignore"
 _ROLES = sorted((form.role for form in FORMS), key=len, reverse=True)
 _FORM_BY_ROLE = {form.role: form for form in FORMS}
 _FORM_BY_WORDS = {words: form for form in FORMS for words in (*form.words, form.role.replace("_", " "))}
+_FURTHER = re.compile(rf"temperature_.+_({'|'.join(THERMOMETER.units)})")
 _PHRASE = re.compile(r"(?P<words>.+?)(?:\s+in\s+(?P<unit>.+)|\s*[\[(](?P<bracket>.*)[\])])?")
 
 
@@ -28,11 +29,14 @@ def by_name(column: str) -> tuple[Form, str] | None:
     found = _exact(column)
     if found and (found[1] or column == found[0].role):
         return found  # a bare name in another case ("Time") is somebody's own
+    if further := _FURTHER.fullmatch(column):
+        return THERMOMETER, further[1]
     role = next((role for role in _ROLES if column == role or column.startswith(f"{role}_")), None)
     if role is None:
         return None
     form, unit = _FORM_BY_ROLE[role], column[len(role) + 1 :]
-    if form.label or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
+    weak = form.label or form.several or form.stand_in  # asks for no unit
+    if weak or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
         return None
     what = f"unknown unit '{unit}'" if unit else "no unit"
     message = (

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,8 @@ class Plan:
     """By quantity."""
     others: tuple[str, ...]
     """Columns that hold none of the quantities and are not ignored."""
+    several: Mapping[str, Assignment] = field(default_factory=dict)
+    """Columns of a kind that a table may have several of, by column."""
 
 
 def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, str]:
@@ -91,7 +93,7 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
         if column not in columns and column != EVERYTHING:
             _refuse_absent(column, columns)
     assignments: dict[str, Assignment] = {}
-    others = []
+    others, several = [], {}
     for column in columns:
         request = requests.get(column)
         if request is not None and request.strip() == IGNORE:
@@ -101,10 +103,19 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
             others.append(column)
             continue
         form, unit = found
-        if earlier := assignments.get(form.quantity):
+        if form.several:
+            several[column] = Assignment(column, form, unit)
+            continue
+        earlier = assignments.get(form.quantity)
+        if earlier and form.stand_in and not earlier.form.stand_in:
+            others.append(column)
+            continue
+        if earlier and earlier.form.stand_in and not form.stand_in:
+            others.append(earlier.column)
+        elif earlier:
             _refuse_second(earlier.column, column, form.quantity)
         assignments[form.quantity] = Assignment(column, form, unit)
-    return Plan(assignments, tuple(others))
+    return Plan(assignments, tuple(others), several)
 
 
 def _refuse_absent(column: str, columns: Collection[str]) -> None:

@@ -40,6 +40,12 @@ class Observations:
         ``order``, where the source has them; -1 where empty.
     extra : mapping of str to ndarray, shape (n,)
         Further numeric columns, unchanged: candidates for unexplained terms.
+    thermometers : mapping of str to ndarray, shape (n,)
+        Those of them that are thermometers (``temperature_box_C``, or mapped ``=thermometer_C``) [degC],
+        NaN where one has no possible value.
+    reading_speed : str
+        Law or speed [m/s] that the user states for the readings, with which they became echo times; else
+        empty.
     source_names : mapping of str to str
         Name of the source's column by quantity, for messages and plots.
     notes : tuple of str
@@ -66,6 +72,8 @@ class Observations:
     time: NDArray[np.datetime64] | None = None
     labels: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
     extra: Mapping[str, Column] = field(default_factory=dict)
+    thermometers: Mapping[str, Column] = field(default_factory=dict)
+    reading_speed: str = ""
     source_names: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -83,6 +91,24 @@ class Observations:
     def unusable_counts(self) -> dict[str, int]:
         """Number of rows by reason code, the most frequent first."""
         return dict(Counter(self.unusable[~self.usable].tolist()).most_common())
+
+    def bound(self, columns: Mapping[str, str]) -> dict[str, Column]:
+        """Values of quantities that a model reads from further thermometers.
+
+        Parameters
+        ----------
+        columns : mapping of str to str
+            Name of the column by quantity, see `Model.columns`.
+
+        Raises
+        ------
+        DataError
+            If the table has no such thermometer.
+        """
+        for quantity, column in columns.items():
+            if column not in self.thermometers:
+                raise DataError(_no_thermometer(quantity, column, self))
+        return {quantity: self.thermometers[column] for quantity, column in columns.items()}
 
     def require(
         self,
@@ -133,6 +159,17 @@ def require_observations(given: object, who: str) -> None:
             f"{who} needs observations, got {type(given).__name__}; echocal.read_observations makes them"
         )
         raise UsageError(message)
+
+
+def _no_thermometer(quantity: str, column: str, observations: Observations) -> str:
+    others = ", ".join(observations.thermometers)
+    if column in observations.extra:
+        what = f'has that column, but it is not known to be a thermometer: --column "{column}=thermometer_C"'
+    elif others:
+        what = f"has other thermometers ({others}): rename the one that is meant"
+    else:
+        what = f"has no further thermometer: record it in a column '{column}', in degC"
+    return f"the model reads {quantity} from the column '{column}', and the table {what}"
 
 
 def _absent(purpose: str, quantity: str) -> str:

@@ -1,9 +1,9 @@
 """The names that a table's columns may have: those of readings, of influence quantities and of labels."""
 
 from echocal.quantities import QUANTITIES, Form, Unit
-from echocal.quantities.units import LENGTH, ONE_WAY_TIME, TIME, TWO_WAY_LENGTH, Units
+from echocal.quantities.units import LENGTH, ONE_WAY_TIME, TEMPERATURE, TIME, TWO_WAY_LENGTH, Units
 
-__all__ = ["FORMS", "NAMES", "UNIT_WORDS", "Form", "Unit"]
+__all__ = ["FORMS", "NAMES", "THERMOMETER", "UNIT_WORDS", "Form", "Unit"]
 
 _ECHO = (0.0, 0.5)  # 86 m out and back: beyond any ranger in air
 _ECHOES = (5e-5, 0.5)  # 9 mm: below any ranger's blanking distance
@@ -22,6 +22,17 @@ def _length(role: str, quantity: str, units: Units, *words: str, holds: str) -> 
 def _label(role: str, *words: str, holds: str, quantity: str = "") -> Form:
     return Form(role, quantity or role, {"": Unit()}, words, label=True, holds=holds)
 
+
+THERMOMETER = Form(
+    "thermometer",
+    "thermometer",
+    TEMPERATURE,
+    ("further thermometer",),
+    (-95.0, 150.0),  # a box in the sun may be warmer than air
+    holds="a further thermometer, also as `temperature_NAME_C`; a table may have several",
+    several=True,
+)
+"""A thermometer beside that of the air: of the box, of a second logger, of the water."""
 
 FORMS: tuple[Form, ...] = (
     _echo("echo", TIME, "echo time", "time of flight", holds="recorded echo time, out and back"),
@@ -46,6 +57,7 @@ FORMS: tuple[Form, ...] = (
         holds="reference distance, out and back",
     ),
     *(form for quantity in QUANTITIES.values() for form in quantity.forms),
+    THERMOMETER,
     _label("stand", holds="placement of the target that a row belongs to"),
     _label("station", holds="another name of `stand`", quantity="stand"),
     _label("group", "burst", holds="burst that a row belongs to"),

@@ -11,7 +11,17 @@ from echocal.quantities.facts import QuantityFacts, Shown
 from echocal.quantities.form import Form
 from echocal.quantities.units import Unit
 
-__all__ = ["AIR", "BY_COLUMN", "DEFAULTS", "QUANTITIES", "Form", "QuantityFacts", "Shown", "Unit"]
+__all__ = [
+    "AIR",
+    "BY_COLUMN",
+    "DEFAULTS",
+    "FROM_THERMOMETERS",
+    "QUANTITIES",
+    "Form",
+    "QuantityFacts",
+    "Shown",
+    "Unit",
+]
 
 
 def _entry(name: str) -> QuantityFacts:
@@ -38,6 +48,11 @@ DEFAULTS: dict[str, float] = {name: q.default for name, q in QUANTITIES.items() 
 _READ_BY_LAWS = {name for law in _core.laws() for name in law["reads"]}
 AIR: tuple[str, ...] = tuple(name for name in QUANTITIES if name in _READ_BY_LAWS)
 """Quantities of the air that laws read, in the order in which the core takes them."""
+
+FROM_THERMOMETERS: tuple[str, ...] = tuple(
+    name for name, q in QUANTITIES.items() if q.derived_from == "a further thermometer"
+)
+"""Quantities that any further thermometer of a table may hold: a model says which (`Model.columns`)."""
 
 BY_COLUMN: dict[str, QuantityFacts] = {q.column: q for q in QUANTITIES.values()}
 """Quantities by the name of the column that an error is a function of."""

@@ -32,6 +32,10 @@ class Form:
     """Whether values are labels rather than measurements."""
     holds: str = field(default="", kw_only=True)
     """What the column holds, for the table in the documentation; empty: the first of `words`."""
+    stand_in: bool = field(default=False, kw_only=True)
+    """Whether it is a further column, no quantity, where another form holds the quantity."""
+    several: bool = field(default=False, kw_only=True)
+    """Whether a table may have several such columns; each keeps its name."""
     error_codes: Mapping[str, tuple[float, ...]] = field(default_factory=dict, kw_only=True)
     """Values that sensors write where they have none, by unit of the column."""
 

@@ -96,6 +96,9 @@ MOLE_FRACTION: Units = {"ppm": Unit(1, 1e6), "mole_fraction": Unit()}
 VOLTAGE: Units = {"V": Unit(words=("volt", "volts")), "mV": Unit(1, 1000)}
 ANGLE: Units = {"deg": Unit(pi, 180, words=("degree", "degrees", "°")), "rad": Unit()}
 SPEED: Units = {"m_s": Unit(words=("m/s",)), "km_h": Unit(1, 3.6, words=("km/h",))}
+# daylight has 105 to 120 lm/W, clear or overcast: Littlefair 1985, Lighting Res. Technol. 17, 162
+ILLUMINANCE: Units = {"lux": Unit(1, 110, words=("lx",))}
+NUMBER: Units = {"": Unit(words=("1", "number"))}
 IRRADIANCE: Units = {"W_m2": Unit(words=("w/m2", "w/m^2", "w/m²"))}
 
 

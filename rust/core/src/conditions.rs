@@ -85,6 +85,12 @@ quantities! {
     PositionInGroup: derived("position_in_group", "1", "group or order", (0.0, 10.0)),
     /// Hour angle of the local clock, 0 at noon \[rad\].
     HourAngle: derived("hour_angle", "rad", "times of day", (-PI, PI)),
+    /// Temperature that a further thermometer of the table reads, for the air on the path \[degC\].
+    SecondTemperature: derived("second_temperature", "degC", "a further thermometer", (-20.0, 60.0)),
+    /// Temperature that a further thermometer of the table reads, for the ranger's own \[degC\].
+    DeviceTemperature: derived("device_temperature", "degC", "a further thermometer", (-20.0, 60.0)),
+    /// Quality number of an echo, as the ranger or its logger gives it \[1\].
+    EchoQuality: recorded("echo_quality", "1", None, (150.0, 300.0)),
 }
 
 impl Quantity {

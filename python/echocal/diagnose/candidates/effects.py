@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.onsets import places
 from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.candidates.thermometers import bound_forms, no_thermometer, read_from_thermometers
 from echocal.diagnose.candidates.variant import Candidates, Variant
+from echocal.observations.quantiles import quantiles
+from echocal.quantities import FROM_THERMOMETERS
 from echocal.registry import Effect, Parameter, effects
 
 __all__ = ["effect_candidates"]
@@ -28,8 +31,11 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
             found.skipped[effect.id] = reason
             continue
         sizes = [p for p in effect.parameters if p.role == "size"]
-        form = _known if all(p.known for p in sizes) else _free
-        variants = form(found, effect, scene)
+        if quantity := read_from_thermometers(effect):
+            variants = bound_forms(found, effect, quantity, scene, _free)
+        else:
+            form = _known if all(p.known for p in sizes) else _free
+            variants = form(found, effect, scene)
         if not variants:
             found.skipped[effect.id] = "too few distances before the one where it would begin"
             continue
@@ -39,21 +45,45 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
 
 def _why_not(effect: Effect, scene: Scene) -> str:
     recorded = scene.conditions
-    missing = [name for name in effect.requires if name not in recorded]
+    missing = [name for name in effect.requires if name not in recorded and name not in FROM_THERMOMETERS]
     superseded = [name for name in effect.excludes if name in recorded]
     assumed = [name for name in effect.excludes if name in scene.base.air]
     if not scene.base.allows(effect):
         return "the base accounts for it"
-    asked = effect.id == "fixed_speed" and scene.base.device_speed is not None
-    if scene.echoes and effect.stage == "firmware" and not asked:  # the device's arithmetic acts later
-        return "echo times were recorded"
+    if reason := _why_no_arithmetic(effect, scene):
+        return reason
     if missing:
         return f"not recorded: {', '.join(missing)}"
     if superseded:
         return f"recorded: {', '.join(superseded)}"
     if assumed:
         return f"assumed by the base: {', '.join(assumed)}"
+    return no_thermometer(scene) if read_from_thermometers(effect) else ""
+
+
+def _why_no_arithmetic(effect: Effect, scene: Scene) -> str:
+    """Why an effect on the arithmetic of the device does not compete; empty where it does, or is none.
+
+    Recorded echo times do not know this arithmetic. If the user states the speed that readings were made
+    with, the echo times are computed from the readings, and do not know it either. If the stated speed
+    depends on the temperature, the device may still have read another thermometer.
+    """
+    if effect.stage != "firmware" or (effect.id == "fixed_speed" and scene.base.device_speed is not None):
+        return ""
+    if scene.echoes:
+        return "echo times were recorded"
+    own = read_from_thermometers(effect) and not _is_number(scene.stated_speed)
+    if scene.stated_speed and not own:
+        return f"readings were made with the stated speed {scene.stated_speed}"
     return ""
+
+
+def _is_number(speed: str) -> bool:
+    try:
+        float(speed)
+    except ValueError:
+        return False
+    return True
 
 
 def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
@@ -117,15 +147,24 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
 def _forms(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]:
     """Values of the nonlinear parameters that are tried, each with its part of the prior."""
     nonlinear = [p for p in effect.parameters if p.role == "shape"]
-    fixed = [
-        [(p.name, float(x)) for x in (*p.known, *p.tried) or (p.neutral,)]
-        for p in nonlinear
-        if not p.tried_along
-    ]
+    onsets = [p for p in nonlinear if p.tried_along and effect.edges]
+    fixed = [[(p.name, x) for x in _values(p, scene)] for p in nonlinear if p not in onsets]
     at = [(dict(values), 1.0) for values in product(*fixed)]
-    for p in (p for p in nonlinear if p.tried_along):
+    for p in onsets:
         at = [({**a, p.name: x}, w) for a, _ in at for x, w in places(effect, p, a, scene)]
     return at
+
+
+def _values(parameter: Parameter, scene: Scene) -> tuple[float, ...]:
+    """Values of a nonlinear parameter that is no onset; along a column, quantiles of it.
+
+    Such a value says in which rows the distance is right. An unknown level includes that; then the middle is
+    enough.
+    """
+    if parameter.tried_along is not None:
+        tried = parameter.tried if scene.groups is None else parameter.tried[len(parameter.tried) // 2 :][:1]
+        return tuple(quantiles(scene.conditions[parameter.tried_along], tried))
+    return tuple(float(x) for x in (*parameter.known, *parameter.tried)) or (parameter.neutral,)
 
 
 def _scale(parameter: Parameter, scene: Scene) -> float:

@@ -1,7 +1,7 @@
 """The table as candidates are evaluated on it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +40,10 @@ class Scene:
     settings : Settings
     echoes : bool
         Whether the readings come from recorded echo times.
+    stated_speed : str
+        Speed of the device that the user states; empty where it is that of the base.
+    thermometers : mapping of str to ndarray
+        Further thermometers [degC], by the names of their columns.
     """
 
     base: Base
@@ -50,6 +54,8 @@ class Scene:
     residual: Column
     settings: Settings
     echoes: bool = False
+    stated_speed: str = ""
+    thermometers: Mapping[str, Column] = field(default_factory=dict)
 
     @cached_property
     def leftover(self) -> Column:
@@ -85,6 +91,10 @@ class Scene:
     def columns(self) -> Columns:
         """An empty set of columns of the table."""
         return Columns(self.base.plain, self.distance, self.conditions, self.groups)
+
+    def bound(self, quantity: str, thermometer: str) -> "Scene":
+        """The same, with a quantity read from a further thermometer."""
+        return replace(self, conditions={**self.conditions, quantity: self.thermometers[thermometer]})
 
     def levels(self, id_: str, at: Mapping[str, float]) -> Column | None:
         """Level of each segment with an effect [m]; None if the distance is known."""

@@ -19,6 +19,9 @@ Labels = NDArray[np.int64]
 HOUR = "hour of day"
 """Name of the periodic term that is tried if a table spans days."""
 
+_LINEAR = ("echo_quality",)
+"""Columns of which a cause with the same name is a linear function: a term is what is left of them."""
+
 _DAY = 86400.0  # s
 _MOST, _ROWS_EACH = 64, 4  # basis functions of all known quantities together; rows for each of them
 
@@ -88,7 +91,8 @@ def term_candidates(
 
     A term has a mean. Without it, an offset would be claimed for the mean of an unknown effect. A
     term against the distance has neither a mean nor a linear part, because an offset and a scale
-    are causes of the catalogue. The candidates' `line` is used later to check that these two are
+    are causes of the catalogue; one against the echo quality has no linear part either, if that cause
+    competes. The candidates' `line` is used later to check that these two are
     more than parts of an unknown effect.
 
     Parameters
@@ -112,6 +116,8 @@ def term_candidates(
             if name == "distance":
                 line += found.columns.legendre(column, basis.low, basis.high, [settings.size])
                 own, first = [], 2
+            elif name in _LINEAR and any(v.cause == name for v in found.variants):
+                first = 2
             functions = found.columns.legendre(
                 column, basis.low, basis.high, _scales(settings)[first - 1 : most], first=first
             )

@@ -33,6 +33,8 @@ class Variant:
         Probability among the variants of its cause.
     against : str
         For `UNKNOWN`, the column of the function.
+    bound : tuple of (str, str)
+        Quantities that it reads from a further thermometer, each with the name of the column.
     """
 
     cause: str
@@ -44,6 +46,7 @@ class Variant:
     bounds: tuple[tuple[float, float], ...] = ()
     weight: float = 1.0
     against: str = ""
+    bound: tuple[tuple[str, str], ...] = ()
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -56,6 +59,7 @@ class Candidates:
     """Columns so far, the variants that use them, and skipped causes with the reasons.
 
     `aside` are further columns of the table without an unexplained term, because there are too many.
+    `unread` are further thermometers that no cause reads, with the reasons.
     """
 
     columns: Columns
@@ -64,6 +68,7 @@ class Candidates:
     skipped: dict[str, str] = field(default_factory=dict)
     line: Variant | None = None
     aside: tuple[str, ...] = ()
+    unread: dict[str, str] = field(default_factory=dict)
 
     @property
     def competing(self) -> int:

@@ -11,7 +11,7 @@ from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
-from echocal.diagnose.selection.claims import Claim, Ranking, covariance_of, effects_of, without
+from echocal.diagnose.selection.claims import Claim, Ranking, columns_of, covariance_of, effects_of, without
 from echocal.diagnose.validation.gain import errors
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model
@@ -129,4 +129,4 @@ def _model(case: Case, fit: HypothesisFit) -> Model:
     effects = effects_of(fit)
     names: tuple[str, ...] = base.model(effects).parameter_names
     covariance: NDArray[np.float64] | None = covariance_of(fit, names) if names else None
-    return base.model(effects, covariance=covariance)
+    return base.model(effects, covariance=covariance, columns=columns_of(fit))

@@ -46,7 +46,7 @@ def propose(
     ranges = _ranges(case, can_vary)
     stations = _stations(case)
     varied = grid(ranges, {"distance": stations})
-    conditions = _conditions(case, varied)
+    conditions = _conditions(case, varied, members)
     known = case.table.reference is not None or "distance" in ranges
     base = replace(case.base, air={**case.base.air, **case.table.air()}).model()
     prospect = Prospect.of(members, base, conditions, noise, variance, known, stations)
@@ -74,15 +74,23 @@ def _ranges(case: Case, can_vary: Ranges | None) -> Ranges:
     return {k: v for k, v in _WORKSHOP.items() if k == "distance" or k in case.table.conditions}
 
 
-def _conditions(case: Case, varied: Mapping[str, Column]) -> dict[str, Column]:
-    """Conditions of each place: the varied ones, else the median; the time is that of the last row."""
+def _conditions(case: Case, varied: Mapping[str, Column], members: Sequence[Member]) -> dict[str, Column]:
+    """Conditions of each place: the varied ones, else the median; the time is that of the last row.
+
+    A further thermometer differs from that of the air by the median difference of these rows.
+    """
     places = len(next(iter(varied.values())))
     recorded = {
         name: np.full(places, column.max() if QUANTITIES[name].runs_on else np.median(column))
         for name, column in case.table.conditions.items()
     }
     level = float(np.median(case.table.distance(case.base.plain)))
-    return {"distance": np.full(places, level), **recorded, **varied}
+    given = {"distance": np.full(places, level), **recorded, **varied}
+    bound = {q: name for member in members for q, name in member.model.columns.items()}
+    for quantity, name in bound.items():
+        apart = case.table.thermometers[name] - case.table.conditions["temperature"]
+        given[quantity] = given["temperature"] + np.median(apart)
+    return given
 
 
 def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -> NextMeasurement:

@@ -28,7 +28,18 @@ def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Setting
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
-    scene = Scene(base, distance, table.conditions, table.distance, groups, residual, settings, table.echoes)
+    scene = Scene(
+        base,
+        distance,
+        table.conditions,
+        table.distance,
+        groups,
+        residual,
+        settings,
+        table.echoes,
+        table.stated_speed,
+        table.thermometers,
+    )
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds
     effect_candidates(found, scene)

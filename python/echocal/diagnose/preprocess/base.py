@@ -50,6 +50,12 @@ class Base:
         """Read a law's name, an expression, a fixed speed or a model."""
         if isinstance(base, Model):
             base.refuse_shape("the base of a diagnosis")
+            if base.columns:
+                message = (
+                    f"the base of a diagnosis reads {', '.join(base.columns)} from a further thermometer, "
+                    "which no base does; give a base without that effect"
+                )
+                raise UsageError(message)
             return cls(base.law, base.effects, base.air)
         speed = isinstance(base, Real) and not isinstance(base, bool)
         law = Model(str(base) if speed else cast("str", base)).law  # which refuses what is neither

@@ -100,4 +100,5 @@ def blanked(observations: Observations, rows: Mask, reason: str) -> Observations
         unusable=reasons.astype(str),
         reading=None if reading is None else blank(reading),
         extra={name: blank(column) for name, column in observations.extra.items()},
+        thermometers={name: blank(column) for name, column in observations.thermometers.items()},
     )

@@ -86,10 +86,12 @@ def prepare(
         reference=None if reference is None else some(reference, rows),
         conditions=conditions,
         extra={name: some(column, rows) for name, column in observations.extra.items()},
+        thermometers={name: some(column, rows) for name, column in observations.thermometers.items()},
         groups=groups.astype(np.int64),
         starts=series_starts(elapsed, breaks, settings.gap),
         steps=rows[steps],
         left_out=left_out,
         total=len(observations),
         echoes=observations.reading is None or "echo_time" in observations.source_names,
+        stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
     )

@@ -1,7 +1,7 @@
 """The table of a diagnosis: usable rows, their readings and their grouping."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -31,7 +31,7 @@ class Table:
         Reading [m] with the base's speed of sound.
     reference : ndarray, shape (n,), or None
         Reference distance [m]; None where only known to be constant.
-    conditions, extra : mapping of str to ndarray
+    conditions, extra, thermometers : mapping of str to ndarray
     groups : ndarray of int, shape (n,)
         Segment of constant level, or station.
     starts : ndarray of bool, shape (n,)
@@ -45,6 +45,9 @@ class Table:
     echoes : bool
         Whether the indication comes from recorded echo times, which the arithmetic of the device
         does not change; also if readings are recorded, too.
+    stated_speed : str
+        Speed of the device that the user states, as a law or in m/s: its arithmetic is known. Empty where
+        the speed is that of the base.
     """
 
     row: Labels
@@ -58,6 +61,8 @@ class Table:
     left_out: Mapping[str, Labels]
     total: int
     echoes: bool = False
+    thermometers: Mapping[str, Column] = field(default_factory=dict)
+    stated_speed: str = ""
 
     def __len__(self) -> int:
         return len(self.row)
@@ -84,12 +89,17 @@ class Table:
             corrected, self.groups, np.ones(len(self), dtype=bool) if rows is None else rows, np.median
         )
 
+    def bound(self, model: Model) -> dict[str, Column]:
+        """Quantities that a model reads from further thermometers."""
+        return {quantity: self.thermometers[name] for quantity, name in model.columns.items()}
+
     def correct(
         self, model: Model, rows: NDArray[Any] | slice | None = None, out: Column | None = None
     ) -> Column:
         """Readings of some or all rows, corrected by a model [m]."""
         reads = model.reads if model.shape is None else {*model.reads, model.shape.against}
-        needed = {name: column for name, column in self.conditions.items() if name in reads}
+        given = {**self.conditions, **self.bound(model)}
+        needed = {name: column for name, column in given.items() if name in reads}
         indication = self.indication
         if rows is not None:
             indication, needed = indication[rows], {name: column[rows] for name, column in needed.items()}

@@ -43,7 +43,7 @@ def notes(
             f"{cause} acts in too few stations or segments: a fit without them does not find its size. The "
             f"{rows} neither confirm nor refute it"
         )
-    said += [*_both(case, observations), *_aside(case)]
+    said += [*_both(case, observations), *_unread(case), *_aside(case)]
     if passing := ", ".join(validation.model.campaign_effects):
         said.append(
             f"the model includes {passing} for this campaign only. For other campaigns, leave it out "
@@ -79,6 +79,16 @@ def _both(case: Case, observations: Observations) -> list[str]:
         "the table has readings and echo times. The diagnosis uses the echo times, because the arithmetic of "
         f'the device does not change them. To diagnose the readings: --column "{echo}=ignore"'
     ]
+
+
+def _unread(case: Case) -> list[str]:
+    """Which further thermometers no cause was tried with, and why."""
+    unread = case.found.unread
+    if not unread:
+        return []
+    some = [f"{name} ({reason})" for name, reason in list(unread.items())[:_SHOWN]]
+    more = f" and {len(unread) - _SHOWN} more" if len(unread) > _SHOWN else ""
+    return [f"no cause was tried with these further thermometers: {', '.join(some)}{more}"]
 
 
 def _aside(case: Case) -> list[str]:

@@ -122,6 +122,7 @@ def _cause(
         if p.name in value
     )
     text = because(case, claim, validation, recorded)
+    text += "".join(f"; the further thermometer is the column {column}" for _, column in claim.variant.bound)
     alone = min(ranking.of([claim.cause]), claim.probability)
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone)
 
@@ -198,7 +199,8 @@ def _outside(table: Table, validation: Validation) -> list[str]:
         whole[table.row] = column
         return whole
 
-    recorded = {name: spread(column) for name, column in table.conditions.items()}
+    given = {**table.conditions, **table.bound(validation.model)}
+    recorded = {name: spread(column) for name, column in given.items()}
     with warnings.catch_warnings(action="always", record=True) as caught:
         validation.model.speed_of_sound(1.0, **recorded)
     return list(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, DomainWarning)))

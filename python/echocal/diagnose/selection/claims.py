@@ -28,6 +28,7 @@ __all__ = [
     "alternatives",
     "beside_a_term",
     "claims",
+    "columns_of",
     "covariance_of",
     "effects_of",
     "free_size",
@@ -280,6 +281,12 @@ def effects_of(fit: HypothesisFit, only: Sequence[str] | None = None) -> Paramet
         for variant, place in fit.hypothesis.placed
         if variant.cause != UNKNOWN and (only is None or variant.cause in only)
     }
+
+
+def columns_of(fit: HypothesisFit, only: Sequence[str] | None = None) -> dict[str, str]:
+    """Columns from which a model with these causes reads further thermometers."""
+    causes = fit.hypothesis.variants
+    return {q: name for v in causes if only is None or v.cause in only for q, name in v.bound}
 
 
 def covariance_of(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float64]:

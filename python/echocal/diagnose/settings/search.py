@@ -29,6 +29,12 @@ class SearchSettings:
         "if there are more, a shortlist of the further columns of the table is used",
         "memory: 1 GB (docs/diagnose.md)",
     )
+    most_thermometers: int = number(
+        8,
+        "columns",
+        "of more further thermometers, those that differ from the first as the residual does are tried",
+        "memory: each takes two columns of the sums; chosen by hand",
+    )
     shortlist_least: int = number(8, "columns", "fewest further columns on the shortlist", "chosen by hand")
     onset_resolution: float = number(
         0.5, "rows", "resolution of the search for an onset", "rows show no more"

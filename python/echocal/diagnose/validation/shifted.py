@@ -13,7 +13,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
-from echocal.diagnose.selection.claims import effects_of, without
+from echocal.diagnose.selection.claims import columns_of, effects_of, without
 from echocal.diagnose.validation.gain import errors
 from echocal.model import Model
 from echocal.observations.quantiles import quantiles
@@ -73,10 +73,8 @@ def _along(
     inside, outside = seen[middle], seen[~middle]
     if min(len(inside), len(outside)) < case.settings.rows.fewest:
         return None
-    effects = _fit(case, hypothesis, causes, noise, inside)
-    before, after = (
-        _rms(case, model, inside, outside) for model in (case.base.plain, case.base.model(effects))
-    )
+    model = _fit(case, hypothesis, causes, noise, inside)
+    before, after = (_rms(case, one, inside, outside) for one in (case.base.plain, model))
     if not np.isfinite(before) or not np.isfinite(after):
         return None  # the rows outside have no level inside
     return Shifted(name, low, high, len(outside), before, after)
@@ -96,10 +94,8 @@ def _seen(case: Case) -> Labels:
     return np.asarray(rows[case.folds.fit[case.folds.blocks[rows]]])
 
 
-def _fit(
-    case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, at: Labels
-) -> dict[str, dict[str, float]]:
-    """Sizes of the causes, from some rows."""
+def _fit(case: Case, hypothesis: Hypothesis, causes: Sequence[str], noise: Noise, at: Labels) -> Model:
+    """The model with the causes, fitted to some rows."""
     table = case.table
     used = [0, *sorted({c for v in hypothesis.variants for c in v.columns}), len(case.found.columns) - 1]
     given = {name: column[at] for name, column in table.conditions.items()}
@@ -112,7 +108,7 @@ def _fit(
     sums = Sums.gather(columns, replace(order, groups=groups), blocks, [noise.correlation])
     moved = replace(hypothesis, variants=tuple(_moved(v, used) for v in hypothesis.variants))
     fitted = fit_hypothesis(moved, Stack.of([sums.whiten(noise)], sums.degrees(np.array([True]))))
-    return effects_of(fitted, causes)
+    return case.base.model(effects_of(fitted, causes), columns=columns_of(fitted, causes))
 
 
 def _moved(variant: Variant, used: Sequence[int]) -> Variant:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.selection.claims import Claim, effects_of
+from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
 from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
 from echocal.model import Model
 
@@ -57,7 +57,7 @@ class Trials:
 
         def fitted(blocks: Mask) -> Model:
             fit = fit_with(self.case, hypothesis, blocks, self.noise)
-            return self.case.base.model(effects_of(fit, causes))
+            return self.case.base.model(effects_of(fit, causes), columns=columns_of(fit, causes))
 
         return fitted
 

@@ -10,7 +10,14 @@ from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, parameters, without
+from echocal.diagnose.selection.claims import (
+    Claim,
+    columns_of,
+    covariance_of,
+    effects_of,
+    parameters,
+    without,
+)
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.selection.steadiness import varied
 from echocal.diagnose.validation.gain import HeldOut, floor, summarize
@@ -171,6 +178,7 @@ def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain)
     names = base.model(effects).parameter_names
     return base.model(
         effects,
+        columns=columns_of(fit, [c.cause for c in kept]),
         covariance=covariance_of(fit, names) if names else None,
         provenance={"made_by": "echocal diagnose", "rows": len(case.table), "gain": asdict(gain)},
     )

@@ -92,6 +92,7 @@ registry!(
     temperature_daylight::TemperatureDaylight,
     temperature_radiation::TemperatureRadiation,
     temperature_gradient::TemperatureGradient,
+    thermometer_mix::ThermometerMix,
     // speed
     linear_speed_law::LinearSpeedLaw,
     speed_intercept::SpeedIntercept,
@@ -119,6 +120,7 @@ registry!(
     fixed_delay::FixedDelay,
     amplitude_walk::AmplitudeWalk,
     recorded_amplitude::RecordedAmplitude,
+    echo_quality::EchoQuality,
     resonance_drift::ResonanceDrift,
     supply_voltage::SupplyVoltage,
     first_ping::FirstPing,
@@ -130,6 +132,7 @@ registry!(
     fixed_speed::FixedSpeed,
     double_correction::DoubleCorrection,
     pressure_sqrt_law::PressureSqrtLaw,
+    internal_thermometer::InternalThermometer,
 );
 
 /// The ids of all effects.

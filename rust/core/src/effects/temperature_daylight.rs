@@ -44,7 +44,7 @@ impl Effect for TemperatureDaylight {
         ],
         edges: true,
         domain: "clear days of about twelve hours; a clock in local time (--time-zone), of which lag is how late the \
-                 housing is",
+                 housing is; also the own thermometer of a ranger that compensates its reading",
         check: "shade the thermometer for an hour, or record the irradiance",
         firmware: Firmware::Needs(Quantity::HourAngle),
         ..Facts::USUAL

@@ -41,7 +41,8 @@ impl Effect for TemperatureRadiation {
                 ..ParameterFacts::USUAL
             },
         ],
-        domain: "light wind; a housing that follows the sun within minutes, of which lag is the number in seconds",
+        domain: "light wind; a housing that follows the sun within minutes, of which lag is the number in seconds; \
+                 also the own thermometer of a ranger that compensates its reading",
         check: "shade the thermometer for an hour",
         firmware: Firmware::Needs(Quantity::Radiation),
         ..Facts::USUAL

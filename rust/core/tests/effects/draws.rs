@@ -28,6 +28,8 @@ pub fn range(quantity: Quantity) -> (f64, f64) {
         Quantity::RadiationRate => (-1.0, 1.0),
         Quantity::PositionInGroup => (0.0, 2.0),
         Quantity::HourAngle => (-3.0, 3.0),
+        // far from the reference, 0.3 mm for each unit of it would be longer than the shortest paths
+        Quantity::EchoQuality => (170.0, 190.0),
         _ => {
             let origin = quantity.facts().field_from.unwrap_or(quantity);
             origin.facts().field
