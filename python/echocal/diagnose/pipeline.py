@@ -12,6 +12,7 @@ from echocal.diagnose.faults import find_faults
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
+from echocal.diagnose.noises.common.offsets import without_offsets
 from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
@@ -76,7 +77,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             case = examine(table, base, folds, request.seed, settings)
 
             work.begin("comparing causes")
-            inference = infer(case)
+            case, inference, offsets = without_offsets(case, infer(case))
             if growing := convections(case, inference.fits, inference.reduced):
                 case = case.with_correlations(growing)
                 del inference  # it is large for a wide table
@@ -98,7 +99,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             work.level_steps = len(level_steps)
 
         work.begin("planning measurements")
-        joint = join(ranking, faults.found, shares, reduced)
+        joint = join(ranking, [*faults.found, *offsets], shares, reduced)
         possible = members(case, ranking, selection.every_claim, validation, reduced)
         proposals = propose(case, possible, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint)

@@ -1,6 +1,7 @@
 """Build the columns of every candidate, and pass over the rows once."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.effects import effect_candidates
 from echocal.diagnose.candidates.scene import Scene
@@ -19,15 +20,22 @@ from echocal.diagnose.settings import Settings
 
 __all__ = ["examine"]
 
+Column = NDArray[np.float64]
 
-def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Settings) -> Case:
+
+def examine(
+    table: Table, base: Base, folds: Folds, seed: int, settings: Settings, cycles: Column | None = None
+) -> Case:
     """Build the columns and pass over them once.
 
-    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2.
+    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `cycles` is the length of the
+    missed cycles in each reading [m], which is subtracted from the residual.
     """
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
+    if cycles is not None:
+        residual = residual - cycles
     scene = Scene(base, distance, table.conditions, table.distance, groups, residual, settings, table.echoes)
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from importlib import import_module
 
-from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
+from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, OffsetNoise, Quantization
 from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "nuisances", "quantizations"]
+__all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "nuisances", "offsets", "quantizations"]
 
 
 def _noise(id_: str) -> NoiseEntry:
@@ -22,6 +22,7 @@ NOISES: tuple[NoiseEntry, ...] = tuple(
         "reading_quantization",
         "timer_quantization",
         "temperature_quantization",
+        "cycle_offset",
         "cycle_slip",
         "noise_growth",
         "polling_jitter",
@@ -44,6 +45,11 @@ def fitted() -> tuple[FittedNoise, ...]:
 def nuisances() -> tuple[NuisanceNoise, ...]:
     """Noises that every hypothesis includes."""
     return tuple(noise for noise in NOISES if isinstance(noise, NuisanceNoise))
+
+
+def offsets() -> tuple[OffsetNoise, ...]:
+    """Noises that add an offset to each placement of the target."""
+    return tuple(noise for noise in NOISES if isinstance(noise, OffsetNoise))
 
 
 def listed_only() -> frozenset[str]:

@@ -1,0 +1,72 @@
+"""Placements of the target, and stretches of rows inside them with one offset."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.noises.common.trace import group_medians
+from echocal.diagnose.preprocess.table import Table
+
+__all__ = ["labelings", "visits"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+
+def labelings(table: Table, left: Column, period: Column, window: int) -> Iterator[tuple[Labels, float]]:
+    """Number the stations; then the visits to them; then the stretches inside of visits.
+
+    Parameters
+    ----------
+    table : Table
+    left : ndarray, shape (n,)
+        Residuals of a probable hypothesis [m].
+    period : ndarray, shape (n,)
+        Length of one period [m].
+    window : int
+        Least rows of a stretch.
+
+    Yields
+    ------
+    ndarray of int, shape (n,)
+        Label of each row, numbered from 0 without a gap.
+    float
+        Log prior probability of the rows at which the stretches begin.
+    """
+    if table.reference is not None:
+        yield table.groups, 0.0
+    visit = visits(table)
+    if visit[-1] > table.groups.max():
+        yield visit, 0.0
+    hops = _hops(visit, left, period, window)
+    if hops.any():
+        rows = np.bincount(visit)[visit[hops]]
+        yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(np.log(rows).sum())
+
+
+def visits(table: Table) -> Labels:
+    """Number the runs of rows in which the target stayed: a burst, or rows without a gap at one station."""
+    new = table.starts.copy()
+    if table.reference is not None:
+        new[1:] |= np.diff(table.reference) != 0
+    position = table.conditions.get("position_in_group")
+    if position is not None:
+        new[1:] |= np.diff(position) < 0
+    new[:1] = False
+    return np.cumsum(new)
+
+
+def _hops(visit: Labels, left: Column, period: Column, window: int) -> NDArray[np.bool_]:
+    """First rows of stretches whose level differs by about a period, or more, from the rows before them."""
+    import pandas as pd  # takes long to import
+
+    level = np.round((left - group_medians(left, visit)[visit]) / period)
+    smooth = pd.Series(level).rolling(window, center=True, min_periods=1).median().round().to_numpy()
+    hops = np.zeros(len(left), dtype=bool)
+    hops[1:] = (np.diff(smooth) != 0) & (np.diff(visit) == 0)
+    ends = np.flatnonzero(hops | (np.diff(visit, prepend=-1) > 0))
+    length = np.diff(np.append(ends, len(left)))
+    short = ends[length < window // 2]
+    hops[short] = False
+    return hops
