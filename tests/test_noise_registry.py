@@ -14,7 +14,7 @@ from echocal.diagnose.catalogue import find_cause, irregularities
 from echocal.diagnose.findings.facts import Columns
 from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.noises import NoiseSettings, common, registry
-from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
+from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, OffsetNoise, Quantization
 
 EVERY = pytest.mark.parametrize("noise", registry.NOISES, ids=lambda noise: noise.facts.id)
 
@@ -51,7 +51,7 @@ def test_facts_are_complete(noise: NoiseEntry) -> None:
         assert parameter.bounds != (None, None), parameter.name
     assert find_cause(facts.id) is facts
     assert facts in echocal.noises()
-    assert isinstance(noise, Quantization | FittedNoise | NuisanceNoise)
+    assert isinstance(noise, Quantization | FittedNoise | NuisanceNoise | OffsetNoise)
 
 
 @EVERY

@@ -52,4 +52,4 @@ def examine(
     if sums.correlations == (WHITE,):
         others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
         sums = sums.with_correlations(found.columns, others) if others else sums
-    return Case(table, base, found, residual, sums, folds, seed, settings)
+    return Case(table, base, found, residual, sums, folds, seed, settings, cycles=cycles)

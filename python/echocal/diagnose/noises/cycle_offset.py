@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
-from scipy.stats import t as student
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
@@ -16,7 +14,7 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import Offsets, OffsetNoise
-from echocal.diagnose.noises.common.lattice import ORDERS, Placements, log_prior, propose
+from echocal.diagnose.noises.common.lattice import ORDERS, Placements, log_lattice, log_prior, log_prior_along, propose
 from echocal.diagnose.noises.common.placements import labelings
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.settings.threshold import threshold
@@ -102,7 +100,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
             if best is not None and np.array_equal(orders[labels], best.orders[best.labels]):
                 continue
             found = _try(case, labels, orders, step)
-            log = _log_evidence(found[1]) - none + places + log_prior(orders)
+            log = _log_evidence(found[1]) - none + places + _log_prior(case, labels, orders)
             if best is None or log > best.log:
                 best = _Tried(labels, orders, log, *found)
         if best is None or best.log < -np.log(settings.prior(FACTS)):
@@ -116,6 +114,14 @@ def _step(case: Case) -> Column:
     """Length of one period in each row [m]."""
     two = case.base.indication(np.full(len(case.table), 2.0), case.table.conditions)
     return np.asarray(0.5 * two * _PERIOD)
+
+
+def _log_prior(case: Case, labels: Labels, orders: Labels) -> float:
+    """Log probability of the integers: by chance, or in steps along one of the recorded columns or in time."""
+    count = np.bincount(labels)
+    columns = [np.arange(len(labels), dtype=np.float64), *case.table.known.values()]
+    steps = [log_prior_along(orders, np.bincount(labels, column) / count) for column in columns]
+    return float(np.logaddexp(log_prior(orders), np.logaddexp.reduce(steps) - np.log(len(steps))) - np.log(2))
 
 
 def _log_evidence(inference: Inference) -> float:
@@ -179,10 +185,9 @@ def _judged(best: _Tried, step: Column, own: Thresholds, prior: float) -> Offset
     """Weigh the lattice against normal errors, against jumps of any size, and against slips of single rows."""
     rows = np.arange(len(best.labels))
     left = best.case.left(best.inference.fits[0], rows)
-    left_of = _off_the_lattice(best, left)
     period = np.bincount(best.labels, step) / np.bincount(best.labels)
-    sizes = len(best.inference.fits[0].mean)
-    any_size = _log_lattice(left_of, period, best.orders, sizes)
+    off = _off_the_lattice(best, left, period)
+    any_size = log_lattice(off, best.orders, len(best.inference.fits[0].mean))
     single = _log_whole(best, left, step)
     against = np.logaddexp.reduce(
         [np.log1p(-prior) - np.log(prior) - best.log, *(np.log(own.rival) - log for log in (*any_size, single))]
@@ -191,41 +196,19 @@ def _judged(best: _Tried, step: Column, own: Thresholds, prior: float) -> Offset
     if probability < own.found:
         return None
     log_bayes = -float(against) - float(np.log(prior / (1 - prior)))
-    scatter = float(np.sqrt(np.mean((left_of + best.orders * period) ** 2))), float(np.std(left_of))
-    finding = Finding(
-        FACTS, log_bayes, _because(best, period, scatter), _parameters(best, left_of, period)
-    )
+    scatter = float(np.std(off.error + best.orders * period)), float(np.std(off.error))
+    finding = Finding(FACTS, log_bayes, _because(best, period, scatter), _parameters(best, off))
     return Offsets(finding, best.case, best.inference)
 
 
-def _off_the_lattice(best: _Tried, left: Column) -> Column:
-    """What is left of each placement beside its integer, less the mean of its station [m]."""
-    off = group_medians(left, best.labels)
-    station = np.zeros(len(off), dtype=np.int64)
+def _off_the_lattice(best: _Tried, left: Column, period: Column) -> Placements:
+    """What is left of each placement beside its integer; a station's own error counts up to whole periods."""
+    off, station = group_medians(left, best.labels), np.zeros(len(best.orders), dtype=np.int64)
     station[best.labels] = best.case.table.groups
-    count = np.bincount(station)
-    if len(off) < 2 * np.count_nonzero(count):
-        return off
-    mean = np.bincount(station, off) / np.maximum(count, 1)
-    kept = np.maximum(1 - 1 / np.maximum(count, 1), 1e-6)[station]
-    return np.asarray((off - mean[station]) / np.sqrt(kept))
-
-
-def _log_lattice(off: Column, period: Column, orders: Labels, sizes: int) -> tuple[float, float]:
-    """Log Bayes factors against jumps of any size, and against placements that all have a level of their own.
-
-    Under either rival, what is left beside the nearest integer is uniform over a period.
-    """
-    off = np.where(np.abs(off) < 0.5 * period, off, np.sign(off) * 0.5 * period)  # past it, it is no evidence
-    moved = orders != 0
-    still = off[~moved] if (~moved).sum() >= max(5, sizes + 2) else off
-    freedom = max(len(still) - 1 - sizes, 1)
-    scale = max(float(np.sqrt((still**2).sum() / freedom)), 1e-3 * float(np.median(period)))
-    jumps = float((student.logpdf(off[moved] / scale, freedom) + np.log(period[moved] / scale)).sum())
-    freedom = max(len(off) - 1 - sizes, 1)
-    scale = max(float(np.sqrt((off**2).sum() / freedom)), 1e-3 * float(np.median(period)))
-    every = float((student.logpdf(off / scale, freedom) + np.log(period / scale)).sum())
-    return jumps, every - 0.5 * (1 + sizes) * float(np.log(len(off)))
+    station = np.unique(station, return_inverse=True)[1].reshape(-1)
+    mean = np.bincount(station, off) / np.bincount(station)
+    off = off - period * np.round(mean[station] / period)
+    return Placements(off, np.empty((0, len(off))), period, station)
 
 
 def _log_whole(best: _Tried, left: Column, step: Column) -> float:
@@ -236,14 +219,14 @@ def _log_whole(best: _Tried, left: Column, step: Column) -> float:
     return log_prior(best.orders) + log_prior(beside) - max(log_prior(every), by_station)
 
 
-def _parameters(best: _Tried, off: Column, period: Column) -> tuple[Parameter, ...]:
+def _parameters(best: _Tried, off: Placements) -> tuple[Parameter, ...]:
     orders, count = best.orders, len(best.orders)
     share = float(np.mean(orders != 0))
     spread = orders - orders.mean()
     square = float((spread**2).sum())
-    relative = off / period
+    relative = off.error / off.period
     slope = float(spread @ relative) / square
-    deviation = float(np.std(relative)) / np.sqrt(square)
+    deviation = float(np.std(relative)) / float(np.sqrt(square))
     return (
         Parameter("share", share, float(np.sqrt(share * (1 - share) / count)), "1"),
         Parameter("period", _PERIOD * (1 + slope), _PERIOD * deviation, "s"),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
-__all__ = ["ORDERS", "Placements", "log_prior", "propose"]
+__all__ = ["ORDERS", "Placements", "log_lattice", "log_prior", "log_prior_along", "propose"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -18,6 +18,7 @@ _ROUNDS = 25  # of the fixed point; more change no integer of the tables tried
 _PHASES = (0.0, 0.25, 0.5, 0.75)  # of a period, at which the fixed point starts
 _DRAWN = 4  # starts drawn from the causes' sizes under normal errors
 _WIDTH = 3.0  # prior standard deviation of a size: the widest of docs/method.md, Eq. 6
+_GRID = 12  # standard deviations of each kind; a finer grid moves no log by 0.1
 _PRIOR = 0.5 ** np.abs(ORDERS)  # of an order, in placements: one that is off by k costs k ln 2
 
 
@@ -52,6 +53,53 @@ def log_prior(orders: Labels) -> float:
     total = _PRIOR.sum()
     one = gammaln(total) - gammaln(total + counts.sum())
     return float(one + (gammaln(_PRIOR + counts) - gammaln(_PRIOR)).sum())
+
+
+def log_prior_along(orders: Labels, column: Column) -> float:
+    """The same of integers that change in steps along a column: a step costs its place, its sign and its size."""
+    step = np.abs(np.diff(orders[np.argsort(column, kind="stable")]))
+    changes = np.count_nonzero(step)
+    first = np.log(_PRIOR[ORDERS == orders[column.argmin()]][0] / _PRIOR.sum())
+    each = np.log(max(len(orders) - 1, 1)) + 2 * np.log(2)
+    return float(first - changes * each - step.sum() * np.log(2) - np.log(2))
+
+
+def log_lattice(placements: Placements, orders: Labels, sizes: int) -> tuple[float, float]:
+    """Log Bayes factors against jumps of any size, and against placements that all have a level of their own.
+
+    Under either rival, what is left beside the nearest integer is uniform over a period. Under the lattice it is
+    normal: an error of the placement and one that a station's placements share, whose standard deviations are
+    summed over a grid in parts of a period.
+
+    Parameters
+    ----------
+    placements : Placements
+        With the errors less whole periods.
+    orders : ndarray of int, shape (k,)
+    sizes : int
+        Free sizes of the causes that were fitted to the placements.
+    """
+    still = orders == 0
+    every = _log_normal(placements, np.ones(len(orders), dtype=bool))
+    known = _log_normal(placements, still) if still.any() else 0.0
+    jumps = every - known + float(np.log(placements.period[~still]).sum())
+    own = every + float(np.log(placements.period).sum()) - 0.5 * sizes * float(np.log(len(orders)))
+    return jumps, own
+
+
+def _log_normal(placements: Placements, chosen: NDArray[np.bool_]) -> float:
+    """Log density of some errors, averaged over the standard deviations of the grid."""
+    usual = float(np.median(placements.period))
+    station = np.unique(placements.station[chosen], return_inverse=True)[1].reshape(-1)
+    error, count = placements.error[chosen], np.bincount(station)
+    square, total = float((error**2).sum()), np.bincount(station, error)
+    own = usual * np.geomspace(0.01, 0.5, _GRID)[:, None]
+    shared = usual * np.append(0.0, np.geomspace(0.02, 0.3, _GRID - 1))[None, :]
+    ratio = (shared / own)[:, :, None] ** 2
+    less = (ratio / (1 + ratio * count) * total**2).sum(axis=2)
+    log = -0.5 * (square - less) / own**2 - len(error) * np.log(own * np.sqrt(2 * np.pi))
+    log -= 0.5 * np.log1p(ratio * count).sum(axis=2)
+    return float(np.logaddexp.reduce(log.ravel()) - np.log(log.size))
 
 
 def propose(placements: Placements, mean: Column, seed: int) -> list[tuple[float, Labels]]:
