@@ -92,7 +92,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             selection, rest = select_and_refute(case, ranking, shares, reduced)
             judge = judge_of(case, reduced.noises, faults.quantizations, held, after)
             validation = validate(case, selection, rest, judge)
-            step = validation.further_level_step(table)
+            step = validation.further_level_step(case.table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
                 break
             level_steps.append(step)

@@ -15,7 +15,7 @@ from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import Offsets, OffsetNoise
 from echocal.diagnose.noises.common.lattice import ORDERS, Placements, log_lattice, log_prior, log_prior_along, propose
-from echocal.diagnose.noises.common.placements import labelings
+from echocal.diagnose.noises.common.placements import as_one_segment, labelings, whole_steps
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.settings.threshold import threshold
 
@@ -42,6 +42,12 @@ class Thresholds:
     sets: int = threshold(3, "1", "most probable sets of effects beside which integers are tried; judgement")
     tried: int = threshold(2, "1", "proposals for the integers whose evidence is computed, at a time; judgement")
     window: int = threshold(9, "1", "rows of the running median that divides a placement; judgement")
+    whole_steps: int = threshold(
+        4, "1", "steps of an unknown level from which on they may be whole periods; judgement"
+    )
+    alike: float = threshold(
+        0.6, "1", "mean resultant length of their phases from which on they are tried as such; judgement"
+    )
     rival: float = threshold(
         1.0, "1", "prior odds of offsets of any size, and of slips of single rows, to this noise; judgement"
     )
@@ -92,6 +98,9 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     settings = case.settings.noises
     own = settings.of(FACTS, Thresholds)
     step = _step(case)
+    if case.sums.flat_level and whole_steps(case.table, step, own.whole_steps, own.alike):
+        case = examine(as_one_segment(case.table), case.base, case.folds, case.seed, case.settings)
+        inference = infer(case)
     none = _log_evidence(inference)
     best: _Tried | None = None
     beside = case, inference
@@ -147,7 +156,7 @@ def _proposals(
             if np.ptp(placements.error) < own.range * float(np.median(step)):
                 continue
             for log, orders in propose(placements, mean, case.seed):
-                if log + places > 0 and np.mean(orders == 0) >= own.intact and orders.any():
+                if log > 0 and np.mean(orders == 0) >= own.intact and orders.any():
                     proposals.setdefault(orders.tobytes(), (log, orders))
         for _, orders in sorted(proposals.values(), key=lambda one: -one[0])[: own.tried]:
             yield labels, orders, places

@@ -1,14 +1,16 @@
 """Placements of the target, and stretches of rows inside them with one offset."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaln
 
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.preprocess.table import Table
 
-__all__ = ["labelings", "visits"]
+__all__ = ["as_one_segment", "labelings", "visits", "whole_steps"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -41,8 +43,24 @@ def labelings(table: Table, left: Column, period: Column, window: int) -> Iterat
         yield visit, 0.0
     hops = _hops(visit, left, period, window)
     if hops.any():
-        rows = np.bincount(visit)[visit[hops]]
-        yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(np.log(rows).sum())
+        rows, count = len(hops), int(hops.sum())
+        places = gammaln(rows + 1) - gammaln(count + 1) - gammaln(rows - count + 1)
+        yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(places)
+
+
+def whole_steps(table: Table, period: Column, fewest: int, alike: float) -> bool:
+    """Whether the steps of an unknown level may be whole periods: the phases of their heights are alike."""
+    at = np.flatnonzero(np.diff(table.groups)) + 1
+    if len(at) < fewest:
+        return False
+    level = group_medians(table.indication, table.groups)
+    phase = (level[table.groups[at]] - level[table.groups[at - 1]]) / period[at]
+    return bool(np.abs(np.exp(2j * np.pi * phase).mean()) > alike and np.cos(2 * np.pi * phase).mean() > 0)
+
+
+def as_one_segment(table: Table) -> Table:
+    """The table with one unknown level; its series begin where they did."""
+    return replace(table, groups=np.zeros_like(table.groups), steps=table.steps[:0])
 
 
 def visits(table: Table) -> Labels:
