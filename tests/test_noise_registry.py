@@ -14,7 +14,13 @@ from echocal.diagnose.catalogue import find_cause, irregularities
 from echocal.diagnose.findings.facts import Columns
 from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.noises import NoiseSettings, common, registry
-from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, OffsetNoise, Quantization
+from echocal.diagnose.noises.common.kinds import (
+    FittedNoise,
+    NoiseEntry,
+    NuisanceNoise,
+    OffsetNoise,
+    Quantization,
+)
 
 EVERY = pytest.mark.parametrize("noise", registry.NOISES, ids=lambda noise: noise.facts.id)
 

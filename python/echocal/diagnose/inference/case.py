@@ -40,7 +40,8 @@ class Case:
     probable : tuple of Noise, or None
         Noises that are considered; None for all that the table allows.
     cycles : ndarray, shape (n,), or None
-        Length of the missed cycles of each row's placement [m]. The residual is without them, the table is not.
+        Length of the missed cycles of each row's placement [m]. The residual is without them, the table
+        is not.
     """
 
     table: Table

@@ -13,8 +13,15 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import Inference, infer
-from echocal.diagnose.noises.common.kinds import Offsets, OffsetNoise
-from echocal.diagnose.noises.common.lattice import ORDERS, Placements, log_lattice, log_prior, log_prior_along, propose
+from echocal.diagnose.noises.common.kinds import OffsetNoise, Offsets
+from echocal.diagnose.noises.common.lattice import (
+    ORDERS,
+    Placements,
+    log_lattice,
+    log_prior,
+    log_prior_along,
+    propose,
+)
 from echocal.diagnose.noises.common.placements import as_one_segment, labelings, whole_steps
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.settings.threshold import threshold
@@ -32,7 +39,9 @@ class Thresholds:
     """Numbers that decide about this noise."""
 
     fewest: int = threshold(8, "1", "placements from which on integers are tried; judgement")
-    rows: float = threshold(3.0, "1", "rows of a placement on average, for placements to have levels; judgement")
+    rows: float = threshold(
+        3.0, "1", "rows of a placement on average, for placements to have levels; judgement"
+    )
     range: float = threshold(
         0.6, "1", "range of the placements' errors in periods below which none is off by one; argument"
     )
@@ -40,7 +49,9 @@ class Thresholds:
         0.1, "1", "part of the placements without an offset: if all have one, that is a delay; judgement"
     )
     sets: int = threshold(3, "1", "most probable sets of effects beside which integers are tried; judgement")
-    tried: int = threshold(2, "1", "proposals for the integers whose evidence is computed, at a time; judgement")
+    tried: int = threshold(
+        2, "1", "proposals for the integers whose evidence is computed, at a time; judgement"
+    )
     window: int = threshold(9, "1", "rows of the running median that divides a placement; judgement")
     whole_steps: int = threshold(
         4, "1", "steps of an unknown level from which on they may be whole periods; judgement"
@@ -51,18 +62,22 @@ class Thresholds:
     rival: float = threshold(
         1.0, "1", "prior odds of offsets of any size, and of slips of single rows, to this noise; judgement"
     )
-    found: float = threshold(0.5, "1", "probability from which on the offsets are subtracted: more likely than not")
+    found: float = threshold(
+        0.5, "1", "probability from which on the offsets are subtracted: more likely than not"
+    )
 
 
 FACTS = CauseFacts(
     id="cycle_offset",
     kind="noise",
-    sentence="The comparator misses the same number of cycles in all rows of a placement, a burst or a stretch of time.",
+    sentence="All rows of a placement, a burst or a stretch of time miss the same number of cycles.",
     signature="errors of placements lie on a lattice of one period of 40 kHz: 25 us, 4.3 mm",
     source="CATALOGUE, cycle_slip",
     parameters=(
         Quantity("share", "1", "part of the placements that are off", (0.0, 1.0), "k periods: weight 1/2^k"),
-        Quantity("period", "s", "distance of the levels in time", (15e-6, 35e-6), "fixed in the search: 40 kHz"),
+        Quantity(
+            "period", "s", "distance of the levels in time", (15e-6, 35e-6), "fixed in the search: 40 kHz"
+        ),
         Quantity("placements", "1", "placements, bursts or stretches with one level", (1.0, None), "counted"),
     ),
     check="place the target again at one distance: the error changes by 0 or 4.3 mm, by nothing between; "
@@ -126,7 +141,7 @@ def _step(case: Case) -> Column:
 
 
 def _log_prior(case: Case, labels: Labels, orders: Labels) -> float:
-    """Log probability of the integers: by chance, or in steps along one of the recorded columns or in time."""
+    """Log probability of the integers: by chance, or in steps along a recorded column or in time."""
     count = np.bincount(labels)
     columns = [np.arange(len(labels), dtype=np.float64), *case.table.known.values()]
     steps = [log_prior_along(orders, np.bincount(labels, column) / count) for column in columns]
@@ -145,8 +160,9 @@ def _proposals(
     for fit in sorted(beside.fits, key=lambda one: -one.log_posterior):
         if len(fits) < own.sets or not fit.hypothesis.variants:
             fits.setdefault(fit.hypothesis.ids, fit)
-    left = residual - case.residual + case.left(beside.fits[0], np.arange(len(residual)))
-    for labels, places in labelings(case.table, left, step, own.window):
+    added = residual - case.residual
+    lefts = [added + case.left(beside.fits[0], np.arange(len(residual))), residual]
+    for labels, places in labelings(case.table, lefts, step, own.window):
         count = int(labels.max()) + 1
         if count < own.fewest or len(labels) < own.rows * count:
             continue
@@ -191,7 +207,7 @@ def _try(case: Case, labels: Labels, orders: Labels, step: Column) -> tuple[Case
 
 
 def _judged(best: _Tried, step: Column, own: Thresholds, prior: float) -> Offsets | None:
-    """Weigh the lattice against normal errors, against jumps of any size, and against slips of single rows."""
+    """Weigh the lattice against normal errors, jumps of any size, and slips of single rows."""
     rows = np.arange(len(best.labels))
     left = best.case.left(best.inference.fits[0], rows)
     period = np.bincount(best.labels, step) / np.bincount(best.labels)
@@ -199,7 +215,10 @@ def _judged(best: _Tried, step: Column, own: Thresholds, prior: float) -> Offset
     any_size = log_lattice(off, best.orders, len(best.inference.fits[0].mean))
     single = _log_whole(best, left, step)
     against = np.logaddexp.reduce(
-        [np.log1p(-prior) - np.log(prior) - best.log, *(np.log(own.rival) - log for log in (*any_size, single))]
+        [
+            np.log1p(-prior) - np.log(prior) - best.log,
+            *(np.log(own.rival) - log for log in (*any_size, single)),
+        ]
     )
     probability = 1.0 / (1.0 + np.exp(np.clip(against, -30.0, 30.0)))
     if probability < own.found:
@@ -231,11 +250,17 @@ def _log_whole(best: _Tried, left: Column, step: Column) -> float:
 def _parameters(best: _Tried, off: Placements) -> tuple[Parameter, ...]:
     orders, count = best.orders, len(best.orders)
     share = float(np.mean(orders != 0))
-    spread = orders - orders.mean()
-    square = float((spread**2).sum())
     relative = off.error / off.period
+    members = np.bincount(off.station)
+    spread = orders - (np.bincount(off.station, orders) / members)[off.station]  # stations may have errors
+    if not spread.any():
+        spread = orders - orders.mean()
+    else:
+        relative = relative - (np.bincount(off.station, relative) / members)[off.station]
+    square = float((spread**2).sum())
     slope = float(spread @ relative) / square
-    deviation = float(np.std(relative)) / float(np.sqrt(square))
+    freedom = max(count - len(members) - 1, 1)
+    deviation = float(np.sqrt((relative**2).sum() / freedom / square))
     return (
         Parameter("share", share, float(np.sqrt(share * (1 - share) / count)), "1"),
         Parameter("period", _PERIOD * (1 + slope), _PERIOD * deviation, "s"),
@@ -256,9 +281,9 @@ def _because(best: _Tried, period: Column, scatter: tuple[float, float]) -> str:
     )
     more = ", ..." if len(moved) > 6 else ""
     return (
-        f"{len(moved)} of {len(orders)} placements are whole periods of {1e3 * float(np.median(period)):.2f} mm "
-        f"(25 us) off: {shown}{more}. Their medians scatter by {1e3 * scatter[0]:.2f} mm, and by "
-        f"{1e3 * scatter[1]:.2f} mm without the periods. An offset or a delay is known up to whole periods only"
+        f"{len(moved)} of {len(orders)} placements are whole periods of {1e3 * float(np.median(period)):.2f} "
+        f"mm (25 us) off: {shown}{more}. Their medians scatter by {1e3 * scatter[0]:.2f} mm, and by "
+        f"{1e3 * scatter[1]:.2f} mm without the periods. An offset or a delay is known up to whole periods"
     )
 
 

@@ -3,7 +3,13 @@
 from collections.abc import Iterator
 from importlib import import_module
 
-from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, OffsetNoise, Quantization
+from echocal.diagnose.noises.common.kinds import (
+    FittedNoise,
+    NoiseEntry,
+    NuisanceNoise,
+    OffsetNoise,
+    Quantization,
+)
 from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.noises import NoiseSettings
 

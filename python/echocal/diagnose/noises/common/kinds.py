@@ -129,8 +129,8 @@ class OffsetNoise(NoiseEntry):
     Attributes
     ----------
     find : callable
-        Compares the hypotheses of a case with the same hypotheses beside the offsets; None where the offsets are
-        no more probable than not.
+        Compares the hypotheses of a case with the same hypotheses beside the offsets; None where the offsets
+        are no more probable than not.
     """
 
     find: Callable[[Case, Inference], Offsets | None]

@@ -56,10 +56,10 @@ def log_prior(orders: Labels) -> float:
 
 
 def log_prior_along(orders: Labels, column: Column) -> float:
-    """The same of integers that change in steps along a column: a step costs its place, its sign and its size."""
+    """The same of integers that change in steps along a column; a step costs its place, sign and size."""
     step = np.abs(np.diff(orders[np.argsort(column, kind="stable")]))
     changes = np.count_nonzero(step)
-    first = np.log(_PRIOR[ORDERS == orders[column.argmin()]][0] / _PRIOR.sum())
+    first = np.log(_PRIOR[orders[column.argmin()] - ORDERS[0]] / _PRIOR.sum())
     each = np.log(max(len(orders) - 1, 1)) + 2 * np.log(2)
     return float(first - changes * each - step.sum() * np.log(2) - np.log(2))
 
@@ -67,9 +67,9 @@ def log_prior_along(orders: Labels, column: Column) -> float:
 def log_lattice(placements: Placements, orders: Labels, sizes: int) -> tuple[float, float]:
     """Log Bayes factors against jumps of any size, and against placements that all have a level of their own.
 
-    Under either rival, what is left beside the nearest integer is uniform over a period. Under the lattice it is
-    normal: an error of the placement and one that a station's placements share, whose standard deviations are
-    summed over a grid in parts of a period.
+    Under either rival, what is left beside the nearest integer is uniform over a period. Under the lattice it
+    is normal: an error of the placement and one that a station's placements share, whose standard deviations
+    are summed over a grid in parts of a period.
 
     Parameters
     ----------
@@ -105,9 +105,9 @@ def _log_normal(placements: Placements, chosen: NDArray[np.bool_]) -> float:
 def propose(placements: Placements, mean: Column, seed: int) -> list[tuple[float, Labels]]:
     """Integers that may be those of the placements, with their gain in log likelihood, best first.
 
-    A mixture of normal distributions one period apart, whose center is a linear function of the causes plus an
-    error of each station; fitted by expectation and maximization from several starts. The gain is counted from
-    the same fit without integers. It only sorts: the evidence of proposed integers is computed elsewhere.
+    A mixture of normal distributions one period apart, whose center is a linear function of the causes plus
+    an error of each station; fitted by expectation and maximization from several starts. The gain is counted
+    from the same fit without integers. It only sorts: the evidence is computed elsewhere.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Placements of the target, and stretches of rows inside them with one offset."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -16,14 +16,16 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
-def labelings(table: Table, left: Column, period: Column, window: int) -> Iterator[tuple[Labels, float]]:
+def labelings(
+    table: Table, lefts: Iterable[Column], period: Column, window: int
+) -> Iterator[tuple[Labels, float]]:
     """Number the stations; then the visits to them; then the stretches inside of visits.
 
     Parameters
     ----------
     table : Table
-    left : ndarray, shape (n,)
-        Residuals of a probable hypothesis [m].
+    lefts : iterable of ndarray, shape (n,)
+        Residuals of probable hypotheses, and of none [m]: visits are divided where they step.
     period : ndarray, shape (n,)
         Length of one period [m].
     window : int
@@ -41,11 +43,14 @@ def labelings(table: Table, left: Column, period: Column, window: int) -> Iterat
     visit = visits(table)
     if visit[-1] > table.groups.max():
         yield visit, 0.0
-    hops = _hops(visit, left, period, window)
-    if hops.any():
-        rows, count = len(hops), int(hops.sum())
-        places = gammaln(rows + 1) - gammaln(count + 1) - gammaln(rows - count + 1)
-        yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(places)
+    seen: set[bytes] = set()
+    for left in lefts:
+        hops = _hops(visit, left, period, window)
+        if hops.any() and hops.tobytes() not in seen:
+            seen.add(hops.tobytes())
+            rows, count = len(hops), int(hops.sum())
+            places = gammaln(rows + 1) - gammaln(count + 1) - gammaln(rows - count + 1)
+            yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(places)
 
 
 def whole_steps(table: Table, period: Column, fewest: int, alike: float) -> bool:
@@ -79,7 +84,9 @@ def _hops(visit: Labels, left: Column, period: Column, window: int) -> NDArray[n
     """First rows of stretches whose level differs by about a period, or more, from the rows before them."""
     import pandas as pd  # takes long to import
 
-    level = np.round((left - group_medians(left, visit)[visit]) / period)
+    turn = 2 * np.pi * left / period
+    phase = np.arctan2(np.bincount(visit, np.sin(turn)), np.bincount(visit, np.cos(turn)))  # of most rows
+    level = np.round((turn - phase[visit]) / (2 * np.pi))
     smooth = pd.Series(level).rolling(window, center=True, min_periods=1).median().round().to_numpy()
     hops = np.zeros(len(left), dtype=bool)
     hops[1:] = (np.diff(smooth) != 0) & (np.diff(visit) == 0)
