@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -78,8 +79,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     half = u < 0.5
     because = (
         f"{100 * y[half].mean():.1f} % of the rows of the first half of the time have no usable reading, "
-        f"and {100 * y[~half].mean():.1f} % of the second half; by the trend {100 * first:.1f} % at the start and "
-        f"{100 * last:.1f} % at the end"
+        f"and {100 * y[~half].mean():.1f} % of the second half; by the trend {100 * first:.1f} % at the "
+        f"start and {100 * last:.1f} % at the end"
     )
     parameters = (
         Parameter("at_first", first, 0.0, "1"),
@@ -94,7 +95,7 @@ def _failed(view: View) -> Mask:
     reasons = view.observations.unusable.astype(str)
     kinds = np.unique(reasons)
     ours = [reason for reason in kinds if reason in _FAILURES or reason.startswith(("reading", "echo"))]
-    missing = ~view.observations.usable & ~np.isfinite(view.observations.echo_time)
+    missing = ~view.observations.usable & ~np.isfinite(recorded(view))
     return np.asarray(np.isin(reasons, ours) | missing)
 
 
