@@ -29,7 +29,8 @@ def examine(
     """Build the columns and pass over them once.
 
     The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `cycles` is the length of
-    the missed cycles in each reading [m], which is subtracted from the residual.
+    the missed cycles in each reading [m], which is subtracted from the residual
+    (Eq. 18a).
     """
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
