@@ -22,7 +22,7 @@ from echocal.diagnose.noises.common.lattice import (
     log_prior_along,
     propose,
 )
-from echocal.diagnose.noises.common.placements import as_one_segment, labelings, whole_steps
+from echocal.diagnose.noises.common.placements import as_one_segment, labelings, some_of_each, whole_steps
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.settings.threshold import threshold
 
@@ -53,6 +53,10 @@ class Thresholds:
         2, "1", "proposals for the integers whose evidence is computed, at a time; judgement"
     )
     window: int = threshold(9, "1", "rows of the running median that divides a placement; judgement")
+    each: int = threshold(64, "1", "rows of a placement from which its level is computed; judgement")
+    longest: int = threshold(
+        20_000, "1", "rows of a table that is divided into stretches; a longer one takes too much time"
+    )
     whole_steps: int = threshold(
         4, "1", "steps of an unknown level from which on they may be whole periods; judgement"
     )
@@ -160,15 +164,18 @@ def _proposals(
     for fit in sorted(beside.fits, key=lambda one: -one.log_posterior):
         if len(fits) < own.sets or not fit.hypothesis.variants:
             fits.setdefault(fit.hypothesis.ids, fit)
-    added = residual - case.residual
-    lefts = [added + case.left(beside.fits[0], np.arange(len(residual))), residual]
+    lefts = []
+    if len(residual) <= own.longest:  # a longer table is not divided into stretches
+        left = case.left(beside.fits[0], np.arange(len(residual)))
+        lefts = [residual - case.residual + left, residual]
     for labels, places in labelings(case.table, lefts, step, own.window):
         count = int(labels.max()) + 1
         if count < own.fewest or len(labels) < own.rows * count:
             continue
+        rows = some_of_each(labels, own.each)
         proposals: dict[bytes, tuple[float, Labels]] = {}
         for fit in fits.values():
-            placements, mean = _placements(residual, case, fit, labels, step)
+            placements, mean = _placements(residual, case, fit, labels, step, rows)
             if np.ptp(placements.error) < own.range * float(np.median(step)):
                 continue
             for log, orders in propose(placements, mean, case.seed):
@@ -179,18 +186,20 @@ def _proposals(
 
 
 def _placements(
-    residual: Column, case: Case, fit: HypothesisFit, labels: Labels, step: Column
+    residual: Column, case: Case, fit: HypothesisFit, labels: Labels, step: Column, rows: Labels
 ) -> tuple[Placements, Column]:
-    """Levels of placements, with what a hypothesis would add to them, and the sizes that it has."""
-    rows, count = np.arange(len(labels)), np.bincount(labels)
+    """Levels of placements from some rows, with what a hypothesis would add to them, and its sizes."""
+    labels, step, residual = labels[rows], step[rows], residual[rows]
+    count = np.bincount(labels)
     variants = fit.hypothesis.variants
     fixed = [v.offset for v in variants if v.offset is not None]
     free = [column for v in variants for column in v.free]
-    residual = residual - (case.found.columns.at(fixed, rows).sum(axis=0) if fixed else 0.0)
+    if fixed:
+        residual = residual - case.found.columns.at(fixed, rows).sum(axis=0)
     columns = case.found.columns.at(free, rows) if free else np.empty((0, len(labels)))
     means = [np.bincount(labels, column) / count for column in columns]
     first = np.zeros(len(count), dtype=np.int64)
-    first[labels] = case.table.groups
+    first[labels] = case.table.groups[rows]
     placements = Placements(
         error=group_medians(residual, labels),
         columns=np.array(means).reshape(len(free), len(count)),

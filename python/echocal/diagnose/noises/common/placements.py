@@ -10,7 +10,7 @@ from scipy.special import gammaln
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.preprocess.table import Table
 
-__all__ = ["as_one_segment", "labelings", "visits", "whole_steps"]
+__all__ = ["as_one_segment", "labelings", "some_of_each", "visits", "whole_steps"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -51,6 +51,17 @@ def labelings(
             rows, count = len(hops), int(hops.sum())
             places = gammaln(rows + 1) - gammaln(count + 1) - gammaln(rows - count + 1)
             yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(places)
+
+
+def some_of_each(labels: Labels, most: int) -> Labels:
+    """Rows, ascending: of each label all, or so many, evenly spaced."""
+    order = np.argsort(labels, kind="stable")
+    count = np.bincount(labels)
+    taken = np.minimum(count, most)
+    firsts, begins = np.cumsum(count) - count, np.cumsum(taken) - taken
+    label = np.repeat(np.arange(len(count)), taken)
+    place = np.arange(int(taken.sum())) - begins[label]
+    return np.sort(order[firsts[label] + place * count[label] // taken[label]])
 
 
 def whole_steps(table: Table, period: Column, fewest: int, alike: float) -> bool:
