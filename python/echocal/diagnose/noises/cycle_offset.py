@@ -1,6 +1,6 @@
 """Cycles of the carrier that are missed in every row of a placement."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,21 +168,37 @@ def _proposals(
     if len(residual) <= own.longest:  # a longer table is not divided into stretches
         left = case.left(beside.fits[0], np.arange(len(residual)))
         lefts = [residual - case.residual + left, residual]
-    for labels, places in labelings(case.table, lefts, step, own.window):
+    for labels, places, levels in labelings(case.table, lefts, step, own.window):
         count = int(labels.max()) + 1
         if count < own.fewest or len(labels) < own.rows * count:
             continue
-        rows = some_of_each(labels, own.each)
-        proposals: dict[bytes, tuple[float, Labels]] = {}
-        for fit in fits.values():
-            placements, mean = _placements(residual, case, fit, labels, step, rows)
-            if np.ptp(placements.error) < own.range * float(np.median(step)):
-                continue
-            for log, orders in propose(placements, mean, case.seed):
-                if log > 0 and np.mean(orders == 0) >= own.intact and orders.any():
-                    proposals.setdefault(orders.tobytes(), (log, orders))
-        for _, orders in sorted(proposals.values(), key=lambda one: -one[0])[: own.tried]:
-            yield labels, orders, places
+        found = _beside(residual, case, fits.values(), labels, step, own)[: own.tried]
+        if levels is not None:
+            found = found[:1] or [np.clip(levels, ORDERS[0], ORDERS[-1])]
+        for orders in found:
+            if np.mean(orders == 0) >= own.intact and orders.any():
+                yield labels, orders, places
+
+
+def _beside(
+    residual: Column,
+    case: Case,
+    fits: Iterable[HypothesisFit],
+    labels: Labels,
+    step: Column,
+    own: Thresholds,
+) -> list[Labels]:
+    """Integers of placements that are likelier than none beside one of some hypotheses, likeliest first."""
+    rows = some_of_each(labels, own.each)
+    proposals: dict[bytes, tuple[float, Labels]] = {}
+    for fit in fits:
+        placements, mean = _placements(residual, case, fit, labels, step, rows)
+        if np.ptp(placements.error) < own.range * float(np.median(step)):
+            continue
+        for log, orders in propose(placements, mean, case.seed):
+            if log > 0 and np.mean(orders == 0) >= own.intact:
+                proposals.setdefault(orders.tobytes(), (log, orders))
+    return [orders for _, orders in sorted(proposals.values(), key=lambda one: -one[0])]
 
 
 def _placements(

@@ -18,7 +18,7 @@ Labels = NDArray[np.int64]
 
 def labelings(
     table: Table, lefts: Iterable[Column], period: Column, window: int
-) -> Iterator[tuple[Labels, float]]:
+) -> Iterator[tuple[Labels, float, Labels | None]]:
     """Number the stations; then the visits to them; then the stretches inside of visits.
 
     Parameters
@@ -37,20 +37,23 @@ def labelings(
         Label of each row, numbered from 0 without a gap.
     float
         Log prior probability of the rows at which the stretches begin.
+    ndarray of int, or None
+        Periods of each stretch from the most usual level of its visit.
     """
     if table.reference is not None:
-        yield table.groups, 0.0
+        yield table.groups, 0.0, None
     visit = visits(table)
     if visit[-1] > table.groups.max():
-        yield visit, 0.0
+        yield visit, 0.0, None
     seen: set[bytes] = set()
     for left in lefts:
-        hops = _hops(visit, left, period, window)
+        hops, level = _hops(visit, left, period, window)
         if hops.any() and hops.tobytes() not in seen:
             seen.add(hops.tobytes())
             rows, count = len(hops), int(hops.sum())
             places = gammaln(rows + 1) - gammaln(count + 1) - gammaln(rows - count + 1)
-            yield np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0)), -float(places)
+            labels = np.cumsum(hops | (np.diff(visit, prepend=visit[0]) > 0), dtype=np.int64)
+            yield labels, -float(places), np.round(group_medians(level, labels)).astype(np.int64)
 
 
 def some_of_each(labels: Labels, most: int) -> Labels:
@@ -88,16 +91,17 @@ def visits(table: Table) -> Labels:
     if position is not None:
         new[1:] |= np.diff(position) < 0
     new[:1] = False
-    return np.cumsum(new)
+    return np.cumsum(new, dtype=np.int64)
 
 
-def _hops(visit: Labels, left: Column, period: Column, window: int) -> NDArray[np.bool_]:
-    """First rows of stretches whose level differs by about a period, or more, from the rows before them."""
+def _hops(visit: Labels, left: Column, period: Column, window: int) -> tuple[NDArray[np.bool_], Column]:
+    """First rows of stretches a period or more from the rows before; level of each row in periods."""
     import pandas as pd  # takes long to import
 
     turn = 2 * np.pi * left / period
     phase = np.arctan2(np.bincount(visit, np.sin(turn)), np.bincount(visit, np.cos(turn)))  # of most rows
     level = np.round((turn - phase[visit]) / (2 * np.pi))
+    level -= np.round(group_medians(level, visit))[visit]
     smooth = pd.Series(level).rolling(window, center=True, min_periods=1).median().round().to_numpy()
     hops = np.zeros(len(left), dtype=bool)
     hops[1:] = (np.diff(smooth) != 0) & (np.diff(visit) == 0)
@@ -105,4 +109,4 @@ def _hops(visit: Labels, left: Column, period: Column, window: int) -> NDArray[n
     length = np.diff(np.append(ends, len(left)))
     short = ends[length < window // 2]
     hops[short] = False
-    return hops
+    return hops, level
