@@ -24,19 +24,18 @@ Column = NDArray[np.float64]
 
 
 def examine(
-    table: Table, base: Base, folds: Folds, seed: int, settings: Settings, cycles: Column | None = None
+    table: Table, base: Base, folds: Folds, seed: int, settings: Settings, offsets: Column | None = None
 ) -> Case:
     """Build the columns and pass over them once.
 
-    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `cycles` is the length of
-    the missed cycles in each reading [m], which is subtracted from the residual
-    (Eq. 18a).
+    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `offsets` are
+    those of placements that a noise explains [m]; they are subtracted from the residual (Eq. 18a).
     """
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
-    if cycles is not None:
-        residual = residual - cycles
+    if offsets is not None:
+        residual = residual - offsets
     scene = Scene(base, distance, table.conditions, table.distance, groups, residual, settings, table.echoes)
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds
@@ -53,4 +52,4 @@ def examine(
     if sums.correlations == (WHITE,):
         others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
         sums = sums.with_correlations(found.columns, others) if others else sums
-    return Case(table, base, found, residual, sums, folds, seed, settings, cycles=cycles)
+    return Case(table, base, found, residual, sums, folds, seed, settings, offsets=offsets)

@@ -29,6 +29,7 @@ NOISES: tuple[NoiseEntry, ...] = tuple(
         "timer_quantization",
         "temperature_quantization",
         "cycle_offset",
+        "slow_level",
         "cycle_slip",
         "noise_growth",
         "polling_jitter",

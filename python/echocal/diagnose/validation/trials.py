@@ -27,15 +27,15 @@ class Trials:
     case : Case
     noise : Noise
         Under which sizes are fitted.
-    without_cycles : bool
-        Whether the readings that are judged are those without the missed cycles of their placement.
+    without_offsets : bool
+        Whether the readings that are judged are those without the offsets that a noise explains.
     known : dict
         Errors that were computed before.
     """
 
     case: Case
     noise: Noise
-    without_cycles: bool = False
+    without_offsets: bool = False
     known: dict[tuple[frozenset[str], frozenset[str]], HeldOut] = field(default_factory=dict)
 
     def base(self) -> HeldOut:
@@ -50,7 +50,7 @@ class Trials:
         return self.known[key]
 
     def _measured(self, fitted: Callable[[Mask], Model]) -> HeldOut:
-        table = self.case.table_without_cycles if self.without_cycles else self.case.table
+        table = self.case.table_without_offsets if self.without_offsets else self.case.table
         return measure(table, self.case.folds, fitted)
 
     def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
