@@ -14,7 +14,13 @@ from echocal.diagnose.catalogue import find_cause, irregularities
 from echocal.diagnose.findings.facts import Columns
 from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.noises import NoiseSettings, common, registry
-from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
+from echocal.diagnose.noises.common.kinds import (
+    FittedNoise,
+    NoiseEntry,
+    NuisanceNoise,
+    OffsetNoise,
+    Quantization,
+)
 
 EVERY = pytest.mark.parametrize("noise", registry.NOISES, ids=lambda noise: noise.facts.id)
 
@@ -27,8 +33,12 @@ def drawn(random: np.random.Generator, noise: NoiseEntry | None = None) -> Colum
     return table
 
 
+def diagnosed(table: Columns) -> echocal.Diagnosis:
+    return echocal.diagnose(table, constant_distance="distance_m" not in table)
+
+
 def irregular(table: Columns) -> dict[str, Cause]:
-    return {cause.id: cause for cause in echocal.diagnose(table).causes if cause.kind != "effect"}
+    return {cause.id: cause for cause in diagnosed(table).causes if cause.kind != "effect"}
 
 
 def test_each_file_is_an_entry_and_has_the_name_of_its_id() -> None:
@@ -51,7 +61,7 @@ def test_facts_are_complete(noise: NoiseEntry) -> None:
         assert parameter.bounds != (None, None), parameter.name
     assert find_cause(facts.id) is facts
     assert facts in echocal.noises()
-    assert isinstance(noise, Quantization | FittedNoise | NuisanceNoise)
+    assert isinstance(noise, Quantization | FittedNoise | NuisanceNoise | OffsetNoise)
 
 
 @EVERY
@@ -120,7 +130,7 @@ def test_without_its_line_it_is_nowhere(
     assert f"## {id_}\n" in effects_page.page()
     monkeypatch.setattr(registry, "NOISES", tuple(n for n in registry.NOISES if n is not noise))
     assert noise.facts not in irregularities()
-    diagnosis = echocal.diagnose(table)
+    diagnosis = diagnosed(table)
     assert not [ids for ids, _ in diagnosis.posterior if id_ in ids]
     assert id_ not in diagnosis.explain()
     assert f"## {id_}\n" not in effects_page.page()

@@ -13,6 +13,7 @@ from echocal.diagnose.faults import find_faults
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
+from echocal.diagnose.noises.common.offsets import without_offsets
 from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
@@ -79,7 +80,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             case = examine(table, base, folds, request.seed, settings)
 
             work.begin("comparing causes")
-            inference = infer(case)
+            case, inference, offsets = without_offsets(case, infer(case))
             if growing := convections(case, inference.fits, inference.reduced):
                 case = case.with_correlations(growing)
                 del inference  # it is large for a wide table
@@ -97,14 +98,14 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             possible = shares.possible(settings.noises.considered)
             judge = judge_of(case, reduced.noises, possible, held, after)
             validation = validate(case, selection, rest, judge)
-            step = validation.further_level_step(table)
+            step = validation.further_level_step(case.table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
                 break
             level_steps.append(step)
             work.level_steps = len(level_steps)
 
         work.begin("planning measurements")
-        joint = join(ranking, faults.found, shares, reduced)
+        joint = join(ranking, [*faults.found, *offsets], shares, reduced)
         able = members(case, ranking, selection.every_claim, validation, reduced)
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint)

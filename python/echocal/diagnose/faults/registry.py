@@ -28,6 +28,7 @@ FAULTS: tuple[Fault, ...] = tuple(
         "round_trip_factor",
         "unit_mixup",
         "shifted_rows",
+        "computed_table",
         "censored_range",
         "reset_temperature",
         "stuck_reading",
@@ -36,6 +37,7 @@ FAULTS: tuple[Fault, ...] = tuple(
         "blanking_distance",
         "multipath",
         "crosstalk",
+        "degrading_sensor",
     )
 )
 

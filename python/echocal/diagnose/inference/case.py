@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,9 @@ class Case:
         What was made before, by columns and sizes.
     probable : tuple of Noise, or None
         Noises that are considered; None for all that the table allows.
+    offsets : ndarray, shape (n,), or None
+        Offsets of placements or of the level that a noise explains [m]. The residual is without them, the
+        table is not.
     """
 
     table: Table
@@ -50,6 +54,14 @@ class Case:
     settings: Settings
     signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
+    offsets: NDArray[np.float64] | None = None
+
+    @cached_property
+    def table_without_offsets(self) -> Table:
+        """The table with readings that have no offsets."""
+        if self.offsets is None:
+            return self.table
+        return replace(self.table, indication=self.table.indication - self.offsets)
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]; not to be written to, for it is made once."""

@@ -1,6 +1,7 @@
 """Build the columns of every candidate, and pass over the rows once."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.effects import effect_candidates
 from echocal.diagnose.candidates.scene import Scene
@@ -19,15 +20,22 @@ from echocal.diagnose.settings import Settings
 
 __all__ = ["examine"]
 
+Column = NDArray[np.float64]
 
-def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Settings) -> Case:
+
+def examine(
+    table: Table, base: Base, folds: Folds, seed: int, settings: Settings, offsets: Column | None = None
+) -> Case:
     """Build the columns and pass over them once.
 
-    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2.
+    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `offsets` are
+    those of placements that a noise explains [m]; they are subtracted from the residual (Eq. 18a).
     """
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
+    if offsets is not None:
+        residual = residual - offsets
     scene = Scene(
         base,
         distance,
@@ -55,4 +63,4 @@ def examine(table: Table, base: Base, folds: Folds, seed: int, settings: Setting
     if sums.correlations == (WHITE,):
         others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
         sums = sums.with_correlations(found.columns, others) if others else sums
-    return Case(table, base, found, residual, sums, folds, seed, settings)
+    return Case(table, base, found, residual, sums, folds, seed, settings, offsets=offsets)

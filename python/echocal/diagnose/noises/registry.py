@@ -3,11 +3,26 @@
 from collections.abc import Collection, Iterator
 from importlib import import_module
 
-from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
+from echocal.diagnose.noises.common.kinds import (
+    FittedNoise,
+    NoiseEntry,
+    NuisanceNoise,
+    OffsetNoise,
+    Quantization,
+)
 from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "not_imitated", "nuisances", "quantizations"]
+__all__ = [
+    "NOISES",
+    "every_threshold",
+    "fitted",
+    "listed_only",
+    "not_imitated",
+    "nuisances",
+    "offsets",
+    "quantizations",
+]
 
 
 def _noise(id_: str) -> NoiseEntry:
@@ -22,6 +37,8 @@ NOISES: tuple[NoiseEntry, ...] = tuple(
         "reading_quantization",
         "timer_quantization",
         "temperature_quantization",
+        "cycle_offset",
+        "slow_level",
         "cycle_slip",
         "noise_growth",
         "polling_jitter",
@@ -50,6 +67,11 @@ def not_imitated(present: Collection[str]) -> tuple[FittedNoise, ...]:
 def nuisances() -> tuple[NuisanceNoise, ...]:
     """Noises that every hypothesis includes."""
     return tuple(noise for noise in NOISES if isinstance(noise, NuisanceNoise))
+
+
+def offsets() -> tuple[OffsetNoise, ...]:
+    """Noises that add an offset to each placement of the target."""
+    return tuple(noise for noise in NOISES if isinstance(noise, OffsetNoise))
 
 
 def listed_only() -> frozenset[str]:

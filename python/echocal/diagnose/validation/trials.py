@@ -27,25 +27,31 @@ class Trials:
     case : Case
     noise : Noise
         Under which sizes are fitted.
+    without_offsets : bool
+        Whether the readings that are judged are those without the offsets that a noise explains.
     known : dict
         Errors that were computed before.
     """
 
     case: Case
     noise: Noise
+    without_offsets: bool = False
     known: dict[tuple[frozenset[str], frozenset[str]], HeldOut] = field(default_factory=dict)
 
     def base(self) -> HeldOut:
         """Errors of the base."""
-        return measure(self.case.table, self.case.folds, lambda _: self.case.base.model())
+        return self._measured(lambda _: self.case.base.model())
 
     def of(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> HeldOut:
         """Errors with the kept causes, fitted beside all of a hypothesis, part of the best one."""
         key = frozenset(hypothesis.causes), frozenset(claim.cause for claim in kept)
         if key not in self.known:
-            fitted = self.fitted(hypothesis, kept)
-            self.known[key] = measure(self.case.table, self.case.folds, fitted)
+            self.known[key] = self._measured(self.fitted(hypothesis, kept))
         return self.known[key]
+
+    def _measured(self, fitted: Callable[[Mask], Model]) -> HeldOut:
+        table = self.case.table_without_offsets if self.without_offsets else self.case.table
+        return measure(table, self.case.folds, fitted)
 
     def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
         """Whether the folds cannot validate causes with this signal."""

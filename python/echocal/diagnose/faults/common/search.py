@@ -45,7 +45,7 @@ class Faults:
     @property
     def explain_a_refusal(self) -> bool:
         """Whether a fault of a whole column was repaired and rows are left to use."""
-        gross = any(f.facts.kind == "gross" for f in self.accepted)
+        gross = any(f.facts.kind == "gross" and f.share > 0.0 for f in self.accepted)
         return gross and bool(self.observations.usable.any())
 
 

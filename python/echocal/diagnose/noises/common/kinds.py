@@ -1,4 +1,4 @@
-"""What the file of a noise hands to the registry: one of three kinds of entries."""
+"""What the file of a noise hands to the registry: one of four kinds of entries."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns
 from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.causes import NoThresholds
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "Quantization", "Values"]
+__all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "OffsetNoise", "Offsets", "Quantization", "Values"]
 
 Matrix = NDArray[np.floating[Any]]
 Values = dict[str, tuple[float, float]]
@@ -100,3 +102,35 @@ class NuisanceNoise(NoiseEntry):
     because: Callable[[Values], str]
     rivals: Callable[[Values, float], tuple[tuple[str, ...], str]] = _nothing
     is_answer: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Offsets:
+    """Offsets of placements that a noise explains, and the causes beside them.
+
+    Attributes
+    ----------
+    finding : Finding
+    case : Case
+        The same table, the offsets subtracted from its residuals. The readings are as they were.
+    inference : Inference
+        Hypotheses on what is left.
+    """
+
+    finding: Finding
+    case: Case
+    inference: Inference
+
+
+@dataclass(frozen=True, kw_only=True)
+class OffsetNoise(NoiseEntry):
+    """A noise that adds an offset to each placement of the target.
+
+    Attributes
+    ----------
+    find : callable
+        Compares the hypotheses of a case with the same hypotheses beside the offsets; None where the offsets
+        are no more probable than not.
+    """
+
+    find: Callable[[Case, Inference], Offsets | None]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 
-__all__ = ["KERNELS", "Likelihood", "Trace", "log_density", "scale_of"]
+__all__ = ["KERNELS", "Likelihood", "Trace", "group_medians", "log_density", "scale_of"]
 
 Column = NDArray[np.float64]
 
@@ -89,12 +89,7 @@ class Trace:
     @cached_property
     def segment_median(self) -> Column:
         """Median of what is left over the row's segment [m]."""
-        order = np.lexsort((self.left, self.segment))
-        count = np.bincount(self.segment)
-        firsts = np.cumsum(count) - count
-        middle = [firsts + (count - 1) // 2, firsts + count // 2]
-        medians = 0.5 * (self.left[order][middle[0]] + self.left[order][middle[1]])
-        return np.asarray(medians[self.segment])
+        return np.asarray(group_medians(self.left, self.segment)[self.segment])
 
     def skewed(self, worth: float) -> bool:
         """Whether a moment is so many standard errors off as one-sided delays would move it."""
@@ -115,6 +110,15 @@ class Trace:
         """
         either = (_averaged(self.innovation), _averaged(self.left))
         return float(np.logaddexp(*either) - np.log(2) - 0.5 * np.log(len(self)))
+
+
+def group_medians(values: Column, groups: NDArray[np.int64]) -> Column:
+    """Median of each group; groups are numbered from 0 without a gap."""
+    order = np.lexsort((values, groups))
+    count = np.bincount(groups)
+    firsts = np.cumsum(count) - count
+    middle = values[order[firsts + (count - 1) // 2]] + values[order[firsts + count // 2]]
+    return np.asarray(0.5 * middle)
 
 
 def _averaged(values: Column) -> float:

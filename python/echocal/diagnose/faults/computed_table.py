@@ -1,0 +1,99 @@
+"""A table that nobody measured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
+
+__all__ = ["FAULT"]
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    scatter: float = threshold(
+        2e-5, "m", "scatter that no such sensor has: 0.1 us of echo time; HC-SR04s have 0.3 mm; judgement"
+    )
+    rounding: float = threshold(
+        2e-4, "m", "step of the readings above which rounding may hide the scatter of a sensor; argument"
+    )
+    spare: int = threshold(
+        12, "1", "rows more than the coefficients of the smooth law that is fitted; judgement"
+    )
+
+
+FACTS = CauseFacts(
+    id="computed_table",
+    kind="gross",
+    sentence="The readings were computed by a formula; nobody measured them.",
+    signature="readings follow a smooth law of distance and temperature to the last digit, without scatter",
+    source="argument: an echo detector with a threshold scatters by a part of its 25 us period",
+    parameters=(Quantity("scatter", "m", "standard deviation around a smooth law"),),
+    check="repeat one reading ten times: a sensor gives different values",
+    prior=0.01,
+    formula="reading' = f(distance, temperature), rounded",
+    needs=("reference_distance",),
+    repair="none: a law that was computed can be compared with another one; it is no evidence on a sensor",
+)
+
+
+def detect(view: View, settings: FaultSettings) -> Finding | None:
+    """Fit a smooth law of distance and temperature; its residuals are at most the rounding."""
+    own = settings.of(FACTS, Thresholds)
+    reference = view.reference
+    if reference is None or view.resolution > own.rounding:
+        return None
+    rows = np.flatnonzero(view.good)
+    design = _design(reference[rows], None if view.temperature is None else view.temperature[rows])
+    if len(rows) < design.shape[1] + own.spare:
+        return None
+    error = (view.indication - reference)[rows]
+    if not np.isfinite(error).all() or not np.isfinite(design).all():
+        return None
+    center = design.mean(axis=0)
+    scale = np.sqrt(((design - center) ** 2).sum(axis=0))
+    kept = scale > 1e-9 * np.sqrt(len(rows))
+    unit = np.column_stack([np.ones(len(rows)), (design - center)[:, kept] / scale[kept]])
+    left = error - unit @ np.linalg.lstsq(unit, error, rcond=None)[0]
+    freedom = len(rows) - unit.shape[1]
+    scatter = float(np.sqrt(left @ left / freedom))
+    if scatter > max(own.scatter, 0.4 * view.resolution):
+        return None
+    evidence = min(freedom * float(np.log(3e-4 / max(scatter, 1e-7))), settings.cap)
+    because = (
+        f"the readings of {len(rows)} rows differ from a smooth law of distance and temperature by "
+        f"{1e6 * scatter:.1f} um (standard deviation); a sensor scatters by 300 um and more"
+    )
+    mask = np.zeros(len(view), dtype=bool)
+    mask[rows] = True
+    parameters = (Parameter("scatter", scatter, 0.0, "m"),)
+    return Finding(FACTS, evidence, because, parameters, mask, view.observations, share=0.0)
+
+
+def _design(distance: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+    """Smooth functions of distance and temperature: every law of sound speed is one of them to 1 um."""
+    columns = [distance, distance**2, distance**3]
+    if temperature is not None:
+        warm = (temperature - 25.0) / 25.0
+        columns += [warm, warm**2, *(distance * warm**power for power in range(1, 6))]
+    return np.column_stack(columns)
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Compute the readings with another law of the speed of sound."""
+    temperature, distance = table["temperature_C"], table.get("distance_m", table["reading_m"])
+    slope = random.uniform(0.59, 0.61)
+    table["reading_m"][:] = np.round(
+        distance * (331.4 + 0.6 * temperature) / (331.3 + slope * temperature), 6
+    )
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())
