@@ -106,7 +106,7 @@ class Assembly:
         return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
 
     def _check_filled(self, values: Column, source: Assignment) -> None:
-        checks.refuse_without_values(values, source.column)
+        checks.refuse_without_values(values, source, self.trusted)
         empty = np.isnan(values)
         self._mark(empty, f"{source.column} missing", source)
         if empty.any():

@@ -42,7 +42,9 @@ class Thresholds:
     beside: float = threshold(
         3.0, "1", "log Bayes factor against a slip beside another odd row: slips are single; judgement"
     )
-    rows: float = threshold(500, "1", "rows that a person types: of n tables 1 in 1 + (n / rows)^2; judgement")
+    rows: float = threshold(
+        500, "1", "rows that a person types: of n tables 1 in 1 + (n / rows)^2; judgement"
+    )
     logged: float = threshold(
         1.0, "1", "log Bayes factor against typing, where times are evenly spaced as a logger's; judgement"
     )
@@ -242,7 +244,7 @@ class _Search:
         return _Meant(best[0], best[1], evidence)
 
     def _elsewhere(self, row: int, value: float, expected: float) -> float:
-        """Probability density of this reading as an echo from another place, given the odd rows before [1/m]."""
+        """Density of this reading as an echo from another place, given the odd rows before [1/m]."""
         anywhere = _anywhere(value, expected)
         before = self.values[self.at[self.at < row]]
         if not self.all_typed or not len(before):

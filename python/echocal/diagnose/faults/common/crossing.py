@@ -33,7 +33,7 @@ class Crossing:
     )
     hottest: float = threshold(60.0, "degC", "of air: the record is 57 degC (WMO, 1913)")
     coldest: float = threshold(-60.0, "degC", "of air where people measure; judgement")
-    part: float = threshold(0.02, "1", "part of the rows outside of that, for a range to say anything; judgement")
+    part: float = threshold(0.02, "1", "part of the rows outside, for a range to say anything; judgement")
 
 
 def at_crossing(columns: tuple[Column, Column], row: int, roughness: float, settings: Crossing) -> float:
@@ -78,7 +78,8 @@ def _slopes(columns: tuple[Column, Column], row: int, settings: Crossing) -> flo
 
     def misfit(other: int) -> float:
         pairs = [(which, (which + other) % 2) for which in (0, 1)]
-        return sum((slope[a, 0] - slope[b, 1]) ** 2 / (variance[a, 0] + variance[b, 1]) for a, b in pairs)
+        parts = [(slope[a, 0] - slope[b, 1]) ** 2 / (variance[a, 0] + variance[b, 1]) for a, b in pairs]
+        return float(sum(parts))
 
     return float(np.clip(0.5 * (misfit(0) - misfit(1)), -settings.slope, settings.slope))
 
