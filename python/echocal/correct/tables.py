@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.correct.marks import reference_of, with_marks
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import read_observations
 from echocal.observations.correction import corrected_distance
+from echocal.observations.marks import MARKS
 from echocal.observations.names import IGNORE
 from echocal.observations.plan import make, read_columns
 from echocal.observations.source import load
@@ -52,6 +54,7 @@ def correct_table(
     columns: Mapping[str, str] | None = None,
     *,
     reading_speed: str | None = None,
+    mark_rows: bool = True,
     **options: Any,
 ) -> Corrected:
     """Correct every row of a table, in its order.
@@ -66,6 +69,9 @@ def correct_table(
         Meaning of columns, by their names.
     reading_speed : str, optional
         Speed that the firmware made readings with; default: the law of the model.
+    mark_rows : bool
+        Whether rows that are as those which the diagnosis of the model left out get no corrected
+        distance, but the name of the fault as reason.
     **options
         As in `echocal.read_observations`.
 
@@ -107,12 +113,17 @@ def correct_table(
         )
     distance = corrected_distance(observations, model)
     reasons = np.where(observations.usable & np.isnan(distance), "no distance fits", observations.unusable)
+    notes: tuple[str, ...] = ()
+    if mark_rows and MARKS in model.provenance:
+        reference = reference_of(table, requests, options.get("missing", ()), model)
+        distance, marks, notes = with_marks(observations, distance, reference, model)
+        reasons = np.where(reasons == "", marks, reasons)
     codes, counts = np.unique(reasons[reasons != ""], return_counts=True)
     return Corrected(
         table.assign(**dict(zip(RESULTS, (distance, reasons), strict=True))),
         len(table),
         dict(zip(codes.tolist(), counts.tolist(), strict=True)),
-        observations.notes,
+        (*observations.notes, *notes),
     )
 
 

@@ -103,5 +103,6 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         proposals = propose(case, possible, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint)
         diagnosis = report(case, observations, *found, possible, proposals)
+        diagnosis.model.provenance.update(faults.marks)
     work.end()
     return diagnosis

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.outliers import far_rule
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
@@ -143,6 +144,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         (Parameter("rows", float(len(stories)), 0.0, "1"),),
         odd,
         replace(observations, reading=reading, echo_time=time),
+        rules=(far_rule(view, FACTS.id, 0, settings, deviations=odds[decimals > 0]),),
     )
 
 

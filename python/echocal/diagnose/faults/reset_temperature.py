@@ -15,6 +15,7 @@ from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 from echocal.observations.derived import derived
+from echocal.observations.marks import RowRule
 from echocal.quantities import QUANTITIES
 
 __all__ = ["FAULT"]
@@ -64,7 +65,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     evidence = min(own.each * float(rows.sum()), settings.cap)
     parameters = (Parameter("rows", float(rows.sum()), 0.0, "1"),)
-    return Finding(FACTS, evidence, because, parameters, rows, _without(view, rows))
+    rules = tuple(
+        RowRule(reason=FACTS.id, kind="equals", quantity="temperature", value=value) for value in POWER_ON
+    )
+    return Finding(FACTS, evidence, because, parameters, rows, _without(view, rows), rules=rules)
 
 
 def _without(view: View, rows: NDArray[np.bool_]) -> Observations:

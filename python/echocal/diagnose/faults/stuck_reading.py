@@ -13,6 +13,7 @@ from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
 
@@ -96,7 +97,11 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         Parameter("value", value, 0.0, "m"),
     )
     evidence = min(evidence, settings.cap)
-    return Finding(FACTS, evidence, because, parameters, frozen, view.without(frozen, FACTS.id))
+    quantity = "echo_time" if view.observations.reading is None else "reading"
+    shortest = int(lengths[long].min())
+    rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest),)
+    repaired = view.without(frozen, FACTS.id)
+    return Finding(FACTS, evidence, because, parameters, frozen, repaired, rules=rules)
 
 
 def _longest(

@@ -12,6 +12,7 @@ from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
 
@@ -78,7 +79,25 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
     evidence = min(_constant(view, outliers, rows, own), settings.cap)
-    return Finding(FACTS, evidence, because, parameters, mask, view.without(mask, FACTS.id))
+    return Finding(
+        FACTS,
+        evidence,
+        because,
+        parameters,
+        mask,
+        view.without(mask, FACTS.id),
+        rules=(_rule(view, rows, own),),
+    )
+
+
+def _rule(view: View, rows: np.ndarray, own: Thresholds) -> RowRule:
+    """The constant, as a time or as a reading."""
+    times, readings = view.observations.echo_time[rows], recorded(view)[rows]
+    time, reading = float(np.median(times)), float(np.median(readings))
+    if np.ptp(times) > _SAME * time and np.ptp(readings) <= _SAME * reading:
+        return RowRule(reason=FACTS.id, kind="equals", quantity="reading", value=reading)
+    tolerance = own.tolerance if np.ptp(times) > _SAME * time else 0.0
+    return RowRule(reason=FACTS.id, kind="equals", quantity="echo_time", value=time, tolerance=tolerance)
 
 
 def _constant(view: View, outliers: np.ndarray, rows: np.ndarray, own: Thresholds) -> float:
