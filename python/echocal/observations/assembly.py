@@ -42,6 +42,7 @@ class Assembly:
     reason: NDArray[np.int16] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
     time: clock.Instants | None = field(init=False, default=None)
+    refused: dict[str, str] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.reason = np.zeros(len(self.table), dtype=np.int16)
@@ -69,6 +70,7 @@ class Assembly:
             extra=self._extra(),
             source_names={name: source.column for name, source in held.items()},
             notes=tuple(self.notes),
+            refused=self.refused,
         )
 
     def _values(self, quantity: str) -> Column:
@@ -87,7 +89,7 @@ class Assembly:
         values = to_numbers(self.table[source.column], source.column, self.missing)
         self._check_filled(values, source)
         seen = checks.ends(values)
-        checks.refuse_other_unit(values, seen, source, self.trusted)
+        self._refuse_other_unit(values, seen, source)
         self.notes += checks.suspected_codes(values, seen, source)
         wrong, notes = checks.impossible(values, seen, source)
         self._mark(wrong, f"{source.column} out of range", source)
@@ -97,6 +99,17 @@ class Assembly:
             values = values - np.min(values, where=np.isfinite(values), initial=np.inf)
             self.notes += checks.newest_first(values, source)
         return values
+
+    def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
+        """Refuse a column in another unit; where everything is trusted, keep the sentence."""
+        try:
+            checks.refuse_other_unit(
+                values, seen, source, [name for name in self.trusted if name != EVERYTHING]
+            )
+        except DataError as refusal:
+            if EVERYTHING not in self.trusted:
+                raise
+            self.refused[source.form.quantity] = str(refusal)
 
     def _unusable(self) -> NDArray[np.str_]:
         reasons = np.array(self.reasons)

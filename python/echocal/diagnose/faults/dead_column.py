@@ -16,6 +16,7 @@ from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import DataError
 from echocal.observations import Observations
+from echocal.observations.checks import CODES
 from echocal.observations.derived import derived
 from echocal.quantities import QUANTITIES
 
@@ -23,7 +24,7 @@ __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
-_ABSENT = {  # SI; what a sensor gives that is not there, besides values that are out of range
+_ABSENT = {  # SI; what a sensor gives that is not there, besides the codes of loggers
     "temperature": (0.0, -127.0, *POWER_ON),  # DS18B20: -127 degC is the library's DEVICE_DISCONNECTED_C
     "relative_humidity": (0.0,),
     "pressure": (0.0,),
@@ -46,7 +47,7 @@ FACTS = CauseFacts(
     id="dead_column",
     kind="gross",
     sentence="A sensor beside the ranger was dead: its column has no value, or one error code in all rows.",
-    signature="a column is empty, out of physical range, or 0 (thermometer: 0, -127, 85) in every row",
+    signature="a column is empty, or in every row one code: -9999, -999, 0 (a thermometer: 0, -127, 85)",
     source="DallasTemperature.h: DEVICE_DISCONNECTED_C is -127; DS18B20 data sheet: 85 degC at power-on",
     parameters=(Quantity("columns", "1", "columns that are dead"),),
     check="look at the plug of the sensor; print its value beside the echo time",
@@ -106,17 +107,14 @@ def _dead(name: str, column: Column, logged: bool) -> str:
     value = float(known[0])
     if np.ptp(known) > 1e-9 * max(abs(value), 1.0):
         return ""
-    low, high = QUANTITIES[name].forms[0].physical
     if name == "temperature" and value == 0.0 and not logged:
         return ""
     code = any(np.isclose(value, absent, rtol=1e-6, atol=1e-9) for absent in _ABSENT.get(name, ()))
-    shown = _as_recorded(name, value)
-    return f"is {shown:g}" if code or not low <= value <= high else ""
-
-
-def _as_recorded(name: str, value: float) -> float:
-    """A value in the usual unit of its column."""
-    return float(next(iter(QUANTITIES[name].forms[0].units.values())).from_si(value))
+    as_recorded = [unit.from_si(value) for form in QUANTITIES[name].forms for unit in form.units.values()]
+    shown = next((code for code in CODES for own in as_recorded if np.isclose(own, code, rtol=1e-9)), None)
+    if shown is None and code:
+        shown = as_recorded[0]
+    return "" if shown is None else f"is {shown:g}"
 
 
 def _without(observations: Observations, dropped: list[str]) -> Observations:
