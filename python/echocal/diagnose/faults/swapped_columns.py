@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.crossing import Crossing, at_crossing, refined
+from echocal.diagnose.faults.common.crossing import Crossing, at_crossing, crossings, refined
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
@@ -42,7 +42,7 @@ class Thresholds:
     )
     cap: float = threshold(40.0, "1", "largest log Bayes factor; judgement")
     echoes: float = threshold(
-        12.0, "1", "largest log Bayes factor of echo times that fit the reference better, or worse; judgement"
+        40.0, "1", "largest log Bayes factor of echo times that fit the reference better, or worse; judgement"
     )
     crossing: Crossing = field(default_factory=Crossing)
 
@@ -77,9 +77,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         return None
     edge = int(known[seam])
     swapped = np.arange(len(warm)) >= edge
-    if _drier(warm, percent, ~swapped):
+    after, before = (_by_echoes(view, part, own) for part in (swapped, ~swapped))
+    if before > after or (before == after and _drier(warm, percent, ~swapped)):
         swapped = ~swapped
-    evidence += _by_echoes(view, swapped, own)
+    evidence = min(evidence, own.cap) + max(before, after)
     if evidence <= 0.0:
         return None
     first = int(np.flatnonzero(swapped)[0])
@@ -113,7 +114,8 @@ def _seam(columns: tuple[Column, Column], settings: Thresholds) -> tuple[int, fl
     change = np.abs(np.cumsum(rough, out=rough), out=rough)
     jump = steps.sum(axis=0)
     changed = int(np.argmax(change)) + 1
-    seams = {refined(columns, changed), *(1 + _largest(jump)).tolist()}
+    rows_of_crossings = crossings(columns, _CANDIDATES)
+    seams = {refined(columns, changed), *(1 + _largest(jump)).tolist(), *rows_of_crossings}
     inside = sorted(row for row in seams if settings.before < row < rows - 2)
     until = _until(steps, inside)
     scored = [(*_evidence(columns, steps, until[row], row, settings), row) for row in inside]
@@ -168,7 +170,8 @@ def _evidence(
     part = min(1.0, settings.witnesses / max(after.shape[1], 1))  # neighbors are no independent witnesses
     roughness = float(part * (stays - changes))
     if straight.max() <= settings.fits:  # where the columns cross, their levels go on either way
-        return roughness, at_crossing(columns, row, roughness, settings.crossing)
+        evidence = at_crossing(columns, row, roughness, settings.crossing)
+        return max(roughness, evidence), evidence
     levels = float(np.minimum(straight, settings.level).sum() - np.minimum(crossed, settings.level).sum())
     return roughness + levels, roughness + levels
 
