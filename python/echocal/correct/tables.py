@@ -24,6 +24,7 @@ RESULTS = ("corrected_distance_m", "unusable")
 """Names of the two columns that a correction appends."""
 
 _REFERENCES = ("reference_distance", "stand", "group", "order")
+_BURSTS = ("group", "order")  # what the position in a burst is derived from
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def correct_table(
         warnings.simplefilter("ignore", DataWarning)  # the notes say the same
         observations = read_observations(
             table,
-            _without_references(table, requests),
+            _without_references(table, requests, model),
             reading_speed=reading_speed or model.law,
             **options,
         )
@@ -127,7 +128,10 @@ def correct_table(
     )
 
 
-def _without_references(table: pd.DataFrame, requests: dict[str, str]) -> dict[str, str]:
+def _without_references(table: pd.DataFrame, requests: dict[str, str], model: Model) -> dict[str, str]:
     """Requests that ignore columns that a correction does not need, so that they make no row unusable."""
     held = make(list(load(table).columns), requests).assignments
-    return requests | {held[role].column: IGNORE for role in _REFERENCES if role in held}
+    needed = _BURSTS if "position_in_group" in model.reads else ()
+    return requests | {
+        held[role].column: IGNORE for role in _REFERENCES if role in held and role not in needed
+    }
