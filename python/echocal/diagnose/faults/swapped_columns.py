@@ -158,19 +158,21 @@ def _evidence(
     most = 2 * until / (row - 1)  # no median is larger than twice the mean
     if (crossed / _wide(most)).max() > settings.fits:
         return -np.inf, -np.inf
-    usual = np.array([median(own[: row - 1]) for own in steps])
+    first, last = max(0, row - _ENOUGH), row + _ENOUGH  # rows around that tell enough
+    usual = np.array([median(own[first : row - 1]) for own in steps])
     straight, crossed = straight / _wide(usual), crossed / _wide(usual)
     if crossed.max() > settings.fits:
         return -np.inf, -np.inf
     scale = _scale(usual)
-    after = steps[:, row:]
+    after = steps[:, row:last]
     stays, changes = (
         float(np.minimum(after / s[:, None], settings.outlier).sum()) for s in (scale, scale[::-1])
     )
     part = min(1.0, settings.witnesses / max(after.shape[1], 1))  # neighbors are no independent witnesses
     roughness = float(part * (stays - changes))
     if straight.max() <= settings.fits:  # where the columns cross, their levels go on either way
-        evidence = at_crossing(columns, row, roughness, settings.crossing)
+        around = (columns[0][first:last], columns[1][first:last])
+        evidence = at_crossing(around, row - first, roughness, settings.crossing)
         return max(roughness, evidence), evidence
     levels = float(np.minimum(straight, settings.level).sum() - np.minimum(crossed, settings.level).sum())
     return roughness + levels, roughness + levels
