@@ -49,6 +49,13 @@ def command(
             "--transferable", help="Leave out effects that belong to the measurement campaign of the model."
         ),
     ] = False,
+    mark_rows: Annotated[
+        bool,
+        typer.Option(
+            "--mark-rows/--no-mark-rows",
+            help="Mark rows that are as those which the diagnosis of the model left out.",
+        ),
+    ] = True,
     column: Columns = None,
     missing: Missing = None,
     trust: Trust = None,
@@ -73,6 +80,7 @@ def command(
         force=force,
     )
     options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
+    options["mark_rows"] = mark_rows
     correction = model_of(law, model, effect)
     if transferable:
         correction = correction.transferable()

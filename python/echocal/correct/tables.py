@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.correct.marks import reference_of, with_marks
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import read_observations
 from echocal.observations.correction import corrected_distance
+from echocal.observations.marks import MARKS
 from echocal.observations.names import IGNORE
 from echocal.observations.plan import make, read_columns
 from echocal.observations.source import load
@@ -22,6 +24,7 @@ RESULTS = ("corrected_distance_m", "unusable")
 """Names of the two columns that a correction appends."""
 
 _REFERENCES = ("reference_distance", "stand", "group", "order")
+_BURSTS = ("group", "order")  # what the position in a burst is derived from
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,7 @@ def correct_table(
     columns: Mapping[str, str] | None = None,
     *,
     reading_speed: str | None = None,
+    mark_rows: bool = True,
     **options: Any,
 ) -> Corrected:
     """Correct every row of a table, in its order.
@@ -66,6 +70,9 @@ def correct_table(
         Meaning of columns, by their names.
     reading_speed : str, optional
         Speed that the firmware made readings with; default: the law of the model.
+    mark_rows : bool
+        Whether rows that are as those which the diagnosis of the model left out get no corrected
+        distance, but the name of the fault as reason.
     **options
         As in `echocal.read_observations`.
 
@@ -101,7 +108,7 @@ def correct_table(
         warnings.simplefilter("ignore", DataWarning)  # the notes say the same
         observations = read_observations(
             table,
-            _without_references(table, requests),
+            _without_references(table, requests, model),
             reading_speed=reading_speed or model.law,
             **options,
         )
@@ -110,16 +117,24 @@ def correct_table(
     for column in model.columns.values():
         lacks = observations.usable & np.isnan(observations.thermometers[column])
         reasons = np.where(lacks, f"{column} missing", reasons)
+    notes: tuple[str, ...] = ()
+    if mark_rows and MARKS in model.provenance:
+        reference = reference_of(table, requests, options.get("missing", ()), model)
+        distance, marks, notes = with_marks(observations, distance, reference, model)
+        reasons = np.where(reasons == "", marks, reasons)
     codes, counts = np.unique(reasons[reasons != ""], return_counts=True)
     return Corrected(
         table.assign(**dict(zip(RESULTS, (distance, reasons), strict=True))),
         len(table),
         dict(zip(codes.tolist(), counts.tolist(), strict=True)),
-        observations.notes,
+        (*observations.notes, *notes),
     )
 
 
-def _without_references(table: pd.DataFrame, requests: dict[str, str]) -> dict[str, str]:
+def _without_references(table: pd.DataFrame, requests: dict[str, str], model: Model) -> dict[str, str]:
     """Requests that ignore columns that a correction does not need, so that they make no row unusable."""
     held = make(list(load(table).columns), requests).assignments
-    return requests | {held[role].column: IGNORE for role in _REFERENCES if role in held}
+    needed = _BURSTS if "position_in_group" in model.reads else ()
+    return requests | {
+        held[role].column: IGNORE for role in _REFERENCES if role in held and role not in needed
+    }

@@ -32,7 +32,8 @@ from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
 from echocal.diagnose.validation.validate import validate
-from echocal.errors import DomainWarning
+from echocal.errors import DataError, DomainWarning
+from echocal.observations.checks import still_refused
 
 __all__ = ["run"]
 
@@ -69,6 +70,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
+        if why := still_refused(faults.observations):  # a repair of one column hides no other one
+            raise DataError(why)
         held = None if after is None else held_rows(whole, after, base, distance, constant, settings)
         observations = faults.observations
         ranges = request.ranges(list(observations.conditions))
@@ -110,5 +113,6 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint)
         diagnosis = report(case, observations, *found, able, proposals)
+        diagnosis.model.provenance.update(faults.marks)
     work.end()
     return diagnosis

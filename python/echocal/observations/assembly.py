@@ -43,6 +43,7 @@ class Assembly:
     notes: list[str] = field(init=False, default_factory=list)
     time: clock.Instants | None = field(init=False, default=None)
     reading_speed: str = field(init=False, default="")
+    refused: dict[str, str] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.reason = np.zeros(len(self.table), dtype=np.int16)
@@ -72,6 +73,7 @@ class Assembly:
             reading_speed=self.reading_speed,
             source_names={name: source.column for name, source in held.items()},
             notes=tuple(self.notes),
+            refused=self.refused,
         )
 
     def _values(self, quantity: str) -> Column:
@@ -90,7 +92,7 @@ class Assembly:
         values = to_numbers(self.table[source.column], source.column, self.missing)
         self._check_filled(values, source)
         seen = checks.ends(values)
-        checks.refuse_other_unit(values, seen, source, self.trusted)
+        self._refuse_other_unit(values, seen, source)
         self.notes += checks.suspected_codes(values, seen, source)
         wrong, notes = checks.impossible(values, seen, source)
         self._mark(wrong, f"{source.column} out of range", source)
@@ -101,6 +103,17 @@ class Assembly:
             self.notes += checks.newest_first(values, source)
         return values
 
+    def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
+        """Refuse a column in another unit; where everything is trusted, keep the sentence."""
+        try:
+            checks.refuse_other_unit(
+                values, seen, source, [name for name in self.trusted if name != EVERYTHING]
+            )
+        except DataError as refusal:
+            if EVERYTHING not in self.trusted:
+                raise
+            self.refused[source.form.quantity] = str(refusal)
+
     def _unusable(self) -> NDArray[np.str_]:
         reasons = np.array(self.reasons)
         return reasons[self.reason] if len(reasons) > 1 else np.full(len(self.reason), reasons[0])
@@ -109,7 +122,7 @@ class Assembly:
         return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
 
     def _check_filled(self, values: Column, source: Assignment) -> None:
-        checks.refuse_without_values(values, source.column)
+        checks.refuse_without_values(values, source, self.trusted)
         empty = np.isnan(values)
         self._mark(empty, f"{source.column} missing", source)
         if empty.any():

@@ -14,27 +14,39 @@ from echocal.observations.clock import YEARS
 from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
-from echocal.observations.units import NAMES, Form, Unit
+from echocal.observations.table import Observations
+from echocal.observations.units import FORMS, NAMES, Form, Unit
 from echocal.quantities import QUANTITIES
 
-__all__ = ["ends", "impossible", "newest_first", "outside_years", "refuse_other_unit", "refuse_truth"]
-__all__ += ["refuse_without_values", "si_unit", "suspected_codes"]
+__all__ = [
+    "CODES",
+    "ends",
+    "impossible",
+    "newest_first",
+    "outside_years",
+    "refuse_other_unit",
+    "refuse_truth",
+]
+__all__ += ["refuse_without_values", "si_unit", "still_refused", "suspected_codes"]
 
-_CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
+CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Ends = tuple[float, float]
 
 
-def refuse_without_values(values: Column, column: str) -> None:
-    """Refuse a column that would make every row unusable.
+def refuse_without_values(values: Column, source: Assignment, trusted: Collection[str]) -> None:
+    """Refuse a column that would make every row unusable; but a diagnosis names a dead sensor.
 
     Raises
     ------
     DataError
         If no row has a value.
     """
+    column = source.column
+    if EVERYTHING in trusted and source.form.quantity in QUANTITIES and len(values):
+        return
     if not len(values) or (np.isnan(values[0]) and np.isnan(values).all()):
         message = (
             f"column '{column}' has no value in any of {len(values)} rows; "
@@ -144,6 +156,29 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
     raise DataError(message)
 
 
+def still_refused(observations: Observations) -> str:
+    """Why the first column is refused that looked as if in another unit, and does so after a repair.
+
+    Empty where a repair explains each of them.
+    """
+    repaired = {
+        **observations.conditions,
+        "echo_time": observations.echo_time,
+        "reading": observations.reading,
+        "reference_distance": observations.reference_distance,
+    }
+    for quantity, why in observations.refused.items():
+        column = repaired.get(quantity)
+        if column is None:
+            continue  # the repair left it out
+        form = next(form for form in FORMS if form.quantity == quantity)
+        low, high = form.typical or form.physical
+        known = column[observations.usable & np.isfinite(column)]
+        if len(known) and not low <= middle(known) <= high:
+            return why
+    return ""
+
+
 def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask, list[str]]:
     """Rows whose value cannot be, and a sentence on each kind of them.
 
@@ -169,7 +204,7 @@ def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask
 
 def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[str]:
     """A sentence on each value that loggers write where they have none."""
-    codes = (*assignment.form.error_codes.get(assignment.unit_name, ()), *_CODES)
+    codes = (*assignment.form.error_codes.get(assignment.unit_name, ()), *CODES)
     least, most = seen
     found = {code: int((values == code).sum()) for code in codes if least <= code <= most}
     column = assignment.column

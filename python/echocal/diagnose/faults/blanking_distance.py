@@ -12,6 +12,7 @@ from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
 
@@ -91,7 +92,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     parameters = (Parameter("distance", limit, 0.0, "m"), Parameter("rows", float(caught), 0.0, "1"))
     evidence = float(min(evidence, settings.cap))
-    return Finding(FACTS, evidence, because, parameters, near, view.without(near, FACTS.id))
+    rules = (RowRule(reason=FACTS.id, kind="at most", quantity="reference_distance", value=limit),)
+    repaired = view.without(near, FACTS.id)
+    return Finding(FACTS, evidence, because, parameters, near, repaired, rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

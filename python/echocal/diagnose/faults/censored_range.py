@@ -12,6 +12,7 @@ from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
 
@@ -97,7 +98,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     parameters = (Parameter("limit", limit, 0.0, "m"), Parameter("rows", float(count), 0.0, "1"))
     evidence = float(min(evidence, settings.cap))
-    return Finding(FACTS, evidence, because, parameters, rows, view.without(rows, FACTS.id))
+    quantity = "echo_time" if view.observations.reading is None else "reading"
+    rules = (RowRule(reason=FACTS.id, kind="at least", quantity=quantity, value=top),)
+    repaired = view.without(rows, FACTS.id)
+    return Finding(FACTS, evidence, because, parameters, rows, repaired, rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.outliers import count_evidence, one_sided_outliers
+from echocal.diagnose.faults.common.outliers import count_evidence, far_rule, one_sided_outliers
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -52,9 +52,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{view.expected[worst]:.3f} m is expected); left out"
     )
     parameters = (Parameter("rows", float(count), 0.0, "1"),)
-    return Finding(
-        FACTS, count_evidence(view, count, settings), because, parameters, rows, view.without(rows, FACTS.id)
-    )
+    rules = (far_rule(view, FACTS.id, -1, settings, own.least),)
+    evidence, repaired = count_evidence(view, count, settings), view.without(rows, FACTS.id)
+    return Finding(FACTS, evidence, because, parameters, rows, repaired, rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

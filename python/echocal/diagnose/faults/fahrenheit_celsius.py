@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import at_power_on
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -77,7 +78,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if recorded is None:
         return None
     known = np.isfinite(recorded)
-    if known.sum() < 5:
+    if (known & ~at_power_on(recorded)).sum() < 5:
         return None
     rows = _single(recorded, known, own)
     evidence, why = min(own.each * float(rows.sum()), settings.cap), listed(rows)
@@ -129,7 +130,7 @@ def _contradicted(view: View) -> bool:
 def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
     """Rows that deviate from their neighbors, and do not once converted."""
     rows = np.zeros(len(recorded), dtype=bool)
-    at = np.flatnonzero(known)
+    at = np.flatnonzero(known & ~at_power_on(recorded))  # 85 degC is a reset, not 29.4 degC
     values = some(recorded, at)
     if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= own.odd:
         return rows  # no row can be that far from its neighbors

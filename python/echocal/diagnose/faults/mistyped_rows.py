@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.outliers import far_rule
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
@@ -36,6 +37,22 @@ class Thresholds:
     close: float = threshold(
         5.0, "1", "robust standard deviations that a corrected row may be off by; judgement"
     )
+    near: float = threshold(
+        2.0, "1", "robust standard deviations over which echoes from one place scatter; judgement"
+    )
+    beside: float = threshold(
+        3.0, "1", "log Bayes factor against a slip beside another odd row: slips are single; judgement"
+    )
+    rows: float = threshold(
+        500, "1", "rows that a person types: of n tables 1 in 1 + (n / rows)^2; judgement"
+    )
+    logged: float = threshold(
+        1.0, "1", "log Bayes factor against typing, where times are evenly spaced as a logger's; judgement"
+    )
+    even: float = threshold(0.8, "1", "part of the time steps that are equal in a logger's table; judgement")
+    sure: float = threshold(
+        2.3, "1", "log Bayes factor against an echo from anywhere for a row to be a slip: 10 to 1; judgement"
+    )
     repeated: float = threshold(3, "1", "rows of one value that nobody types by chance; judgement")
     alone: float = threshold(
         2.0, "1", "log Bayes factor of a row that looks typed where others do not; judgement"
@@ -59,12 +76,16 @@ FACTS = CauseFacts(
     check="look the rows up in the notes they were typed from",
     prior=0.02,
     formula="reading' = reading with two digits swapped, one lost, one too many, or another decimal point",
-    repair="corrects the rows to the nearest value that one edit gives",
+    repair="corrects the rows to the value that one edit gives, if other echoes do not explain them",
 )
 
 
 def edits(text: str) -> Iterator[tuple[str, str, float]]:
-    """What may have been meant: digits, the name of the slip, and how usual it is."""
+    """What may have been meant: digits, the name of the slip, and how usual it is.
+
+    One digit in place of another is none of them: nearly every deviation is near one of those, so such a row
+    is left out as an outlier.
+    """
     for i in range(len(text) - 1):
         if text[i] != text[i + 1]:
             yield text[:i] + text[i + 1] + text[i] + text[i + 2 :], _USUAL, 1.0
@@ -97,19 +118,20 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if not 0 < len(at) < own.most or len(at) > own.most_part * view.good.sum():
         return None
     seldom = dict(zip(at.tolist(), _seldom(values[at], own), strict=True))
-    evidence, corrected, stories = 0.0, values.copy(), []
+    search = _Search.of(view, values, at, decimals, own)
+    evidence, corrected, stories = search.table, values.copy(), []
     for row in at:
-        found = _meant(view, float(values[row]), float(view.expected[row]), decimals or _DECIMALS[0], own)
-        if found is None or (found[1] != _USUAL and not seldom[int(row)]):
+        found = search.meant(int(row), float(view.expected[row]))
+        if found is None or (found.slip != _USUAL and not seldom[int(row)]):
             odd[row] = False
             continue
-        value, slip, bayes = found
-        evidence += bayes + (0.0 if decimals else own.alone)
-        corrected[row] = value
-        stories.append(f"row {row + 1} reads {values[row]:g} m, {value:g} m would be consistent ({slip})")
+        evidence += found.log_bayes
+        corrected[row] = found.value
+        stories.append(
+            f"row {row + 1} reads {values[row]:g} m, {found.value:g} m would be consistent ({found.slip})"
+        )
     if stories and len(at) >= _ENOUGH:
-        by_chance = _by_chance(view, values, at, decimals or _DECIMALS[0], own)
-        evidence = min(evidence, _typed_at_all(len(stories), len(at), by_chance))
+        evidence = min(evidence, _typed_at_all(len(stories), len(at), _by_chance(search)))
     if evidence <= 0 or not stories:
         return None
     observations = view.observations
@@ -122,17 +144,17 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         (Parameter("rows", float(len(stories)), 0.0, "1"),),
         odd,
         replace(observations, reading=reading, echo_time=time),
+        rules=(far_rule(view, FACTS.id, 0, settings, deviations=odds[decimals > 0]),),
     )
 
 
-def _by_chance(
-    view: View, values: NDArray[np.float64], at: NDArray[np.intp], decimals: int, own: Thresholds
-) -> float:
+def _by_chance(search: "_Search") -> float:
     """Part of the odd rows that one edit makes consistent if they deviate as other odd rows do."""
+    at, off = search.at, search.view.deviation
     tried = at[:: -(-len(at) // _TRIED)]
-    others = [view.deviation[np.roll(tried, shift)] for shift in range(1, min(_SHIFTS, len(tried) - 1) + 1)]
+    others = [off[np.roll(tried, shift)] for shift in range(1, min(_SHIFTS, len(tried) - 1) + 1)]
     matched = [
-        _meant(view, float(values[row]), float(values[row] - deviation), decimals, own) is not None
+        search.meant(int(row), float(search.values[row] - deviation)) is not None
         for deviations in others
         for row, deviation in zip(tried, deviations, strict=True)
     ]
@@ -159,22 +181,96 @@ def _on_grid(values: NDArray[np.float64], decimals: int) -> NDArray[np.bool_]:
         return np.asarray(np.abs(scaled - np.round(scaled)) < 1e-9 * np.maximum(np.abs(scaled), 1.0))
 
 
-def _meant(
-    view: View, value: float, expected: float, decimals: int, own: Thresholds
-) -> tuple[float, str, float] | None:
-    """The edit that fits best, and the log Bayes factor of a slip against any other outlier."""
-    scale = 10.0**-decimals
-    text = f"{round(value / scale):0{decimals + 1}d}"
-    close = own.close * max(view.scatter, 0.3 * scale)
-    best, chance = None, 0.0
-    for meant, slip, weight in edits(text):
-        off = abs(int(meant) * scale - expected)
-        chance += weight * 2 * close / max(abs(expected), 0.2)
-        if off < close and (best is None or (weight, -off) > best[:2]):
-            best = (weight, -off, int(meant) * scale, slip)
-    if best is None:
-        return None
-    return best[2], best[3], float(np.log(best[0] / min(chance, 1.0)) + np.log(own.slip))
+@dataclass(frozen=True)
+class _Meant:
+    """What may have been meant, and the log Bayes factor of a slip, given the rows before."""
+
+    value: float
+    slip: str
+    log_bayes: float
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Edits of odd rows against echoes of something else.
+
+    Where every row is written in whole millimeters, a logger may have done so: its odd rows are echoes
+    from another place or over a longer way, which come back to one distance and follow each other. Where
+    only the odd rows are so written, no echo did it.
+
+    Attributes
+    ----------
+    decimals : int
+        Decimals of a typed reading in m.
+    all_typed : bool
+        Whether the other rows are so written too.
+    table : float
+        Log Bayes factor of a table that somebody typed.
+    """
+
+    view: View
+    values: NDArray[np.float64]
+    at: NDArray[np.intp]
+    decimals: int
+    all_typed: bool
+    table: float
+    own: Thresholds
+
+    @classmethod
+    def of(
+        cls, view: View, values: NDArray[np.float64], at: NDArray[np.intp], decimals: int, own: Thresholds
+    ) -> "_Search":
+        table = -float(np.log1p((len(view) / own.rows) ** 2)) - own.logged * _logged(view, own)
+        return cls(view, values, at, decimals or _DECIMALS[0], decimals > 0, table if decimals else 0.0, own)
+
+    def meant(self, row: int, expected: float) -> _Meant | None:
+        """The edit that fits best, if a slip is far more likely than another echo."""
+        own, value, unit = self.own, float(self.values[row]), 10.0**-self.decimals
+        scatter = max(self.view.scatter, 0.3 * unit)
+        best: tuple[float, str, float] | None = None
+        slips, weights = 0.0, 0.0
+        for meant, slip, weight in edits(f"{round(value / unit):0{self.decimals + 1}d}"):
+            off = (int(meant) * unit - expected) / scatter
+            density = weight * 0.3676 / (scatter * (1 + off**2 / 3) ** 2)  # Student's t, 3 degrees
+            slips, weights = slips + density, weights + weight
+            if abs(off) < own.close and (best is None or density > best[2]):
+                best = (int(meant) * unit, slip, density)
+        if best is None:
+            return None
+        evidence = float(np.log(slips / weights) + np.log(own.slip)) + own.alone * (not self.all_typed)
+        if evidence - float(np.log(_anywhere(value, expected))) < own.sure:
+            return None
+        evidence -= float(np.log(self._elsewhere(row, value, expected)))
+        if self.all_typed:
+            evidence -= own.beside * float(np.isin([row - 1, row + 1], self.at).sum())
+        return _Meant(best[0], best[1], evidence)
+
+    def _elsewhere(self, row: int, value: float, expected: float) -> float:
+        """Density of this reading as an echo from another place, given the odd rows before [1/m]."""
+        anywhere = _anywhere(value, expected)
+        before = self.values[self.at[self.at < row]]
+        if not self.all_typed or not len(before):
+            return anywhere
+        width = self.own.near * max(self.view.scatter, 10.0**-self.decimals)
+        again = np.exp(-0.5 * ((before - value) / width) ** 2).mean() / (2.5066 * width)
+        return float(0.5 * anywhere + 0.5 * again)
+
+
+def _anywhere(value: float, expected: float) -> float:
+    """Probability density of an echo from anywhere, nearer or farther than the target [1/m]."""
+    return 1.0 / max(abs(expected), abs(value), 0.2)
+
+
+def _logged(view: View, own: Thresholds) -> bool:
+    """Whether times are evenly spaced, as a logger's are."""
+    elapsed = view.observations.conditions.get("elapsed_time")
+    if elapsed is None:
+        return False
+    steps = np.diff(elapsed[np.isfinite(elapsed)])
+    if not len(steps):
+        return False
+    usual = float(np.median(steps))
+    return usual > 0 and bool(np.mean(np.abs(steps - usual) < 0.02 * usual) > own.even)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

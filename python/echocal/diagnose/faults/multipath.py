@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.outliers import count_evidence, one_sided_outliers
+from echocal.diagnose.faults.common.outliers import count_evidence, far_rule, one_sided_outliers
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -57,9 +57,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     parameters = (Parameter("rows", float(count), 0.0, "1"), Parameter("twice", float(twice), 0.0, "1"))
     evidence = count_evidence(view, count, settings) + own.each_twice * twice
-    return Finding(
-        FACTS, min(evidence, settings.cap), because, parameters, rows, view.without(rows, FACTS.id)
-    )
+    rules, repaired = (far_rule(view, FACTS.id, 1, settings),), view.without(rows, FACTS.id)
+    return Finding(FACTS, min(evidence, settings.cap), because, parameters, rows, repaired, rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -22,6 +22,7 @@ def _fault(id_: str) -> Fault:
 FAULTS: tuple[Fault, ...] = tuple(
     _fault(id_)
     for id_ in (
+        "dead_column",
         "swapped_columns",
         "swapped_time_distance",
         "fahrenheit_celsius",

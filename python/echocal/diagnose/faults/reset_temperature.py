@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import POWER_ON, at_power_on
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -14,12 +15,10 @@ from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
 from echocal.observations.derived import derived
+from echocal.observations.marks import RowRule
 from echocal.quantities import QUANTITIES
 
 __all__ = ["FAULT"]
-
-_RESET = (85.0, 185.0)  # degC, and the same in degF: DS18B20 data sheet, "power-on reset value"
-_EXACT = 1e-6  # relative; what the arithmetic of units leaves of it
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     own, recorded = settings.of(FACTS, Thresholds), view.temperature
     if recorded is None:
         return None
-    rows = _at_reset(recorded) & np.isfinite(view.observations.echo_time)
+    rows = at_power_on(recorded) & np.isfinite(view.observations.echo_time)
     others = np.isfinite(recorded) & ~rows
     if not rows.any() or rows.sum() > own.most * len(rows) or not others.any():
         return None
@@ -66,7 +65,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     evidence = min(own.each * float(rows.sum()), settings.cap)
     parameters = (Parameter("rows", float(rows.sum()), 0.0, "1"),)
-    return Finding(FACTS, evidence, because, parameters, rows, _without(view, rows))
+    rules = tuple(
+        RowRule(reason=FACTS.id, kind="equals", quantity="temperature", value=value) for value in POWER_ON
+    )
+    return Finding(FACTS, evidence, because, parameters, rows, _without(view, rows), rules=rules)
 
 
 def _without(view: View, rows: NDArray[np.bool_]) -> Observations:
@@ -77,13 +79,9 @@ def _without(view: View, rows: NDArray[np.bool_]) -> Observations:
     return replace(left, conditions={**left.conditions, **derived(recorded, left.labels)})
 
 
-def _at_reset(celsius: NDArray[np.float64]) -> NDArray[np.bool_]:
-    return np.asarray(np.any([np.abs(celsius - value) <= _EXACT * value for value in _RESET], axis=0))
-
-
 def spoil(table: Columns, random: np.random.Generator) -> None:
     """Answer with the value at power-on in some rows."""
-    table["temperature_C"][random.choice(len(table["temperature_C"]), 4, replace=False)] = _RESET[0]
+    table["temperature_C"][random.choice(len(table["temperature_C"]), 4, replace=False)] = POWER_ON[0]
 
 
 FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -13,6 +13,7 @@ from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
 
@@ -25,6 +26,9 @@ class Thresholds:
 
     shortest: float = threshold(4, "1", "rows of one value; judgement")
     most: float = threshold(5, "1", "runs: more of them are how this sensor is; judgement")
+    tail: float = threshold(
+        10, "1", "other runs, at least, that tell how runs of some length go on; judgement"
+    )
     hidden: float = threshold(
         0.75, "1", "part of neighbors that are equal anyhow, above which a run means nothing; judgement"
     )
@@ -64,33 +68,28 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     own = settings.of(FACTS, Thresholds)
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
-    longest = int(np.argmax(lengths))
-    if lengths[longest] < own.shortest:
+    if lengths.max() < own.shortest:
         return None
-    elsewhere = np.delete(lengths, longest)
+    elsewhere = np.delete(lengths, int(np.argmax(lengths)))
     rows_elsewhere = max(int(elsewhere.sum()), 1)
     equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
     if equal > own.hidden or rows_elsewhere < own.elsewhere:
         return None
-    at = np.flatnonzero(lengths >= own.shortest)
     surprise = np.zeros(len(lengths))
-    for run in at:  # somewhere among n rows
+    for run in np.flatnonzero(lengths >= own.shortest):  # somewhere among n rows
         rows = slice(starts[run], starts[run] + lengths[run])
         surprise[run] = -_by_chance(view, rows, equal) - np.log(len(values))
-    longest = int(at[np.argmax(surprise[at])])
-    long = (surprise > 0.5 * surprise[longest]) & (surprise > 0)
-    if not long.any() or long.sum() > own.most:
+    long, evidence, usual = _longest(lengths, surprise, own)
+    if evidence <= 0.0:
         return None
-    evidence = float(surprise[longest])
     frozen = np.zeros(len(values), dtype=bool)
     for start, length in zip(starts[long], lengths[long], strict=True):
         frozen[start + 1 : start + length] = True  # the first row of a run was measured
-    first, length = int(starts[longest]), int(lengths[longest])
+    first, length = int(starts[long[0]]), int(lengths[long[0]])
     value = float(view.indication[first])
-    usual = np.exp(-(evidence + np.log(len(values))) / (length - 1))
     because = (
-        f"rows {first + 1} to {first + length} all read {value:.4f} m; by the readings' step and their noise "
-        f"{100 * usual:.2g} % of such neighbors would be equal; repeated rows are left out"
+        f"rows {first + 1} to {first + length} all read {value:.4f} m; by the step of the readings, their "
+        f"noise and the other runs {usual:.2g} such runs are expected; repeated rows are left out"
     )
     parameters = (
         Parameter("first_row", first + 1.0, 0.0, "1"),
@@ -98,7 +97,54 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         Parameter("value", value, 0.0, "m"),
     )
     evidence = min(evidence, settings.cap)
-    return Finding(FACTS, evidence, because, parameters, frozen, view.without(frozen, FACTS.id))
+    quantity = "echo_time" if view.observations.reading is None else "reading"
+    shortest = int(lengths[long].min())
+    rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest),)
+    repaired = view.without(frozen, FACTS.id)
+    return Finding(FACTS, evidence, because, parameters, frozen, repaired, rules=rules)
+
+
+def _longest(
+    lengths: NDArray[np.int64], surprise: NDArray[np.float64], own: Thresholds
+) -> tuple[NDArray[np.int64], float, float]:
+    """Runs that are frozen, the evidence for that, and how many so long are expected.
+
+    The runs of a sensor in calm air are longer than its usual noise makes them. So the other runs of the
+    table have a say: evidence is what both leave, the noise of a row and the lengths of the other runs.
+    """
+    candidates = np.flatnonzero(surprise > 0.0)
+    candidates = candidates[np.argsort(-lengths[candidates], kind="stable")]
+    best: tuple[NDArray[np.int64], float, float] = (candidates[:0], 0.0, 1.0)
+    for count in range(1, min(int(own.most), len(candidates)) + 1):
+        chosen = candidates[:count]
+        others = np.delete(lengths, chosen)
+        log_expected = _log_expected(others, count, int(lengths[chosen[-1]]), own)
+        by_others = -count * log_expected + float(np.log(np.arange(1, count + 1)).sum())
+        evidence = min(by_others, float(surprise[chosen].max()))
+        if evidence > best[1]:
+            best = chosen, evidence, float(np.exp(-evidence))
+    return best
+
+
+def _log_expected(others: NDArray[np.int64], longer: int, length: int, own: Thresholds) -> float:
+    """Log of the number of runs of some length or more that the other runs let expect.
+
+    Above each length that enough of them reach, runs are taken to go on with some probability at each
+    row (Jeffreys's prior); the largest of these numbers counts, as calm air has a tail of its own. The
+    `longer` runs that are judged reach the longest of the others at least.
+    """
+    from scipy.special import betaln  # takes long to import
+
+    sorted_ = np.sort(others)[::-1]
+    expected = -np.inf
+    for least in range(1, length + 1):
+        ended = int(np.searchsorted(-sorted_, -least, side="right"))
+        if ended < own.tail:
+            break
+        went_on = float((sorted_[:ended] - least).sum()) + longer * float(sorted_[0] - least) + 0.5
+        goes_on = betaln(went_on + length - least, ended + 0.5) - betaln(went_on, ended + 0.5)
+        expected = max(expected, float(np.log(ended + longer) + goes_on))
+    return expected if np.isfinite(expected) else 0.0
 
 
 def _by_chance(view: View, rows: slice, equal: float) -> float:

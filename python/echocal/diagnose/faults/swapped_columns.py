@@ -1,10 +1,11 @@
 """Temperature and humidity exchanged."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.faults.common.crossing import Crossing, at_crossing, crossings, refined
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
@@ -40,6 +41,10 @@ class Thresholds:
         60.0, "1", "rows after the seam that count as independent: neighbors are alike; judgement"
     )
     cap: float = threshold(40.0, "1", "largest log Bayes factor; judgement")
+    echoes: float = threshold(
+        40.0, "1", "largest log Bayes factor of echo times that fit the reference better, or worse; judgement"
+    )
+    crossing: Crossing = field(default_factory=Crossing)
 
 
 FACTS = CauseFacts(
@@ -68,12 +73,16 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if len(known) < own.fewest:
         return None
     seam, evidence = _seam((some(warm, known), some(percent, known)), own)
-    if evidence <= 0.0:
+    if not np.isfinite(evidence):
         return None
     edge = int(known[seam])
     swapped = np.arange(len(warm)) >= edge
-    if _drier(warm, percent, ~swapped):
+    after, before = (_by_echoes(view, part, own) for part in (swapped, ~swapped))
+    if before > after or (before == after and _drier(warm, percent, ~swapped)):
         swapped = ~swapped
+    evidence = min(evidence, own.cap) + max(before, after)
+    if evidence <= 0.0:
+        return None
     first = int(np.flatnonzero(swapped)[0])
     because = (
         f"from row {edge} to {edge + 1} the temperature goes from {warm[edge - 1]:.1f} to {warm[edge]:.1f}, "
@@ -104,12 +113,14 @@ def _seam(columns: tuple[Column, Column], settings: Thresholds) -> tuple[int, fl
     rough -= rough.mean()
     change = np.abs(np.cumsum(rough, out=rough), out=rough)
     jump = steps.sum(axis=0)
-    seams = {int(np.argmax(change)) + 1, *(1 + _largest(jump)).tolist()}
+    changed = int(np.argmax(change)) + 1
+    rows_of_crossings = crossings(columns, _CANDIDATES)
+    seams = {refined(columns, changed), *(1 + _largest(jump)).tolist(), *rows_of_crossings}
     inside = sorted(row for row in seams if settings.before < row < rows - 2)
     until = _until(steps, inside)
-    scored = [(_evidence(columns, steps, until[row], row, settings), row) for row in inside]
-    best, row = max(scored, default=(0.0, 0))
-    return row, best - float(np.log(rows))
+    scored = [(*_evidence(columns, steps, until[row], row, settings), row) for row in inside]
+    _, evidence, row = max(scored, default=(-np.inf, -np.inf, 0))
+    return row, evidence - float(np.log(rows))
 
 
 def _until(steps: Column, rows: list[int]) -> dict[int, Column]:
@@ -135,8 +146,8 @@ def _largest(jump: Column) -> NDArray[np.int64]:
 
 def _evidence(
     columns: tuple[Column, Column], steps: Column, until: Column, row: int, settings: Thresholds
-) -> float:
-    """Log likelihood ratio of the rows from `row` on: exchanged against as they stand.
+) -> tuple[float, float]:
+    """Log likelihood ratio of the rows from `row` on: exchanged against as they stand; and what of it counts.
 
     Steps from row to row are Laplace distributed, with the scales of the rows before; the levels
     across the seam must fit too. `steps` are those of both columns, and `until` their sums before.
@@ -146,19 +157,40 @@ def _evidence(
     straight, crossed = np.abs(ends[:, 1] - ends[:, 0]), np.abs(ends[::-1, 1] - ends[:, 0])
     most = 2 * until / (row - 1)  # no median is larger than twice the mean
     if (crossed / _wide(most)).max() > settings.fits:
-        return -np.inf
-    usual = np.array([median(own[: row - 1]) for own in steps])
+        return -np.inf, -np.inf
+    first, last = max(0, row - _ENOUGH), row + _ENOUGH  # rows around that tell enough
+    usual = np.array([median(own[first : row - 1]) for own in steps])
     straight, crossed = straight / _wide(usual), crossed / _wide(usual)
-    if crossed.max() > settings.fits or straight.max() <= settings.fits:
-        return -np.inf  # where the columns cross, their levels go on either way
+    if crossed.max() > settings.fits:
+        return -np.inf, -np.inf
     scale = _scale(usual)
-    after = steps[:, row:]
+    after = steps[:, row:last]
     stays, changes = (
         float(np.minimum(after / s[:, None], settings.outlier).sum()) for s in (scale, scale[::-1])
     )
     part = min(1.0, settings.witnesses / max(after.shape[1], 1))  # neighbors are no independent witnesses
+    roughness = float(part * (stays - changes))
+    if straight.max() <= settings.fits:  # where the columns cross, their levels go on either way
+        around = (columns[0][first:last], columns[1][first:last])
+        evidence = at_crossing(around, row - first, roughness, settings.crossing)
+        return max(roughness, evidence), evidence
     levels = float(np.minimum(straight, settings.level).sum() - np.minimum(crossed, settings.level).sum())
-    return float(part * (stays - changes) + levels)
+    return roughness + levels, roughness + levels
+
+
+def _by_echoes(view: View, swapped: Mask, settings: Thresholds) -> float:
+    """Log Bayes factor of the exchange from recorded echo times: they know the air, readings do not."""
+    reference, rows = view.reference, view.good & swapped
+    if reference is None or view.observations.reading is not None or not rows.any():
+        return 0.0
+    others = view.good & ~swapped
+    center = median((view.indication - reference)[others]) if others.any() else 0.0
+    looks = (view, view.after(_exchanged(view, swapped)))
+    misfits = [np.abs(look.indication - reference - center)[rows] for look in looks]
+    as_it_is, exchanged = (median(misfit[np.isfinite(misfit)]) + view.scatter for misfit in misfits)
+    independent = min(settings.witnesses, float(rows.sum()))
+    evidence = 0.5 * independent * float(np.log(as_it_is / exchanged))
+    return float(np.clip(evidence, -settings.echoes, settings.echoes))
 
 
 def _scale(median: Column) -> Column:

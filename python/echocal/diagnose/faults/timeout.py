@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.values import far, recorded
+from echocal.diagnose.faults.common.values import far, recorded, repeats
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
 
@@ -29,7 +30,21 @@ class Thresholds:
     lone: float = threshold(3, "1", "far rows among which a single one at 38 ms means something; judgement")
     part: float = threshold(0.5, "1", "part of the far rows that share the constant; judgement")
     many: float = threshold(5, "1", "rows that share the constant, of which no part is asked; judgement")
-    each: float = threshold(8.0, "1", "log Bayes factor of a row that repeats a far value exactly; judgement")
+    each: float = threshold(
+        8.0, "1", "largest log Bayes factor of a row that repeats a far value exactly; judgement"
+    )
+    cloud: float = threshold(
+        5.0,
+        "1",
+        "robust standard deviations, or steps of the readings, around the constant, in which other far rows "
+        "show the scatter of an echo; judgement",
+    )
+    repeats: float = threshold(
+        0.1, "1", "part of the rows that repeat a value, from which readings have a step; judgement"
+    )
+    alone: float = threshold(
+        0.1, "1", "other far rows that near, as a part of those at the constant, that are chance; judgement"
+    )
 
 
 FACTS = CauseFacts(
@@ -63,8 +78,47 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"again, where {view.expected[rows[0]]:.2f} m is expected; left out"
     )
     parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
-    evidence = min(own.each * len(rows), settings.cap)
-    return Finding(FACTS, evidence, because, parameters, mask, view.without(mask, FACTS.id))
+    evidence = min(_constant(view, outliers, rows, own), settings.cap)
+    return Finding(
+        FACTS,
+        evidence,
+        because,
+        parameters,
+        mask,
+        view.without(mask, FACTS.id),
+        rules=(_rule(view, rows, own),),
+    )
+
+
+def _rule(view: View, rows: np.ndarray, own: Thresholds) -> RowRule:
+    """The constant, as a time or as a reading."""
+    times, readings = view.observations.echo_time[rows], recorded(view)[rows]
+    time, reading = float(np.median(times)), float(np.median(readings))
+    if np.ptp(times) > _SAME * time and np.ptp(readings) <= _SAME * reading:
+        return RowRule(reason=FACTS.id, kind="equals", quantity="reading", value=reading)
+    tolerance = own.tolerance if np.ptp(times) > _SAME * time else 0.0
+    return RowRule(reason=FACTS.id, kind="equals", quantity="echo_time", value=time, tolerance=tolerance)
+
+
+def _constant(view: View, outliers: np.ndarray, rows: np.ndarray, own: Thresholds) -> float:
+    """Log Bayes factor of a constant against echoes from one place, whose readings repeat by their step.
+
+    Such echoes scatter: far rows that read nearly the same tell how many fall on one step by chance.
+    """
+    count = len(rows)
+    step = view.resolution
+    if not step and repeats(recorded(view)) > own.repeats:
+        step = view.scatter / own.cloud  # there is one that was not found
+    if count < 2 or not step:
+        return own.each * count  # readings without a step do not repeat by chance
+    off = np.abs(view.indication[outliers] - float(np.median(view.indication[rows])))
+    wide = own.cloud * max(view.scatter, step)
+    near, around = (max(int((off < width).sum()) - count, 0) for width in (own.cloud * step, wide))
+    if near > own.alone * count:
+        return -own.each
+    chance = (around + 0.5) * step / (2 * wide)  # rows that one step holds
+    by_chance = count * np.log(count / chance) - (count - chance) - np.log(len(outliers))
+    return float(min(own.each * count, by_chance))
 
 
 def _largest(values: np.ndarray, rows: np.ndarray) -> np.ndarray:

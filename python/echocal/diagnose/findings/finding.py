@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.diagnose.findings.parts import Parameter
 from echocal.observations import Observations
+from echocal.observations.marks import RowRule
 
 __all__ = ["Finding", "listed", "probability"]
 
@@ -46,6 +47,8 @@ class Finding:
         Standard deviation that it adds to a reading [m], if this is its only effect.
     rivals : tuple of str
         Causes that these data cannot separate from it.
+    rules : tuple of RowRule
+        By which a correction finds such rows in another table, or in a part of one.
     """
 
     facts: CauseFacts
@@ -57,6 +60,7 @@ class Finding:
     share: float = 1.0
     rms: float = np.inf
     rivals: tuple[str, ...] = ()
+    rules: tuple[RowRule, ...] = ()
 
     @property
     def cause(self) -> str:

@@ -49,6 +49,9 @@ def read(source: Any, how: Mapping[str, Any]) -> Reading:
     except DataError as refusal:
         try:
             with warnings.catch_warnings(action="ignore"):  # the error has this information
-                return Reading(read_observations(source, **{**how, "trust": (EVERYTHING,)}), refusal)
+                trust = how.get("trust", ())
+                named = (trust,) if isinstance(trust, str) else trust
+                everything = {**how, "trust": (*named, EVERYTHING)}
+                return Reading(read_observations(source, **everything), refusal)
         except EchocalError:
             raise refusal from None

@@ -6,8 +6,9 @@ from numpy.typing import NDArray
 from echocal.diagnose.faults.common.values import chance_far, far
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings, Outliers
+from echocal.observations.marks import RowRule
 
-__all__ = ["count_evidence", "one_sided_outliers"]
+__all__ = ["count_evidence", "far_rule", "one_sided_outliers"]
 
 
 def one_sided_outliers(
@@ -27,6 +28,23 @@ def one_sided_outliers(
         view, rows, sign, settings.outliers
     )
     return np.zeros_like(rows) if none else rows
+
+
+def far_rule(
+    view: View, reason: str, sign: int, settings: FaultSettings, least: float = 0.0, deviations: float = 0.0
+) -> RowRule:
+    """The rule for such rows: deviations from the reference distance, or from the rows around.
+
+    Without `deviations` [robust standard deviations] and `least`, those of all far rows.
+    """
+    measured = view.known and view.given is None
+    return RowRule(
+        reason=reason,
+        kind="far from reference" if measured else "far from neighbors",
+        sign=sign,
+        deviation=float((deviations or settings.far.deviations) * view.scatter),
+        part=0.0 if deviations else max(settings.far.part, least),
+    )
 
 
 def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: Outliers) -> bool:

@@ -1,6 +1,7 @@
 """The search for every fault in turn."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from echocal.diagnose.faults import registry
 from echocal.diagnose.findings.facts import CauseFacts
@@ -11,6 +12,7 @@ from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
+from echocal.observations.marks import MARKS
 
 __all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]
 
@@ -41,6 +43,21 @@ class Faults:
     def quantizations(self) -> list[str]:
         """Ids of the quantizations among them."""
         return [f.cause for f in self.accepted if f.facts.kind == "noise"]
+
+    @property
+    def marks(self) -> dict[str, Any]:
+        """What a model file keeps: rules for rows, and faults that no rule finds, as plain data.
+
+        A correction takes the rules in this order. Those for typing errors come last, because they are met
+        by every far row.
+        """
+        faults = [f for f in self.accepted if f.facts.kind != "noise"]
+        ordered = sorted(faults, key=lambda finding: finding.cause == "mistyped_rows")
+        marks = {
+            "rules": [rule.to_dict() for finding in ordered for rule in finding.rules],
+            "without_rule": [finding.cause for finding in faults if not finding.rules],
+        }
+        return {MARKS: marks} if faults else {}
 
     @property
     def explain_a_refusal(self) -> bool:

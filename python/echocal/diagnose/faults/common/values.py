@@ -6,10 +6,21 @@ from numpy.typing import NDArray
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FarRows
 
-__all__ = ["chance_far", "far", "millimeters", "recorded", "repeats"]
+__all__ = ["POWER_ON", "at_power_on", "chance_far", "far", "millimeters", "recorded", "repeats"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+
+POWER_ON = (85.0, 185.0)
+"""degC, and the same in degF: DS18B20 data sheet, "power-on reset value"."""
+
+_EXACT = 1e-6  # relative; what the arithmetic of units leaves of it
+
+
+def at_power_on(celsius: Column) -> Mask:
+    """Rows with exactly the value that a digital thermometer gives before it has measured."""
+    return np.asarray(np.any([np.abs(celsius - value) <= _EXACT * value for value in POWER_ON], axis=0))
 
 
 def recorded(view: View) -> Column:

@@ -1,0 +1,154 @@
+"""A sensor of an influence quantity that gave no value at all."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import POWER_ON
+from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.threshold import threshold
+from echocal.errors import DataError
+from echocal.observations import Observations
+from echocal.observations.checks import CODES
+from echocal.observations.derived import derived
+from echocal.quantities import QUANTITIES
+
+__all__ = ["FAULT"]
+
+Column = NDArray[np.float64]
+
+_ABSENT = {  # SI; what a sensor gives that is not there, besides the codes of loggers
+    "temperature": (0.0, -127.0, *POWER_ON),  # DS18B20: -127 degC is the library's DEVICE_DISCONNECTED_C
+    "relative_humidity": (0.0,),
+    "pressure": (0.0,),
+    "supply_voltage": (0.0,),
+    "co2_mole_fraction": (0.0,),
+}
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Numbers that decide about this fault."""
+
+    fewest: float = threshold(
+        10, "1", "rows without any value, for a sensor to be dead: fewer may be a choice; judgement"
+    )
+    each: float = threshold(1.0, "1", "log Bayes factor of a row that has the same code as all; judgement")
+
+
+FACTS = CauseFacts(
+    id="dead_column",
+    kind="gross",
+    sentence="A sensor beside the ranger was dead: its column has no value, or one error code in all rows.",
+    signature="a column is empty, or in every row one code: -9999, -999, 0 (a thermometer: 0, -127, 85)",
+    source="DallasTemperature.h: DEVICE_DISCONNECTED_C is -127; DS18B20 data sheet: 85 degC at power-on",
+    parameters=(Quantity("columns", "1", "columns that are dead"),),
+    check="look at the plug of the sensor; print its value beside the echo time",
+    prior=0.01,
+    formula="x' = a constant that is no value",
+    repair="leaves the column out, and keeps the rows",
+)
+
+
+def detect(view: View, settings: FaultSettings) -> Finding | None:
+    """Look for columns of influence quantities that hold nothing else than one code, or nothing.
+
+    Raises
+    ------
+    DataError
+        If the thermometer was dead.
+    """
+    own = settings.of(FACTS, Thresholds)
+    if len(view) < own.fewest:
+        return None
+    observations = view.observations
+    recorded = {n: c for n, c in observations.conditions.items() if _of_a_sensor(n)}
+    logged = "elapsed_time" in observations.conditions
+    dead = {name: what for name, column in recorded.items() if (what := _dead(name, column, logged))}
+    if not dead:
+        return None
+    names = {name: observations.source_names.get(name, name) for name in dead}
+    told = "; ".join(f"{names[name]} {what} in all {len(view)} rows" for name, what in dead.items())
+    if "temperature" in dead:  # laws of the air need one
+        message = (
+            f"{told}: the sensor was dead. A diagnosis needs the temperature of the air: map another "
+            'thermometer (--column "NAME=temperature_C"), or write what is known into the column'
+        )
+        raise DataError(message)
+    because = f"{told}: the sensor was dead; left out"
+    repaired = _without(observations, list(dead))
+    parameters = (Parameter("columns", float(len(dead)), 0.0, "1"),)
+    evidence = min(own.each * len(view), settings.cap)
+    rows = np.ones(len(view), dtype=bool)
+    return Finding(FACTS, evidence, because, parameters, rows, repaired)
+
+
+def _of_a_sensor(name: str) -> bool:
+    """Whether a quantity is measured by a sensor of its own."""
+    facts = QUANTITIES[name]
+    return facts.derived_from is None and name != "elapsed_time" and bool(facts.forms)
+
+
+def _dead(name: str, column: Column, logged: bool) -> str:
+    """What a dead column holds; empty if it is not dead.
+
+    A temperature of 0 degC may be assumed, in a table without times.
+    """
+    known = column[np.isfinite(column)]
+    if not len(known):
+        return "has no value"
+    value = float(known[0])
+    if np.ptp(known) > 1e-9 * max(abs(value), 1.0):
+        return ""
+    if name == "temperature" and value == 0.0 and not logged:
+        return ""
+    code = any(np.isclose(value, absent, rtol=1e-6, atol=1e-9) for absent in _ABSENT.get(name, ()))
+    as_recorded = [unit.from_si(value) for form in QUANTITIES[name].forms for unit in form.units.values()]
+    shown = next((code for code in CODES for own in as_recorded if np.isclose(own, code, rtol=1e-9)), None)
+    if shown is None and code:
+        shown = as_recorded[0]
+    return "" if shown is None else f"is {shown:g}"
+
+
+def _without(observations: Observations, dropped: list[str]) -> Observations:
+    """The table without some columns; rows that only they made unusable come back."""
+    held = observations.conditions
+    recorded = {n: c for n, c in held.items() if QUANTITIES[n].derived_from is None and n not in dropped}
+    conditions = {n: c for n, c in held.items() if n in recorded or n == "hour_angle"}
+    conditions |= derived(recorded, observations.labels)
+    unusable = observations.unusable.astype(object)
+    back = np.zeros(len(unusable), dtype=bool)
+    for name in dropped:
+        source = observations.source_names.get(name, name)
+        back |= np.isin(unusable, (f"{source} missing", f"{source} out of range"))
+    unusable[back] = ""
+    for reason, rows in _hidden(recorded, observations.source_names).items():
+        unusable[back & rows & (unusable == "")] = reason
+    return replace(observations, conditions=conditions, unusable=unusable.astype(str))
+
+
+def _hidden(recorded: Mapping[str, Column], source_names: Mapping[str, str]) -> dict[str, NDArray[np.bool_]]:
+    """Other reasons that rows have, by reason: a row keeps only its first."""
+    found: dict[str, NDArray[np.bool_]] = {}
+    for name, column in recorded.items():
+        source = source_names.get(name, name)
+        found[f"{source} missing"] = np.isnan(column)
+        if QUANTITIES[name].forms:
+            low, high = QUANTITIES[name].forms[0].physical
+            found[f"{source} out of range"] = (column < low) | (column > high)
+    return found
+
+
+def spoil(table: Columns, random: np.random.Generator) -> None:
+    """Give what an absent hygrometer gives, in all rows."""
+    table["humidity_percent"][:] = random.choice([0.0, -999.0])
+
+
+FAULT = Fault(FACTS, detect, spoil, Thresholds())

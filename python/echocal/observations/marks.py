@@ -1,0 +1,197 @@
+"""Rules by which rows are marked, row by row, with what a diagnosis found in a whole table."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import ModelError
+from echocal.observations.table import Observations
+
+__all__ = ["MARKS", "NEIGHBORS", "RowRule", "context_rows", "marked", "rules_from"]
+
+Column = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Kind = Literal["equals", "at least", "at most", "run", "far from reference", "far from neighbors"]
+
+MARKS = "row_marks"
+"""Where the provenance of a model keeps rules."""
+
+NEIGHBORS = 6
+"""Rows on each side that a row is compared with where no reference distance is known."""
+
+_RELATIVE = 1e-6  # what arithmetic and the digits of a file leave of a constant
+_EXACT = 1e-12  # relative; the same value, written twice
+_SIGNS = (-1, 0, 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowRule:
+    """What makes a row unusable; it looks at the row, or at a few rows around.
+
+    Attributes
+    ----------
+    reason : str
+        Id of the fault: the reason code of the rows.
+    kind : str
+        ``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``run`` is a run of
+        `length` or more equal values, after its first row; ``far from reference`` and ``far from
+        neighbors`` compare the corrected distance.
+    quantity : str
+        ``echo_time``, ``reading`` or ``reference_distance``, or an influence quantity.
+    value : float
+        In SI units.
+    tolerance : float
+        Of an equal value, in SI units.
+    length : int
+    sign : int
+        Whether too short (-1), too long (1), or either (0).
+    deviation : float
+        Least deviation [m].
+    part : float
+        The same as a part of the distance; the larger one counts.
+    """
+
+    reason: str
+    kind: Kind
+    quantity: str = ""
+    value: float = 0.0
+    tolerance: float = 0.0
+    length: int = 0
+    sign: int = 0
+    deviation: float = 0.0
+    part: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind) or self.sign not in _SIGNS:
+            message = f"no rule for rows: kind {self.kind!r}, sign {self.sign!r}"
+            raise ModelError(message)
+
+    @property
+    def context(self) -> int:
+        """Rows before and after a row that it depends on."""
+        return {"run": self.length, "far from neighbors": NEIGHBORS}.get(self.kind, 0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, without what this kind does not use."""
+        neutral = asdict(RowRule(reason="", kind="run"))
+        own = asdict(self)
+        return {name: own[name] for name in own if name in ("reason", "kind") or own[name] != neutral[name]}
+
+
+def rules_from(plain: object) -> tuple[RowRule, ...]:
+    """Rules from the data of a model file.
+
+    Raises
+    ------
+    ModelError
+        If it is no list of rules.
+    """
+    if not isinstance(plain, list | tuple) or not all(isinstance(own, Mapping) for own in plain):
+        message = f"the rules for rows are no list of objects: {plain!r:.60}"
+        raise ModelError(message)
+    try:
+        return tuple(RowRule(**own) for own in plain)
+    except TypeError as error:
+        message = f"a rule for rows cannot be read: {error}"
+        raise ModelError(message) from None
+
+
+def context_rows(rules: tuple[RowRule, ...]) -> int:
+    """Rows before and after a part of a table that its marks depend on: a part needs them, too."""
+    return max((rule.context for rule in rules), default=0)
+
+
+def marked(
+    observations: Observations, distance: Column, reference: Column | None, rules: tuple[RowRule, ...]
+) -> tuple[NDArray[np.str_], tuple[str, ...]]:
+    """Mark usable rows by rules; the first rule that a row meets is its reason.
+
+    Parameters
+    ----------
+    observations : Observations
+    distance : ndarray, shape (n,)
+        Corrected distances [m].
+    reference : ndarray, shape (n,), or None
+        Reference distances [m], where the table has some.
+    rules : tuple of RowRule
+
+    Returns
+    -------
+    reasons : ndarray of str, shape (n,)
+        Empty where no rule says a word.
+    unchecked : tuple of str
+        Reasons of the rules that need a column which the table does not have.
+    """
+    longest = max((len(rule.reason) for rule in rules), default=1)
+    reasons = np.full(len(observations), "", dtype=f"<U{longest}")
+    free, unchecked = observations.usable.copy(), []
+    for rule in rules:
+        rows = _rows(observations, distance, reference, rule)
+        if rows is None:
+            unchecked.append(rule.reason)
+            continue
+        reasons[rows & free] = rule.reason
+        free &= ~rows
+    return reasons, tuple(dict.fromkeys(unchecked))
+
+
+def _rows(
+    observations: Observations, distance: Column, reference: Column | None, rule: RowRule
+) -> Mask | None:
+    if rule.kind == "far from neighbors":
+        usable = np.where(observations.usable, distance, np.nan)
+        return _far(distance, _around(usable), rule)
+    if rule.kind == "far from reference":
+        return None if reference is None else _far(distance, reference, rule)
+    column = reference if rule.quantity == "reference_distance" else _column(observations, rule.quantity)
+    if column is None:
+        return None
+    with np.errstate(invalid="ignore"):
+        if rule.kind == "run":
+            return _runs(np.where(observations.usable, column, np.nan), rule.length)
+        if rule.kind == "at least":
+            return np.asarray(column >= rule.value * (1 - _EXACT))
+        if rule.kind == "at most":
+            return np.asarray(column <= rule.value * (1 + _EXACT))
+        return np.asarray(np.abs(column - rule.value) <= max(rule.tolerance, _RELATIVE * abs(rule.value)))
+
+
+def _column(observations: Observations, quantity: str) -> Column | None:
+    if quantity == "echo_time":
+        return observations.echo_time
+    return observations.reading if quantity == "reading" else observations.conditions.get(quantity)
+
+
+def _far(distance: Column, expected: Column, rule: RowRule) -> Mask:
+    with np.errstate(invalid="ignore"):
+        off = distance - expected
+        size = np.abs(off) if rule.sign == 0 else rule.sign * off
+        return np.asarray(size > np.maximum(rule.deviation, rule.part * np.abs(expected)))
+
+
+def _around(values: Column) -> Column:
+    """Median of each row and its neighbors."""
+    import pandas as pd  # takes long to import
+
+    width = 2 * NEIGHBORS + 1
+    return pd.Series(values).rolling(width, center=True, min_periods=1).median().to_numpy()
+
+
+def _runs(values: Column, length: int) -> Mask:
+    """Rows of runs of so many equal values or more, without the first row of each."""
+    rows = np.zeros(len(values), dtype=bool)
+    for first, last in _ranges(values):
+        if last - first >= length:
+            rows[first + 1 : last] = True
+    return rows
+
+
+def _ranges(values: Column) -> Iterator[tuple[int, int]]:
+    new = np.ones(len(values), dtype=bool)
+    new[1:] = ~(values[1:] == values[:-1])
+    starts = np.append(np.flatnonzero(new), len(values))
+    long = np.flatnonzero(np.diff(starts) > 1)
+    yield from zip(starts[long].tolist(), starts[long + 1].tolist(), strict=True)
