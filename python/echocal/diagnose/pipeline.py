@@ -27,6 +27,8 @@ from echocal.diagnose.selection.joint import join
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
+from echocal.diagnose.validation.remainder import remainder
+from echocal.diagnose.validation.smooth import smooth_correction
 from echocal.diagnose.validation.validate import validate
 from echocal.errors import DomainWarning
 
@@ -97,11 +99,14 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             level_steps.append(step)
             work.level_steps = len(level_steps)
 
+        smooth = smooth_correction(case, validation, judge, selection.noise)
+        left = remainder(case, validation, smooth, selection.noise)
+
         work.begin("planning measurements")
         joint = join(ranking, faults.found, shares, reduced)
         possible = members(case, ranking, selection.every_claim, validation, reduced)
         proposals = propose(case, possible, selection, validation, ranges)
-        found = (inference, ranking, selection, validation, judge, joint)
+        found = (inference, ranking, selection, validation, judge, joint, smooth, left)
         diagnosis = report(case, observations, *found, possible, proposals)
     work.end()
     return diagnosis

@@ -45,8 +45,8 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
 
 def _extra(observations: Observations, model: Model) -> dict[str, Column]:
     """Further columns that a shape of the model is a function of."""
-    extra = observations.extra
-    return {name: extra[name] for name in extra if model.shape is not None and name == model.shape.against}
+    needed = () if model.shape is None else model.shape.columns
+    return {name: column for name, column in observations.extra.items() if name in needed}
 
 
 def _conditions(observations: Observations) -> dict[str, Column]:

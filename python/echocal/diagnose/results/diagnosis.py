@@ -60,6 +60,8 @@ class Diagnosis(Outcome):
             "posterior": [{"ids": list(ids), "probability": p} for ids, p in self.posterior],
             "credible_set": [list(ids) for ids in self.credible_set],
             "unexplained": None if self.unexplained is None else _plain(self.unexplained),
+            "smooth": None if self.smooth is None else _plain(self.smooth) | {"offered": self.smooth.offered},
+            "remainder": None if self.remainder is None else _plain(self.remainder),
             "refuted": [_plain(refuted) for refuted in self.refuted],
             "gain": None if self.gain is None else _plain(self.gain),
             "next_measurements": [_plain(measurement) for measurement in self.next_measurements],

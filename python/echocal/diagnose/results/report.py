@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
-from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement, Parameter, Traces, Verdict
+from echocal.diagnose.findings.parts import (
+    Cause,
+    Gain,
+    NextMeasurement,
+    Parameter,
+    Remainder,
+    SmoothCorrection,
+    Traces,
+    Verdict,
+)
 from echocal.diagnose.findings.sentences import Recorded
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.posterior import Inference
@@ -44,11 +53,13 @@ def report(
     validation: Validation,
     judge: Judge,
     joint: Joint,
+    smooth: SmoothCorrection | None,
+    left: Remainder | None,
     members: tuple[Member, ...],
     proposals: tuple[NextMeasurement, ...],
 ) -> Diagnosis:
     """Put the results together."""
-    word = verdict(ranking, selection, validation, joint)
+    word = verdict(ranking, selection, validation, joint, left)
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
@@ -58,6 +69,8 @@ def report(
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
+        smooth=smooth,
+        remainder=left if word == "unknown" and term is None else None,
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
