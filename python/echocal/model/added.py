@@ -21,7 +21,7 @@ def indicated(
 ) -> Any:
     """Indication [m] at a true distance [m]; `bare` is the indication of the model without the shape."""
     _refuse_out(given)
-    return bare(distance, _rest(shape, given)) + _number(shape, {**air, **given, DISTANCE: distance}, None)
+    return bare(distance, _rest(shape, given)) + _number(shape, _columns(shape, air, given, distance), None)
 
 
 def corrected(
@@ -37,10 +37,19 @@ def corrected(
     found, outside = indication, None
     if isinstance(shape, Smooth):
         found = bare(indication, rest) if at_distance else indication
-        outside = shape.outside({**air, **given, DISTANCE: found})
+        outside = shape.outside(_columns(shape, air, given, found))
     for _ in range(_ROUNDS if at_distance else 1):
-        found = bare(indication - _number(shape, {**air, **given, DISTANCE: found}, outside), rest)
+        shift = _number(shape, _columns(shape, air, given, found), outside)
+        found = bare(indication - shift, rest)
     return found
+
+
+def _columns(
+    shape: Shape | Smooth, air: Mapping[str, float], given: Mapping[str, Any], distance: Any
+) -> dict[str, Any]:
+    """What the shape may be a function of; a smooth correction needs recorded values, not assumed ones."""
+    assumed = air if isinstance(shape, Shape) else {}
+    return {**assumed, **given, DISTANCE: distance}
 
 
 def _number(shape: Shape | Smooth, columns: dict[str, Any], outside: Any) -> Any:

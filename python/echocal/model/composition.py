@@ -333,9 +333,10 @@ class Model:
     def refuse_shape(self, what: str) -> None:
         """Raise `ModelError` if the model has an unexplained term, which `what` cannot use."""
         if self.shape is not None:
+            kind = "a smooth correction" if isinstance(self.shape, Smooth) else "an unexplained term"
             message = (
-                f"the model has an unexplained term against {self.shape.against}, and {what} cannot "
-                "use it; Model.without_shape() removes it"
+                f"the model has {kind} against {self.shape.against}, and {what} cannot use it; "
+                "Model.without_shape() removes it"
             )
             raise ModelError(message)
 

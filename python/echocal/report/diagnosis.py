@@ -17,6 +17,7 @@ from echocal.diagnose.results.explain import (
     probability_text,
     proposal_text,
     rivals_of,
+    without_a_cause,
 )
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
@@ -45,6 +46,9 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
         console.print(_cause(cause))
     if diagnosis.unexplained is not None:
         console.print(Text.assemble(("unexplained  ", "magenta"), diagnosis.unexplained.description))
+        console.print()
+    for text in without_a_cause(diagnosis):
+        console.print(Text.assemble(("without a cause  ", "magenta"), text))
         console.print()
     if diagnosis.gain is not None:
         console.print(_gain(diagnosis.gain, _bars(console)))

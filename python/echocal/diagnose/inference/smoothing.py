@@ -161,7 +161,7 @@ class Smoother:
         """A fitted spline and its standard uncertainty at values of its column [m]."""
         design = self.splines[place].at(at) - self.means[place]
         variance = np.einsum("ki,ij,kj->k", design, covariance, design)
-        return design @ mean, np.sqrt(np.maximum(variance, 0.0))
+        return np.asarray(design @ mean), np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
     def _weights(self, blocks: Mask, place: int) -> list[float]:
         own, penalty = self.places[place], self.splines[place].penalty
@@ -196,7 +196,7 @@ class Smoother:
             end = first + len(self.means[place])
             matrix[first:end, first:end] += weight * self.splines[place].penalty
             first = end
-        return matrix
+        return np.asarray(matrix)
 
 
 def _rows(count: int, settings: SmoothSettings) -> Labels:

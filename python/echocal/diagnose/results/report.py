@@ -63,9 +63,11 @@ def report(
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
+    causes = _causes(case, ranking, selection, validation, joint, word)
+    validation.model.provenance |= _origin(causes, word)
     return Diagnosis(
         verdict=word,
-        causes=_causes(case, ranking, selection, validation, joint, word),
+        causes=causes,
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
@@ -113,6 +115,13 @@ def _causes(
         *(_cause(case, ranking, claim, validation, recorded) for claim in others),
         *joint.causes,
     )
+
+
+def _origin(causes: Sequence[Cause], word: Verdict) -> dict[str, Any]:
+    """What a model says of its diagnosis: the class and the member of each of its causes."""
+    told = ("id", "probability", "probability_alone", "indistinguishable_from", "doubt")
+    effects = [cause for cause in causes if cause.kind == "effect" and cause.in_model]
+    return {"verdict": word, "causes": [{name: getattr(c, name) for name in told} for c in effects]}
 
 
 def _cause(

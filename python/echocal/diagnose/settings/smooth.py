@@ -44,5 +44,8 @@ class SmoothSettings:
         "chosen by hand: more than half of the error is no noise",
     )
     far_from_chance: float = number(
-        1e-3, "p-value", "and if chance removes as much with less than this probability", "chosen by hand"
+        1e-5,
+        "p-value",
+        "and if chance removes as much with less than this probability",
+        "chosen by hand: the noise models are a grid, and with the nearest one p-values are too small",
     )
