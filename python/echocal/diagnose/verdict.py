@@ -38,7 +38,7 @@ def verdict(
         return "unknown"
     if is_open or validation.kept or joint.decisive:
         return "ambiguous"
-    return "nothing" if left is None else "unknown"
+    return "nothing" if left is None or left.by_chance else "unknown"
 
 
 def _shifted(ranking: Ranking) -> bool:

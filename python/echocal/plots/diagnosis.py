@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.sentences import Recorded, most_correlated, shown
+from echocal.diagnose.results.explain import class_texts
 from echocal.errors import writing
 from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
@@ -30,6 +31,7 @@ _BEFORE, _AFTER, _FLOOR = (
 )  # light and dark: different without color, too
 _BINS = 30
 _PANELS = 4
+_SUMMARY = 150  # characters of a line above all panels
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # rows that are visible one by one
 _ENOUGH = 5  # fewest rows of a mean that is drawn
@@ -102,7 +104,8 @@ def _summary(diagnosis: Diagnosis) -> str:
     text = f"RMS error on {gain.judged_rows}: {1e3 * gain.rms_before_m:.2f} mm with the base"
     if len(gain.ladder) > 1:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
-    return f"{text}; the column with the clearest trend first"
+    lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
+    return "\n".join(textwrap.shorten(line, _SUMMARY, placeholder=" ...") for line in lines)
 
 
 def by_correlation(diagnosis: Diagnosis) -> list[str]:
@@ -230,5 +233,22 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     rows = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})"
     error = f"RMS error on {rows}: {1e3 * gain.rms_before_m:.2f}{after}"
     width = title_beside(names, ax)
-    lines = (error, "dotted line: error that all recorded columns together could reach")
+    lines = [error, *_removed(diagnosis), "dotted line: error that all recorded columns together could reach"]
     ax.set_title("\n".join(textwrap.fill(line, width) for line in lines), fontsize=8, loc="left")
+
+
+def _removed(diagnosis: Diagnosis) -> list[str]:
+    """Part of the error that the model removes; and the error with a smooth correction, if it is offered."""
+    gain, smooth = diagnosis.gain, diagnosis.smooth
+    lines = []
+    if gain is not None and len(gain.ladder) > 1:
+        low, high = (100 * end for end in gain.variance_removed_interval_95)
+        lines.append(
+            f"the model removes {100 * gain.variance_removed:.0f} % of the mean square error "
+            f"({low:.0f} to {high:.0f} %, 95 % interval)"
+        )
+    if smooth is not None and smooth.offered and smooth.rms_after_m is not None:
+        lines.append(
+            f"with the smooth correction, which has no known cause: {1e3 * smooth.rms_after_m:.2f} mm"
+        )
+    return lines

@@ -6,7 +6,7 @@ from collections.abc import Set
 from matplotlib.axes import Axes
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.results.explain import lead
+from echocal.diagnose.results.explain import class_texts, lead
 from echocal.diagnose.results.grouped import LEAST, Group, grouped, in_common
 from echocal.plots.labels import title_beside
 
@@ -42,7 +42,8 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     said = lead(diagnosis)
     finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
     width = title_beside(labels, ax)
-    lines = [textwrap.fill(text, width) for text in (finding, *_remarks(groups, common))]
+    told = (finding, *class_texts(diagnosis), *_remarks(groups, common))
+    lines = [textwrap.fill(text, width) for text in told]
     ax.set_title("\n".join(lines), fontsize=8, loc="left")
 
 

@@ -192,7 +192,7 @@ class SmoothCorrection:
 
 @dataclass(frozen=True)
 class Remainder:
-    """An error that recorded columns can lower, though no cause and no unexplained term is probable.
+    """An error that recorded columns could lower by far, though no cause is claimed for it.
 
     Attributes
     ----------
@@ -206,6 +206,8 @@ class Remainder:
         Effective ones of what the columns remove, and of what they leave.
     against : tuple of str
         Columns that were tried.
+    by_chance : bool
+        Whether noise as autocorrelated as that of the table may be all that there is.
     """
 
     rms_m: float
@@ -213,6 +215,7 @@ class Remainder:
     p_value: float
     degrees_of_freedom: tuple[float, float]
     against: tuple[str, ...]
+    by_chance: bool
 
 
 @dataclass(frozen=True)

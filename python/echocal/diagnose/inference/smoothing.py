@@ -126,19 +126,15 @@ class Smoother:
             Position of what is explained, among the products.
         """
         best: dict[int, float] = {}
-        gain = 0.0
-        while len(best) < min(self.settings.most_terms, len(self.splines)):
-            tried = [
-                {**best, place: weight}
-                for place in range(len(self.splines))
-                if place not in best
-                for weight in self._weights(blocks, place)
-            ]
-            gains = [self._gain(blocks, held, one, residual) for one in tried]
-            place = int(np.argmax(gains))
-            if not gains[place] > gain + self.settings.gain_from:
+        gain, able = 0.0, list(range(len(self.splines)))
+        while len(best) < self.settings.most_terms and able:
+            found = {place: self._gains(blocks, held, best, place, residual) for place in able}
+            able = sorted(able, key=lambda place: -found[place].max())[: self.settings.most_beside]
+            place = able.pop(0)
+            if not found[place].max() > gain + self.settings.gain_from:
                 break
-            best, gain = tried[place], gains[place]
+            gain = float(found[place].max())
+            best[place] = float(self._weights(blocks, place)[found[place].argmax()])
         return best
 
     def fitted(self, blocks: Mask, weights: Weights, residual: int) -> Coefficients:
@@ -163,27 +159,38 @@ class Smoother:
         variance = np.einsum("ki,ij,kj->k", design, covariance, design)
         return np.asarray(design @ mean), np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
-    def _weights(self, blocks: Mask, place: int) -> list[float]:
+    def _weights(self, blocks: Mask, place: int) -> Column:
         own, penalty = self.places[place], self.splines[place].penalty
         products, _ = self.over(blocks)
         unit = float(np.trace(products[own, own]) / np.trace(penalty))
-        return [weight * unit for weight in self.settings.penalties]
+        return unit * np.array(self.settings.penalties)
 
-    def _gain(self, blocks: Mask, held: Sequence[Mask], weights: Weights, residual: int) -> float:
-        """Log likelihood of the blocks left out, relative to no splines; the scale of each is free."""
-        used, total = self._used(weights), 0.0
+    def _gains(
+        self, blocks: Mask, held: Sequence[Mask], weights: Weights, place: int, residual: int
+    ) -> Column:
+        """Log likelihood of the blocks left out, relative to no splines; the scale of each is free.
+
+        With some splines, and one more, for each weight of its penalty.
+        """
+        tried = self._weights(blocks, place)
+        used = self._used({**weights, place: 0.0})
+        own = np.zeros((len(used), len(used)))
+        own[-len(self.means[place]) :, -len(self.means[place]) :] = self.splines[place].penalty
+        total = np.zeros(len(tried))
         for out in held:
             fit = blocks & ~out
             if not fit.any():
                 continue
             (seen, _), (other, degrees) = self.over(fit), self.over(out)
-            whole = seen[np.ix_(used, used)] + self._penalty(seen, weights, used)
-            mean = np.linalg.solve(whole, seen[used, residual])
+            whole = seen[np.ix_(used, used)] + self._penalty(seen, {**weights, place: 0.0}, used)
+            along = np.broadcast_to(seen[used, residual][:, None], (len(tried), len(used), 1))
+            mean = np.linalg.solve(whole + np.multiply.outer(tried, own), along)[..., 0]
             floor = max(degrees, 1) * VARIANCE_FLOOR**2
             before = max(other[residual, residual], floor)
-            after = before - 2 * mean @ other[used, residual] + mean @ other[np.ix_(used, used)] @ mean
-            total += 0.5 * degrees * np.log(before / max(after, floor))
-        return float(total)
+            squares = ((mean @ other[np.ix_(used, used)]) * mean).sum(axis=1)
+            after = np.maximum(before - 2 * mean @ other[used, residual] + squares, floor)
+            total += 0.5 * degrees * np.log(before / after)
+        return total
 
     def _used(self, weights: Weights) -> Labels:
         own = [np.arange(self.places[p].start, self.places[p].stop) for p in weights]

@@ -66,7 +66,8 @@ def lead(diagnosis: Outcome) -> str:
 
 def without_a_cause(diagnosis: Outcome) -> list[str]:
     """What is known of an effect that nothing explains, and the correction that is offered meanwhile."""
-    texts = [] if diagnosis.remainder is None else [remainder_text(diagnosis.remainder)]
+    left = diagnosis.remainder
+    texts = [] if left is None else [remainder_text(left)]
     smooth = diagnosis.smooth
     if smooth is not None and (smooth.offered or diagnosis.verdict == "unknown"):
         texts.append(smooth_text(smooth))

@@ -65,7 +65,7 @@ class Outcome:
         A correction without a cause for what the model leaves: smooth functions of recorded columns. None
         if none was tried.
     remainder : Remainder or None
-        What is known of an effect outside the catalogue where no unexplained term describes it.
+        What is known where the columns could lower the error by far, but nothing is claimed for it.
     """
 
     verdict: Verdict

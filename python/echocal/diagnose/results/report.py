@@ -72,7 +72,7 @@ def report(
         credible_set=credible_set(joint),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
         smooth=smooth,
-        remainder=left if word == "unknown" and term is None else None,
+        remainder=left if term is None and word in ("unknown", "nothing") else None,
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,

@@ -42,11 +42,17 @@ def refusal(found: SmoothCorrection | None) -> str:
 def remainder_text(left: Remainder) -> str:
     """What is known of an effect that neither a cause nor an unexplained term describes."""
     chance = "below 1e-12" if left.p_value < 1e-12 else f"{left.p_value:.1g}"
-    return (
+    known = (
         f"the RMS error of the model is {1e3 * left.rms_m:.2f} mm, and all recorded columns together could "
-        f"reach {1e3 * left.rms_floor_m:.2f} mm. The probability that noise alone lets them remove as much "
-        f"is {chance}. No cause and no smooth function of one column is probable enough to be reported. "
-        f"Tried: {enumerated([_words(name) for name in left.against]) if left.against else 'no column'}"
+        f"reach {1e3 * left.rms_floor_m:.2f} mm. The probability that noise alone, as autocorrelated as it "
+        f"is here, lets them remove as much is {chance}"
+    )
+    if left.by_chance:
+        return f"{known}. So this is no evidence of an effect"
+    tried = enumerated([_words(name) for name in left.against]) if left.against else "no column"
+    return (
+        f"{known}. No cause and no smooth function of one column is probable enough to be reported. Tried: "
+        f"{tried}"
     )
 
 

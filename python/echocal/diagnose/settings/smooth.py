@@ -23,7 +23,10 @@ class SmoothSettings:
         "weights of the penalty that are tried: from about ten degrees of freedom to a straight line",
         "chosen by hand",
     )
-    most_terms: int = number(3, "columns", "of one smooth correction at most", "chosen by hand")
+    most_terms: int = number(6, "columns", "of one smooth correction at most", "chosen by hand")
+    most_beside: int = number(
+        8, "columns", "tried beside the first one: those that predict best alone", "time, chosen by hand"
+    )
     gain_from: float = number(
         3.0,
         "log likelihood",

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtrc
 
-from echocal.diagnose.candidates.unexplained_terms import HOUR
 from echocal.diagnose.findings.parts import Remainder, SmoothCorrection
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
@@ -32,7 +31,7 @@ def remainder(
     Returns
     -------
     Remainder or None
-        None if the columns cannot remove enough, or if chance can explain that they do.
+        None if the columns cannot remove enough.
     """
     gain, settings = judgment.gain, case.settings.smooth
     offered = smooth is not None and smooth.offered
@@ -42,10 +41,8 @@ def remainder(
     products = case.sums.whiten(noise, case.folds.fit).products
     width = case.settings.noise_models.ridge_width
     p_value, degrees = explained(products, case.sums.degrees(case.folds.fit), width)
-    if p_value >= settings.far_from_chance and not offered:
-        return None
-    against = tuple(name for name in case.found.terms if name != HOUR or HOUR in case.found.terms)
-    return Remainder(gain.rms_after_m, gain.rms_floor_m, p_value, degrees, against)
+    by_chance = p_value >= settings.far_from_chance and not offered
+    return Remainder(gain.rms_after_m, gain.rms_floor_m, p_value, degrees, tuple(case.found.terms), by_chance)
 
 
 def explained(products: Matrix, rows: int, width: float) -> tuple[float, tuple[float, float]]:
