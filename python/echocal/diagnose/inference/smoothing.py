@@ -23,6 +23,8 @@ Labels = NDArray[np.int64]
 Weights = Mapping[int, float]
 """Weight of the penalty of each spline that takes part, by its position."""
 
+WHITE_NOISE = Noise(0.0, 0.0, 0.0, 1.0)
+
 _RIDGE = 1e-8  # of the mean product: a spline without its mean has one coefficient too many
 
 
@@ -77,7 +79,7 @@ class Smoother:
     sums: Sums
     noise: Noise
     settings: SmoothSettings
-    known: dict[bytes, tuple[Column, int]] = field(default_factory=dict, repr=False)
+    known: dict[tuple[bool, bytes], tuple[Column, int]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -102,14 +104,14 @@ class Smoother:
         for residual in residuals:
             columns.store(residual[rows])
         order = case.sums.order if len(rows) == len(table) else case.sums.order.at(rows)
-        sums = Sums.gather(columns, order, case.folds.blocks[rows], [noise.correlation])
+        sums = Sums.gather(columns, order, case.folds.blocks[rows], [0.0, noise.correlation])
         return cls(tuple(splines), tuple(means), tuple(places), has_offset, sums, noise, settings)
 
-    def over(self, blocks: Mask) -> tuple[Column, int]:
+    def over(self, blocks: Mask, noise: Noise | None = None) -> tuple[Column, int]:
         """Whitened products over some blocks, and rows less unknown levels."""
-        key = blocks.tobytes()
+        key = (noise is None, blocks.tobytes())
         if key not in self.known:
-            products = self.sums.whiten(self.noise, blocks).products
+            products = self.sums.whiten(noise or self.noise, blocks).products
             self.known[key] = products, self.sums.degrees(blocks)
         return self.known[key]
 
@@ -126,15 +128,17 @@ class Smoother:
             Position of what is explained, among the products.
         """
         best: dict[int, float] = {}
-        gain, able = 0.0, list(range(len(self.splines)))
+        gain, square, able = 0.0, np.inf, list(range(len(self.splines)))
         while len(best) < self.settings.most_terms and able:
-            found = {place: self._gains(blocks, held, best, place, residual) for place in able}
+            tried = {place: self._gains(blocks, held, best, place, residual) for place in able}
+            found = {p: np.where(squares < square, gains, -np.inf) for p, (gains, squares) in tried.items()}
             able = sorted(able, key=lambda place: -found[place].max())[: self.settings.most_beside]
             place = able.pop(0)
             if not found[place].max() > gain + self.settings.gain_from:
                 break
-            gain = float(found[place].max())
-            best[place] = float(self._weights(blocks, place)[found[place].argmax()])
+            weight = int(found[place].argmax())
+            gain, square = float(found[place][weight]), float(tried[place][1][weight])
+            best[place] = float(self._weights(blocks, place)[weight])
         return best
 
     def fitted(self, blocks: Mask, weights: Weights, residual: int) -> Coefficients:
@@ -167,16 +171,17 @@ class Smoother:
 
     def _gains(
         self, blocks: Mask, held: Sequence[Mask], weights: Weights, place: int, residual: int
-    ) -> Column:
+    ) -> tuple[Column, Column]:
         """Log likelihood of the blocks left out, relative to no splines; the scale of each is free.
 
-        With some splines, and one more, for each weight of its penalty.
+        With some splines, and one more, for each weight of its penalty. Also the sum of squares of these
+        blocks, as they are; infinite where it is not smaller than without splines.
         """
         tried = self._weights(blocks, place)
         used = self._used({**weights, place: 0.0})
         own = np.zeros((len(used), len(used)))
         own[-len(self.means[place]) :, -len(self.means[place]) :] = self.splines[place].penalty
-        total = np.zeros(len(tried))
+        total, square, bare = np.zeros(len(tried)), np.zeros(len(tried)), 0.0
         for out in held:
             fit = blocks & ~out
             if not fit.any():
@@ -187,10 +192,12 @@ class Smoother:
             mean = np.linalg.solve(whole + np.multiply.outer(tried, own), along)[..., 0]
             floor = max(degrees, 1) * VARIANCE_FLOOR**2
             before = max(other[residual, residual], floor)
-            squares = ((mean @ other[np.ix_(used, used)]) * mean).sum(axis=1)
-            after = np.maximum(before - 2 * mean @ other[used, residual] + squares, floor)
+            after = np.maximum(_left(other, used, residual, mean), floor)
             total += 0.5 * degrees * np.log(before / after)
-        return total
+            plain = self.over(out, WHITE_NOISE)[0]
+            square += _left(plain, used, residual, mean)
+            bare += plain[residual, residual]
+        return total, np.where(square < bare, square, np.inf)
 
     def _used(self, weights: Weights) -> Labels:
         own = [np.arange(self.places[p].start, self.places[p].stop) for p in weights]
@@ -204,6 +211,12 @@ class Smoother:
             matrix[first:end, first:end] += weight * self.splines[place].penalty
             first = end
         return np.asarray(matrix)
+
+
+def _left(products: Column, used: Labels, residual: int, mean: Column) -> Column:
+    """Sum of squares that some coefficients leave, for each line of coefficients."""
+    squares = ((mean @ products[np.ix_(used, used)]) * mean).sum(axis=1)
+    return np.asarray(products[residual, residual] - 2 * mean @ products[used, residual] + squares)
 
 
 def _rows(count: int, settings: SmoothSettings) -> Labels:
