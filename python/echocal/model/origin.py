@@ -17,7 +17,7 @@ def diagnosed(provenance: Mapping[str, Any]) -> list[str]:
     >>> cause = {"id": "fixed_delay", "probability": 0.97, "indistinguishable_from": []}
     >>> diagnosed({"verdict": "named", "causes": [cause]})
     ['verdict: named', 'cause fixed_delay: probability 0.970']
-    >>> diagnosed({"gain": "large"})
+    >>> diagnosed({"gain": "large", "causes": 3})
     []
     """
     lines = []
@@ -26,7 +26,8 @@ def diagnosed(provenance: Mapping[str, Any]) -> list[str]:
     causes = provenance.get("causes")
     for cause in causes if isinstance(causes, list | tuple) else []:
         lines += _tried(_cause, cause)
-    return lines + _tried(_gain, provenance.get("gain"))
+    gain = _tried(_gain, provenance.get("gain"))
+    return lines + (gain if causes else gain[:1])
 
 
 def _tried(line: Any, given: Any) -> list[str]:

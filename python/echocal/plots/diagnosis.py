@@ -17,12 +17,13 @@ from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
+from echocal.plots.smooth import smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
 __all__ = ["PICTURES", "by_correlation", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
-PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png")
-"""Names of the files that `save_diagnosis` writes; the last one if there is an unexplained term."""
+PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png", "smooth.png")
+"""Names of the files that `save_diagnosis` can write; the last two if there is such a function."""
 
 _BEFORE, _AFTER, _FLOOR = (
     "#e0862a",
@@ -31,7 +32,7 @@ _BEFORE, _AFTER, _FLOOR = (
 )  # light and dark: different without color, too
 _BINS = 30
 _PANELS = 4
-_SUMMARY = 150  # characters of a line above all panels
+_SUMMARY = 140  # characters of a line above all panels
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # rows that are visible one by one
 _ENOUGH = 5  # fewest rows of a mean that is drawn
@@ -41,7 +42,8 @@ _SAME = 1e-6  # m, far below the resolution of such sensors
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     """Write ``residuals.png``, ``gain.png``, ``posterior.png`` and ``next.png``.
 
-    If there is an unexplained term, ``unexplained.png`` shows it.
+    If there is an unexplained term, ``unexplained.png`` shows it. If a smooth correction is offered,
+    ``smooth.png`` shows its parts.
 
     Parameters
     ----------
@@ -65,10 +67,11 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             _single(diagnosis, plot_gain, (6.0, 2.8)),
             _single(diagnosis, plot_posterior, (8.0, 3.2)),
             next_figure(diagnosis),
+            None if diagnosis.unexplained is None else _single(diagnosis, plot_unexplained, (6.5, 3.6)),
+            smooth_figure(diagnosis) if diagnosis.smooth is not None and diagnosis.smooth.offered else None,
         ]
-        if diagnosis.unexplained is not None:
-            figures.append(_single(diagnosis, plot_unexplained, (6.5, 3.6)))
-        paths = {folder / name: figure for name, figure in zip(PICTURES, figures, strict=False)}
+        named = zip(PICTURES, figures, strict=True)
+        paths = {folder / name: figure for name, figure in named if figure is not None}
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         for path, figure in paths.items():
@@ -105,7 +108,7 @@ def _summary(diagnosis: Diagnosis) -> str:
     if len(gain.ladder) > 1:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
     lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
-    return "\n".join(textwrap.shorten(line, _SUMMARY, placeholder=" ...") for line in lines)
+    return "\n".join(textwrap.fill(line, _SUMMARY) for line in lines)
 
 
 def by_correlation(diagnosis: Diagnosis) -> list[str]:

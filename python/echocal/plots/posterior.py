@@ -38,7 +38,11 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
         ax.text(left + 0.015, place, f"{left:.3f}", va="center")
     ax.set_yticks(range(len(groups)), labels)
     ax.set_ylim(max(len(groups), _FEWEST) - 0.5, -0.5)
-    ax.set(xlim=(0.0, 1.15), xticks=[0.0, 0.25, 0.5, 0.75, 1.0], xlabel="probability")
+    ax.set(
+        xlim=(0.0, 1.15),
+        xticks=[0.0, 0.25, 0.5, 0.75, 1.0],
+        xlabel="probability that exactly these causes act",
+    )
     said = lead(diagnosis)
     finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
     width = title_beside(labels, ax)

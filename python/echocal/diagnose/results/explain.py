@@ -75,9 +75,17 @@ def without_a_cause(diagnosis: Outcome) -> list[str]:
 
 
 def class_texts(diagnosis: Outcome) -> list[str]:
-    """Each claimed effect with the probability of its class and of itself."""
+    """Each claimed effect with the question that each of its probabilities answers."""
     claimed = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
-    return [f"{cause.id}: {probability_text(cause)}" for cause in claimed]
+    return [_questions(cause) for cause in claimed]
+
+
+def _questions(cause: Cause) -> str:
+    count = 1 + len(cause.indistinguishable_from)
+    if count == 1:
+        return f"does {cause.id} act? {cause.probability:.2f}"
+    alone = "" if cause.probability_alone is None else f"; {cause.id} itself? {cause.probability_alone:.2f}"
+    return f"does one of {count} causes act that these data cannot separate? {cause.probability:.2f}{alone}"
 
 
 def _left_open(diagnosis: Outcome) -> str:
