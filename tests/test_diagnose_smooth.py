@@ -230,6 +230,53 @@ def test_the_curve_is_that_of_the_page(random: np.random.Generator, monkeypatch:
     np.testing.assert_allclose(found, expected, atol=2e-6)
     assert diagnosis.smooth is not None
 
+    total = 0.0
+    for out in case.folds.held:
+        rows = out[case.folds.blocks]
+        whole, own = np.linalg.inv(inverse), residuals[0][rows]
+        errors = own - curve(~rows)[rows]
+        part = np.linalg.inv(whole[np.ix_(rows, rows)])
+        total += rows.sum() / 2 * np.log(own @ part @ own / (errors @ part @ errors))
+    *others, last = weights
+    gains, squares = smoother._gains(
+        case.folds.fit,
+        case.folds.held,
+        {place: weights[place] for place in others},
+        last,
+        smoother.places[-1].stop,
+    )
+    which = int(np.argmin(np.abs(smoother._weights(case.folds.fit, last) - weights[last])))
+    assert gains[which] == pytest.approx(total, rel=0.02)
+    errors = [
+        residuals[0][rows] - curve(~rows)[rows]
+        for rows in (out[case.folds.blocks] for out in case.folds.held)
+    ]
+    assert squares[which] == pytest.approx(float(sum(one @ one for one in errors)), rel=0.02)
+
+
+def test_columns_may_be_odd(random: np.random.Generator) -> None:
+    """One that varies in the last block alone, one of few values, one far from zero, one with a wild row."""
+    table = planted(random, 200)
+    table["late"] = np.where(np.arange(200) < 160, 0.0, random.normal(size=200))
+    table["few"] = random.integers(0, 7, 200).astype(float)
+    table["far"] = 1e9 + random.normal(size=200)
+    table["wild"] = np.where(np.arange(200) == 9, 1e12, random.normal(size=200))
+    table["reading_m"] += 4e-3 * np.tanh(table["late"]) + 3e-3 * np.sin(table["wild"])
+    found = echocal.diagnose(table).smooth
+    assert found is not None
+    assert found.held_out_rows > 150
+    assert np.isfinite([found.rms_before_m, found.rms_after_m]).all()
+
+
+@pytest.mark.parametrize("rows", [8, 12, 26])
+def test_few_rows_are_no_error(rows: int, random: np.random.Generator) -> None:
+    celsius = random.uniform(0.0, 40.0, rows)
+    reading = 1.0 + 5e-3 * np.tanh(celsius - 20.0)
+    table = {"reading_m": reading, "temperature_C": celsius, "distance_m": np.ones(rows)}
+    diagnosis = echocal.diagnose(table)
+    assert diagnosis.to_dict()["schema"]
+    assert diagnosis.explain()
+
 
 def values(case: Any, spline: Any) -> np.ndarray:
     from echocal.diagnose.inference.smoothing import values_of

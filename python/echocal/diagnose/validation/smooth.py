@@ -112,6 +112,8 @@ def _choice(
         terms = []
         for place, mean, covariance in found.splines:
             at = _knots(case, smoother.splines[place], rows)
+            if not (np.diff(at) > 0.0).all():  # the column does not vary in these rows
+                return None
             shift, band = smoother.curve(place, at, mean, covariance)
             against = smoother.splines[place].against
             terms.append(Shape(against, *(tuple(values.tolist()) for values in (at, shift, band))))
@@ -126,7 +128,7 @@ def _knots(case: Case, spline: Spline, rows: Mask) -> NDArray[np.float64]:
         return np.linspace(spline.low, spline.high, _KNOTS)
     column = spread(values_of(case.table, spline.against)[rows])
     low, high = quantiles(column, case.settings.terms.range)
-    return np.linspace(low, max(high, np.nextafter(low, np.inf) + 1e-9 * abs(low)), _KNOTS)
+    return np.linspace(low, high, _KNOTS)
 
 
 def _pieces(rows: int, noise: Noise, most: int) -> int:
