@@ -100,7 +100,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             work.level_steps = len(level_steps)
 
         smooth = smooth_correction(case, validation, judge, selection.noise)
-        left = remainder(case, validation, smooth, selection.noise)
+        left = remainder(case, ranking, validation, smooth, selection.noise)
 
         work.begin("planning measurements")
         joint = join(ranking, faults.found, shares, reduced)

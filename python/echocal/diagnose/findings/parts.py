@@ -204,6 +204,8 @@ class Remainder:
         Probability that columns of noise would remove as much.
     degrees_of_freedom : tuple of float
         Effective ones of what the columns remove, and of what they leave.
+    no_effect : float
+        Posterior probability that there is neither an effect nor an unexplained term.
     against : tuple of str
         Columns that were tried.
     by_chance : bool
@@ -214,6 +216,7 @@ class Remainder:
     rms_floor_m: float
     p_value: float
     degrees_of_freedom: tuple[float, float]
+    no_effect: float
     against: tuple[str, ...]
     by_chance: bool
 

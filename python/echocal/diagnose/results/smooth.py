@@ -45,7 +45,8 @@ def remainder_text(left: Remainder) -> str:
     known = (
         f"the RMS error of the model is {1e3 * left.rms_m:.2f} mm, and all recorded columns together could "
         f"reach {1e3 * left.rms_floor_m:.2f} mm. The probability that noise alone, as autocorrelated as it "
-        f"is here, lets them remove as much is {chance}"
+        f"is here, lets them remove as much is {chance}; the probability that there is no effect is "
+        f"{left.no_effect:.2g}"
     )
     if left.by_chance:
         return f"{known}. So this is no evidence of an effect"

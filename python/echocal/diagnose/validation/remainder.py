@@ -7,6 +7,7 @@ from scipy.special import fdtrc
 from echocal.diagnose.findings.parts import Remainder, SmoothCorrection
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
+from echocal.diagnose.selection.claims import Ranking
 from echocal.diagnose.validation.validate import Validation
 
 __all__ = ["explained", "remainder"]
@@ -15,13 +16,15 @@ Matrix = NDArray[np.float64]
 
 
 def remainder(
-    case: Case, judgment: Validation, smooth: SmoothCorrection | None, noise: Noise
+    case: Case, ranking: Ranking, judgment: Validation, smooth: SmoothCorrection | None, noise: Noise
 ) -> Remainder | None:
     """Test whether the floor is far below the error of the model: docs/method.md, Eq. 35.
 
     Parameters
     ----------
     case : Case
+    ranking : Ranking
+        Of it, the probability that there is no effect is told.
     judgment : Validation
     smooth : SmoothCorrection or None
         If it is offered, something is left to explain, whatever the floor is.
@@ -41,8 +44,10 @@ def remainder(
     products = case.sums.whiten(noise, case.folds.fit).products
     width = case.settings.noise_models.ridge_width
     p_value, degrees = explained(products, case.sums.degrees(case.folds.fit), width)
+    none = sum(p for ids, p in ranking.sets if not ids)
     by_chance = p_value >= settings.far_from_chance and not offered
-    return Remainder(gain.rms_after_m, gain.rms_floor_m, p_value, degrees, tuple(case.found.terms), by_chance)
+    against = tuple(case.found.terms)
+    return Remainder(gain.rms_after_m, gain.rms_floor_m, p_value, degrees, none, against, by_chance)
 
 
 def explained(products: Matrix, rows: int, width: float) -> tuple[float, tuple[float, float]]:
