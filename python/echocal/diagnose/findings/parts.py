@@ -185,9 +185,19 @@ class SmoothCorrection:
     rows_outside: int = 0
 
     @property
+    def recurs(self) -> bool:
+        """Whether every fold chooses a correction by itself."""
+        return all(self.chosen_by_folds)
+
+    @property
     def offered(self) -> bool:
-        """Whether it may extend the model: the interval of its gain is above zero."""
-        return self.smooth is not None and self.interval_95 is not None and self.interval_95[0] > 0.0
+        """Whether it may extend the model: it recurs, and the interval of its gain is above zero."""
+        return (
+            self.smooth is not None
+            and self.recurs
+            and self.interval_95 is not None
+            and self.interval_95[0] > 0.0
+        )
 
 
 @dataclass(frozen=True)
