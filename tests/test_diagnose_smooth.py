@@ -58,6 +58,21 @@ def correct_of(model: echocal.Model, table: Table) -> np.ndarray:
     return corrected_distance(echocal.read_observations(table), model)
 
 
+@pytest.mark.slow
+def test_on_a_roof_what_does_not_recur_is_not_offered(shared: Path) -> None:
+    """By hand: 7 % of July beyond humidity; the sun of June has the other sign in July."""
+    from test_diagnose_roof import COLUMNS
+
+    data = shared / "data" / "roof-sr50" / "roof_fixed_target_tidy.csv"
+    options = {"columns": COLUMNS, "constant_distance": True, "reading_speed": "331.4"}
+    with pytest.warns(echocal.DataWarning):
+        july = echocal.diagnose(data, since="2022-07-05", until="2022-08-03", **options).smooth
+    with pytest.warns(echocal.DataWarning):
+        june = echocal.diagnose(data, since="2022-06-09", until="2022-06-24", **options).smooth
+    assert 0.0 < july.variance_removed < 0.3
+    assert not june.offered
+
+
 @pytest.mark.parametrize("rho", [0.0, 0.8])
 def test_the_gain_is_that_of_fresh_rows(rho: float, random: np.random.Generator) -> None:
     diagnosis = echocal.diagnose(planted(random, rho=rho))
