@@ -129,7 +129,7 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
 
 def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
     """Sets of causes, inseparable ones in one line; the causes that all sets have are above."""
-    table = Table(title="probability of each set of causes", title_justify="left", show_header=False)
+    table = Table(title="probability that exactly these causes act", title_justify="left", show_header=False)
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)
     for group in groups:
