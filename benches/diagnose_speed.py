@@ -43,7 +43,7 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (_core, "posterior", "hypotheses"),
     (pipeline, "infer_noises", "noises with a likelihood of their own"),
     (pipeline, "validate", "held-out rows"),
-    (select, "unsteady", "one size in every part"),
+    (select, "steadiness", "one size in every part"),
     (pipeline, "propose", "next measurements"),
     (report, "notes", "notes"),
     (report, "_cause", "sentences"),

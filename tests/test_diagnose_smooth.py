@@ -137,7 +137,7 @@ def test_nothing_sees_the_rows_that_a_user_holds_out(known: bool, random: np.ran
 @pytest.mark.slow
 @pytest.mark.parametrize("rho", [0.0, 0.6, 0.95])
 def test_noise_earns_no_correction(rho: float, random: np.random.Generator) -> None:
-    """In 1,200 such tables of four designs one was offered."""
+    """In 1,300 such tables of four designs one was offered."""
     offered, far = 0, 0
     for i in range(40):
         known = i % 2 == 0
@@ -200,7 +200,7 @@ def test_where_the_columns_explain_little_it_is_nothing(random: np.random.Genera
 
 
 def test_the_remainder_is_an_f_test(random: np.random.Generator) -> None:
-    """With a wide prior it is the F test of ordinary least squares; docs/method.md, Eq. 35."""
+    """With a wide prior it is the F test of ordinary least squares; docs/method.md, Eq. 34."""
     columns = random.normal(size=(8, 60))
     columns[0] = 1.0
     columns[-1] += 0.4 * columns[3]

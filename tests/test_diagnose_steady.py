@@ -58,3 +58,20 @@ def test_sessions_that_differ_are_not_one_cause(random: np.random.Generator) -> 
         assert diagnosis.unexplained is not None
         assert diagnosis.unexplained.against == "row"
         assert "sessions that differ" in diagnosis.explain()
+
+
+def test_a_size_that_varies_a_little_is_named_with_this_uncertainty(random: np.random.Generator) -> None:
+    # a thermometer whose gain differs from day to day by a tenth, as its radiation shield is turned
+    temperature = random.uniform(0.0, 40.0, 600)
+    gain = 0.1 * (1.0 + np.repeat(random.permutation([-0.12, -0.06, 0.0, 0.06, 0.12]), 120))
+    recorded, true = 331.4 + 0.6 * temperature, 331.4 + 0.6 * temperature * (1 + gain)
+    reading = 2.0 * recorded / true + random.normal(0.0, 3e-4, 600)
+    diagnosis = echocal.diagnose({"reading_m": reading, "temperature_C": temperature}, reference_distance=2.0)
+    (cause,) = [c for c in diagnosis.causes if "temperature_gain" in {c.id, *c.indistinguishable_from}]
+    assert not cause.doubt, diagnosis.explain()
+    assert diagnosis.verdict == "named"
+    (size,) = cause.parameters
+    assert 0.04 < size.standard_uncertainty / abs(size.value) < 0.2
+    at = diagnosis.model.parameter_names.index(f"{cause.id}.{size.name}")
+    assert diagnosis.model.covariance[at, at] ** 0.5 > 0.04 * abs(size.value)
+    assert any("varies between parts" in note for note in diagnosis.notes)

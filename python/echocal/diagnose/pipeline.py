@@ -5,6 +5,7 @@ variance of autocorrelated noise may grow with the distance, the posterior is co
 """
 
 import warnings
+from dataclasses import replace
 
 from echocal.diagnose.experiment_design.members import members
 from echocal.diagnose.experiment_design.next_measurements import propose
@@ -13,6 +14,7 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.posterior import infer_noises
+from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
 from echocal.diagnose.preprocess.prepare import prepare
@@ -24,6 +26,7 @@ from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.report import report
 from echocal.diagnose.selection.claims import rank
 from echocal.diagnose.selection.joint import join
+from echocal.diagnose.selection.leverage import carried_by_few
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
@@ -86,12 +89,15 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
             work.begin("comparing noises")
             reduced = inference.reduced
-            shares = infer_noises(case, inference.fits, reduced, faults.quantizations)
+            shares = infer_noises(case, inference.fits, reduced, not_imitated(faults.quantizations))
             ranking = rank(shares.fits, case.found.competing, settings)
 
             work.begin("validating claims")
             selection, rest = select_and_refute(case, ranking, shares, reduced)
-            judge = judge_of(case, reduced.noises, faults.quantizations, held, after)
+            carried = carried_by_few(case, rest.kept, selection.best, selection.noise)
+            selection = replace(selection, carried=carried)
+            possible = shares.possible(settings.noises.considered)
+            judge = judge_of(case, reduced.noises, possible, held, after)
             validation = validate(case, selection, rest, judge)
             step = validation.further_level_step(table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
@@ -104,9 +110,9 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
         work.begin("planning measurements")
         joint = join(ranking, faults.found, shares, reduced)
-        possible = members(case, ranking, selection.every_claim, validation, reduced)
-        proposals = propose(case, possible, selection, validation, ranges)
+        able = members(case, ranking, selection.every_claim, validation, reduced)
+        proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint, smooth, left)
-        diagnosis = report(case, observations, *found, possible, proposals)
+        diagnosis = report(case, observations, *found, able, proposals)
     work.end()
     return diagnosis

@@ -14,6 +14,7 @@ from echocal.diagnose.results.explain import (
     further_notes,
     lead,
     parameter_text,
+    place_text,
     probability_text,
     proposal_text,
     rivals_of,
@@ -84,7 +85,7 @@ def _cause(cause: Cause) -> RenderableType:
     )
     lines = [
         Text.assemble(
-            "" if cause.in_model or cause.kind != "effect" else "possible instead: ",
+            place_text(cause),
             (cause.id, "bold"),
             f"  {sizes}  ",
             (probability_text(cause), "green"),

@@ -35,7 +35,7 @@ def members(
     explains the rows only together with a term or a refuted cause is no member.
     """
     refuted = {id_ for r in validation.refuted for id_ in (r.id, *r.indistinguishable_from)}
-    refuted -= {claim.cause for claim in validation.kept}
+    refuted -= {claim.cause for claim in validation.claims}
     left_out = {UNKNOWN, *refuted}
     shares: dict[Ids, float] = {}
     alone: dict[Ids, float] = {}

@@ -41,7 +41,7 @@ def propose(
     """Propose rows that separate the possible causes, and side measurements for the others."""
     if len(members) < 2 or members[0].probability >= _SURE:
         return ()
-    claimed = [claim.cause for claim in validation.kept]
+    claimed = [claim.cause for claim in validation.claims]
     noise, variance = selection.noise, selection.best.variance
     ranges = _ranges(case, can_vary)
     stations = _stations(case)

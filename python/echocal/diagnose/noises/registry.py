@@ -1,13 +1,13 @@
 """The registry of noises: one line each."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from importlib import import_module
 
 from echocal.diagnose.noises.common.kinds import FittedNoise, NoiseEntry, NuisanceNoise, Quantization
 from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "nuisances", "quantizations"]
+__all__ = ["NOISES", "every_threshold", "fitted", "listed_only", "not_imitated", "nuisances", "quantizations"]
 
 
 def _noise(id_: str) -> NoiseEntry:
@@ -39,6 +39,12 @@ def quantizations() -> tuple[Quantization, ...]:
 def fitted() -> tuple[FittedNoise, ...]:
     """Noises with a likelihood of their own."""
     return tuple(noise for noise in NOISES if isinstance(noise, FittedNoise))
+
+
+def not_imitated(present: Collection[str]) -> tuple[FittedNoise, ...]:
+    """Noises with a likelihood that no quantization of a table imitates."""
+    imitated = {id_ for noise in quantizations() if noise.facts.id in present for id_ in noise.imitates}
+    return tuple(noise for noise in fitted() if noise.facts.id not in imitated)
 
 
 def nuisances() -> tuple[NuisanceNoise, ...]:

@@ -16,7 +16,7 @@ __all__ = ["because"]
 def because(case: Case, claim: Claim, validation: Validation, recorded: Recorded) -> str:
     """Compare what a cause predicts with the data."""
     signal = case.signal(claim.variant, claim.mean)
-    beside = [c for c in validation.kept if c is not claim] if claim in validation.kept else []
+    beside = [c for c in validation.claims if c is not claim] if claim in validation.claims else []
     left = reduce(np.subtract, (case.signal(c.variant, c.mean) for c in beside), case.residual)
     if "position_in_group" in find_effect(claim.cause).reads:
         return first_against_others(left, signal, case.table.conditions["position_in_group"])

@@ -14,6 +14,7 @@ __all__ = [
     "further_notes",
     "lead",
     "parameter_text",
+    "place_text",
     "probability_text",
     "proposal_text",
     "without_a_cause",
@@ -92,7 +93,16 @@ def _left_open(diagnosis: Outcome) -> str:
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
         return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"
+    if any(cause.doubt and not cause.in_model for cause in diagnosis.causes):
+        return "Causes fit it, but their gain may be chance, so the model is the base"
     return "Several causes can explain it, and the data do not separate them"
+
+
+def place_text(cause: Cause) -> str:
+    """Words before an effect that the model does not have; else nothing."""
+    if cause.in_model or cause.kind != "effect":
+        return ""
+    return "possible: " if cause.doubt else "possible instead: "
 
 
 def rivals_of(cause: Cause) -> list[str]:
@@ -127,10 +137,10 @@ def _cause(cause: Cause) -> list[str]:
     sizes = ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
-    alone = "" if cause.in_model or cause.kind != "effect" else "Possible instead: "
     rivals = rivals_of(cause)
+    what = f"{place_text(cause).capitalize()}{cause.id}, {sizes} ({probability_text(cause)})"
     lines = [
-        f"{alone}{cause.id}, {sizes} ({probability_text(cause)}): {find_cause(cause.id).sentence}",
+        f"{what}: {find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
     ]
     if cause.doubt:

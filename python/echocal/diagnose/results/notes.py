@@ -115,7 +115,7 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
     """Compare the size that the rows give with the size that theory fixes."""
     if find_effect(cause).supplies is None:  # a property of devices, not a law of nature
         return ""
-    claimed = cause in [c.cause for c in validation.kept]
+    claimed = cause in [c.cause for c in validation.claims]
     known = case.found.size_tangents[cause][1]
     beside = without(validation.fit.hypothesis, cause)
     plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # white noise, alone

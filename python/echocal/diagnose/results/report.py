@@ -81,6 +81,7 @@ def report(
         noise=_noise(selection),
         notes=(
             *selection.doubts.values(),
+            *_varying_a_little(selection, validation),
             *_not_claimed(ranking, selection, validation),
             *notes(case, observations, validation, inference.stack, steps),
             *_outside(case.table, validation),
@@ -102,15 +103,16 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
-    if not validation.gain.earned:
-        doubts |= {c.cause: _unearned(validation.gain) for c in validation.kept if c.cause not in doubts}
+    if validation.withheld is not None:
+        why = _unearned(validation.withheld.gain)
+        doubts |= {c.cause: why for c in validation.claims if c.cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     others = [claim for claim in others if claim.cause not in refuted]
     return (
         *(
             _cause(case, ranking, claim, validation, recorded, doubts.get(claim.cause, ""))
-            for claim in validation.kept
+            for claim in validation.claims
         ),
         *(_cause(case, ranking, claim, validation, recorded) for claim in others),
         *joint.causes,
@@ -149,10 +151,27 @@ def _cause(
 def _unearned(gain: Gain) -> str:
     """Why no cause is named: the gain may be chance."""
     low, high = (1e3 * end for end in gain.interval_95)
+    if low == high == 0.0:
+        return (
+            f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
+            "the base. The model leaves it out, and no cause is named"
+        )
     return (
-        f"on {gain.judged_rows}, which its choice has not seen, the model gains {low:.2f} to {high:.2f} mm "
-        "over the base (95 % interval). The interval is not above 0, so no cause is named"
+        f"on {gain.judged_rows}, which its choice has not seen, a model with it gains {low:.2f} to "
+        f"{high:.2f} mm over the base (95 % interval). The interval is not above 0, so the model leaves it "
+        "out, and no cause is named"
     )
+
+
+def _varying_a_little(selection: Selection, validation: Validation) -> list[str]:
+    """Say how much the size of a cause of the model varies from part to part."""
+    return [
+        f"the size of {claim.cause} varies between parts of the table by {100 * part:.0f} % (standard "
+        "deviation), more than chance; its standard uncertainty includes this"
+        for claim in validation.kept
+        if claim.cause in selection.between
+        and (part := float((selection.between[claim.cause] / np.abs(claim.mean)).max()))
+    ]
 
 
 def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:

@@ -3,6 +3,9 @@
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
@@ -12,7 +15,7 @@ from echocal.diagnose.selection.claims import Claim, Ranking, beside_a_term, res
 from echocal.diagnose.selection.decision import claim_or_not
 from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.plausibility import implausible
-from echocal.diagnose.selection.steadiness import unsteady
+from echocal.diagnose.selection.steadiness import steadiness, varied
 from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
 
 __all__ = ["Selection", "select"]
@@ -42,6 +45,10 @@ class Selection:
         The set that was chosen, before any of its claims was left out.
     later : mapping of str to str
         Claims of a set that is not the most probable one, each with a sentence on that.
+    between : mapping of str to ndarray
+        Standard deviation of the sizes of claims between parts of the table, in prior standard deviations.
+    carried : mapping of str to str
+        Claims that a few rows carry, each with a sentence on these rows.
     """
 
     best: HypothesisFit
@@ -53,11 +60,13 @@ class Selection:
     implausible: Mapping[str, str]
     effects: Ids
     later: Mapping[str, str] = field(default_factory=dict)
+    between: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    carried: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def doubts(self) -> dict[str, str]:
         """Why a claim is not named, whatever its probability is."""
-        return {**self.later, **self.implausible, **self.varying}
+        return {**self.later, **self.implausible, **self.varying, **self.carried}
 
 
 def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack) -> Selection:
@@ -72,11 +81,14 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack)
         every_claim = beside_a_term(every_claim, case.found, reduced, against, term.rms_m, settings)
         best, every_claim = sized_apart(best, every_claim, reduced, settings.blurred)
     likely = [c for c in every_claim if c.probability >= settings.modeled_from] or every_claim
-    varying = unsteady(case, likely, noise, whole)
+    steady = steadiness(case, likely, noise, whole)
+    varying = steady.varying
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying, reduced)
     large = implausible(likely, ranking, settings.implausible)
-    return Selection(best, every_claim, likely, noise, term, varying, large, whole.hypothesis.effects)
+    likely = resized(likely, varied(best, steady.between)) if steady.between else likely
+    checked = (varying, large, whole.hypothesis.effects)
+    return Selection(best, every_claim, likely, noise, term, *checked, between=steady.between)
 
 
 def _left_out(

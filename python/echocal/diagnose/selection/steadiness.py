@@ -17,7 +17,7 @@ from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.selection.claims import Claim
 from echocal.registry import find_effect
 
-__all__ = ["unsteady"]
+__all__ = ["Steadiness", "steadiness", "varied"]
 
 _OF_ROWS = ("row", "time")
 
@@ -25,11 +25,29 @@ Size = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]
 """Coefficients of a cause and their covariance."""
 
 
-def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> dict[str, str]:
+@dataclass(frozen=True)
+class Steadiness:
+    """Claims whose sizes differ between the parts of a table.
+
+    Attributes
+    ----------
+    varying : dict of str to str
+        Ids of claims that are not one cause, each with a sentence on the sizes found.
+    between : dict of str to ndarray
+        Standard deviation of the sizes between parts, where it is a small part of the size; in prior
+        standard deviations.
+    """
+
+    varying: dict[str, str]
+    between: dict[str, NDArray[np.float64]]
+
+
+def steadiness(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> Steadiness:
     """Find claims whose sizes differ between parts of the table.
 
-    An effect has one size. A claim whose size differs between parts is not that effect, even if it
-    fits the whole table. In each part all claims are fitted together, because a single claim would
+    A claim whose size differs much between parts is not one cause, even if it fits the whole table.
+    Where the sizes of a real cause vary a little from part to part, this is a part of its uncertainty.
+    In each part all claims are fitted together, because a single claim would
     also fit what the others explain. The parts are the blocks of the folds. If the blocks are
     stations and an unexplained term follows the row or the time, runs of rows are compared, too:
     they separate sessions.
@@ -42,34 +60,55 @@ def unsteady(case: Case, claims: Sequence[Claim], noise: Noise, best: Hypothesis
     best : HypothesisFit
         The best hypothesis. Its unexplained term is subtracted first. If it has one, a smaller
         difference makes a claim doubtful.
-
-    Returns
-    -------
-    dict of str to str
-        Ids, each with a sentence on the sizes found.
     """
     settings = case.settings.claims
     beside_term = any(v.cause == UNKNOWN for v in best.hypothesis.variants)
     limit = settings.unsteady_beside_term if beside_term else settings.unsteady
     families = _families(case, claims, noise, best)
     said: dict[str, str] = {}
+    between: dict[str, NDArray[np.float64]] = {}
     left = list(claims)
     while left:  # the least constant first: the others change when it is taken out
         found = [
-            _sizes(claim, fits)
+            (claim, _sizes(claim, fits))
             for fits in _fits(families, left, noise, settings.steadiness_rows)
             for claim in left
         ]
-        p_values = [_p_value(sizes) for sizes in found]
+        p_values = [_p_value(sizes) if claim.cause not in between else 1.0 for claim, sizes in found]
         worst = int(np.argmin(p_values))
         if p_values[worst] * len(families) >= limit:  # Bonferroni
             break
-        claim = left.pop(worst % len(left))
+        claim, sizes = found[worst]
+        spread, mean = _between(sizes)
+        if (spread <= settings.unsteady_share * np.abs(mean)).all():
+            between[claim.cause] = spread
+            continue
+        left.remove(claim)
         said[claim.cause] = (
-            f"the size of {claim.cause} differs between {len(found[worst])} parts of the table, so "
-            f"{claim.cause} is not named: {_sizes_text(claim, found[worst])}"
+            f"the size of {claim.cause} differs between {len(sizes)} parts of the table, so "
+            f"{claim.cause} is not named: {_sizes_text(claim, sizes)}"
         )
-    return said
+    return Steadiness(said, between)
+
+
+def _between(sizes: Sequence[Size]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Standard deviation of sizes between parts, and their mean: docs/method.md, Eq. 28."""
+    values = np.array([value for value, _ in sizes], dtype=np.float64)
+    weights = np.array([1.0 / np.diag(covariance) for _, covariance in sizes])
+    total = weights.sum(axis=0)
+    mean = (weights * values).sum(axis=0) / total
+    apart = (weights * (values - mean) ** 2).sum(axis=0) - (len(sizes) - 1)
+    variance = np.maximum(apart, 0.0) / (total - (weights**2).sum(axis=0) / total)
+    return np.sqrt(variance), mean
+
+
+def varied(fit: HypothesisFit, between: Mapping[str, NDArray[np.float64]]) -> HypothesisFit:
+    """Add the variance of sizes between parts of the table to that of a fit."""
+    more = np.zeros(len(fit.mean))
+    for variant, place in fit.hypothesis.placed:
+        if variant.cause in between:
+            more[place] = between[variant.cause] ** 2
+    return replace(fit, covariance=fit.covariance + np.diag(more)) if more.any() else fit
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,12 @@ class ClaimSettings:
         "the same, beside an unexplained term",
         "tuned on the benchmark's unknown effects",
     )
+    unsteady_share: float = number(
+        0.2,
+        "of the size",
+        "a standard deviation between parts up to this is an uncertainty of the size, not a doubt",
+        "chosen by hand: sizes on real records vary by 0.1 from day to day",
+    )
     steadiness_runs: int = number(
         5, "runs", "runs of rows whose sizes are compared, besides the stations", "as many as folds"
     )
@@ -99,6 +105,21 @@ class ClaimSettings:
         "prior standard deviations",
         "a cause with a larger size is not named",
         "argument: of normal sizes, fewer than one in a million",
+    )
+    leverage_pieces: int = number(
+        40,
+        "pieces",
+        "contiguous pieces of rows over which the effect of a cause is added up",
+        "chosen by hand",
+    )
+    leverage_rows: float = number(
+        0.1, "of the pieces", "so many pieces, those that remove most, may carry a cause", "chosen by hand"
+    )
+    leverage_share: float = number(
+        0.8,
+        "of the squared error",
+        "if they have more, the other rows must speak for the cause, or it is not named",
+        "chosen by hand",
     )
     tension: float = number(
         3.0,

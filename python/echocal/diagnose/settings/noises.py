@@ -17,7 +17,7 @@ class NoiseSettings(CauseSettings):
     found : float
     harmless, negligible : float
     sets, segments, segment_rows : float
-    worth : float
+    considered, worth : float
     autocorrelated, convection_behind : float
     matters, split : float
     """
@@ -34,6 +34,9 @@ class NoiseSettings(CauseSettings):
     sets: int = threshold(4, "1", "most probable sets of effects beside which noises are compared; judgement")
     segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
     segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")
+    considered: float = threshold(
+        1e-3, "1", "probability beside some set from which on the folds consider a noise, too; judgement"
+    )
     worth: float = threshold(
         2.0,
         "1",

@@ -23,6 +23,13 @@ class ValidationSettings:
     pieces: int = number(
         40, "pieces", "contiguous pieces of rows that are resampled for the interval", "chosen by hand"
     )
+    memories: float = number(
+        2.0,
+        "times 1/(1 - autoregression) rows",
+        "pieces are not shorter than this, so that neighboring ones are nearly independent",
+        "exp(-2) of the autocorrelation is left over such a length",
+    )
+    fewest_pieces: int = number(5, "pieces", "there are not fewer, however long the memory is", "the folds")
     resamples: int = number(2000, "draws", "resamples of these pieces", "chosen by hand")
     interval: float = number(0.95, "probability", "of the interval of the gain", "convention")
     reachable: float = number(

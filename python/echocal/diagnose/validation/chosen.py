@@ -4,6 +4,7 @@ from collections.abc import Collection
 
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.posterior import infer
+from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.selection.claims import rank
 from echocal.diagnose.selection.select import Selection
@@ -13,7 +14,7 @@ from echocal.diagnose.validation.refute import Rest
 __all__ = ["chosen"]
 
 
-def chosen(case: Case, quantizations: Collection[str]) -> tuple[Selection, Rest]:
+def chosen(case: Case, tried: Collection[FittedNoise]) -> tuple[Selection, Rest]:
     """Choose causes as `echocal.diagnose.pipeline.run` does, on the blocks that the case may see.
 
     The columns and the sums are those of the whole table: where a step or an edge may lie, and the
@@ -22,10 +23,10 @@ def chosen(case: Case, quantizations: Collection[str]) -> tuple[Selection, Rest]
     Parameters
     ----------
     case : Case
-    quantizations : collection of str
-        Quantizations found before; noises that they imitate are not fitted.
+    tried : collection of FittedNoise
+        Noises that compete.
     """
     inference = infer(case)
-    shares = infer_noises(case, inference.fits, inference.reduced, quantizations)
+    shares = infer_noises(case, inference.fits, inference.reduced, tried)
     ranking = rank(shares.fits, case.found.competing, case.settings)
     return select_and_refute(case, ranking, shares, inference.reduced)

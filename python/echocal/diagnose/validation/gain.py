@@ -126,17 +126,18 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
 
 
 def intervals(
-    before: HeldOut, after: HeldOut, seed: int, settings: ValidationSettings
+    before: HeldOut, after: HeldOut, rho: float, seed: int, settings: ValidationSettings
 ) -> tuple[Interval, Interval]:
     """Intervals of the decrease of the RMS error [m] and of the part of the mean square that is removed.
 
-    From resampled contiguous pieces of rows.
+    From resampled contiguous pieces of rows, which are long against the memory of the noise.
     """
     judged = before.known & after.known
     count = int(judged.sum())
     if count == 0:  # no row that judges has a level
         return (0.0, 0.0), (0.0, 0.0)
-    pieces = min(settings.pieces, count)
+    pieces = int(count * (1.0 - rho) / settings.memories)
+    pieces = min(max(settings.fewest_pieces, min(pieces, settings.pieces)), count)
     firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
     rows = np.diff(firsts)
     errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
@@ -147,11 +148,21 @@ def intervals(
     total = counts @ rows
     first, second = (counts @ square / total for square in squares)
     removed = 1.0 - np.divide(second, first, out=np.ones_like(first), where=first > 0.0)
-    tail = 50 * (1 - settings.interval)
-    low, high = np.percentile(
-        [np.sqrt(first) - np.sqrt(second), removed], [tail, 100 - tail], axis=1
-    ).tolist()
+    tail = 0.5 * (1 - settings.interval)
+    figures = np.array([np.sqrt(first) - np.sqrt(second), removed])
+    ends = np.quantile(figures, [tail, 1 - tail], axis=1)
+    middle = figures.mean(axis=1)
+    low, high = (middle + _for_few(pieces, tail) * (ends - middle)).tolist()
     return (low[0], high[0]), (low[1], high[1])
+
+
+def _for_few(pieces: int, tail: float) -> float:
+    """Factor of an interval from resampled pieces, which is too narrow where they are few."""
+    from scipy.stats import norm, t  # takes long to import
+
+    if pieces < 2:
+        return 1.0
+    return float(t.isf(tail, pieces - 1) / norm.isf(tail) * np.sqrt(pieces / (pieces - 1)))
 
 
 def on_common_rows(one: HeldOut, other: HeldOut) -> tuple[HeldOut, HeldOut]:
@@ -213,15 +224,16 @@ def summarize(
     after: HeldOut,
     rms_floor: float,
     scheme: str,
+    rho: float,
     seed: int,
     settings: ValidationSettings,
 ) -> Gain:
-    """Put the errors together: docs/method.md, Eq. 31."""
+    """Put the errors together: docs/method.md, Eq. 31; `rho` is the autoregression of the noise."""
     before, after = on_common_rows(before, after)
     judged = int(before.known.sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
-    gained, removed = intervals(before, after, seed, settings)
+    gained, removed = intervals(before, after, rho, seed, settings)
     worth = reachable > settings.reachable * before.rms**2  # else there is no gain to reach
     return Gain(
         rms_fixed_speed_m=rms_fixed,

@@ -10,6 +10,7 @@ from echocal.diagnose.preprocess.hold_out import NOT_HELD_OUT, split
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
+from echocal.errors import DataError
 from echocal.observations import Observations
 
 __all__ = ["held_rows"]
@@ -45,11 +46,20 @@ def held_rows(
     -------
     Table
         The rows that it leaves out are only those that were usable before this.
+
+    Raises
+    ------
+    DataError
+        If too few of them are usable.
     """
     faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
     _, later = split(faults.observations, after, settings.rows.fewest)
     assert later is not None
-    table = prepare(later, base, distance, constant, settings.rows)
+    try:
+        table = prepare(later, base, distance, constant, settings.rows)
+    except DataError as error:
+        message = f"the rows held out from {after} on cannot judge a model: {error}"
+        raise DataError(message) from None
     seen = np.flatnonzero(later.unusable == NOT_HELD_OUT)
     known = np.union1d(seen, np.flatnonzero(~observations.usable))
     left_out = {reason: np.setdiff1d(rows, known) for reason, rows in table.left_out.items()}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
@@ -63,15 +64,15 @@ class Nested:
     case : Case
     noises : tuple of Noise
         Those that are probable beside some hypothesis on all rows; a fold considers no other.
-    quantizations : collection of str
-        Quantizations found before.
+    tried : collection of FittedNoise
+        The same, of noises with a likelihood of their own.
     known : dict
         Models that blocks have chosen before.
     """
 
     case: Case
     noises: tuple[Noise, ...]
-    quantizations: Collection[str]
+    tried: Collection[FittedNoise]
     known: dict[bytes, Model] = field(default_factory=dict, repr=False)
 
     @property
@@ -113,7 +114,7 @@ class Nested:
             return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self.case, folds=folds, signals={}, probable=self.noises)
-        selection, rest = chosen(part, self.quantizations)
+        selection, rest = chosen(part, self.tried)
         self.known[key] = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
         return self.known[key]
 
@@ -190,14 +191,14 @@ class HeldOutRows:
 def judge_of(
     case: Case,
     noises: tuple[Noise, ...],
-    quantizations: Collection[str],
+    tried: Collection[FittedNoise],
     held: Table | None,
     after: str | float | None,
 ) -> Judge:
     """The rows that the user holds out; else folds, each of which chooses by itself."""
     if held is not None and after is not None:
         return HeldOutRows(case, held, after)
-    return Nested(case, noises, quantizations)
+    return Nested(case, noises, tried)
 
 
 def _speed(base: Base, table: Table) -> NDArray[np.float64]:

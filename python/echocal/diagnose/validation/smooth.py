@@ -68,9 +68,7 @@ def smooth_correction(
         return models(blocks).with_shape(own)
 
     before, after = on_common_rows(judge.extended(models), judge.extended(extended))
-    pieces = _pieces(int(before.known.sum()), noise, case.settings.validation.pieces)
-    settings = replace(case.settings.validation, pieces=pieces)
-    gained, removed = intervals(before, after, case.seed, settings)
+    gained, removed = intervals(before, after, noise.rho, case.seed, case.settings.validation)
     given = {spline.against: values_of(case.table, spline.against) for spline in able}
     return replace(
         found,
@@ -129,9 +127,3 @@ def _knots(case: Case, spline: Spline, rows: Mask) -> NDArray[np.float64]:
     column = spread(values_of(case.table, spline.against)[rows])
     low, high = quantiles(column, case.settings.terms.range)
     return np.linspace(low, high, _KNOTS)
-
-
-def _pieces(rows: int, noise: Noise, most: int) -> int:
-    """Pieces of rows whose sums are nearly independent: docs/method.md, Eq. 34."""
-    independent = rows * (1.0 - noise.rho) / (1.0 + noise.rho)
-    return int(np.clip(independent / 4.0, 8, most)) if noise.rho else most

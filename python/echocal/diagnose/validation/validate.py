@@ -10,8 +10,9 @@ from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, without
+from echocal.diagnose.selection.claims import Claim, covariance_of, effects_of, parameters, without
 from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.selection.steadiness import varied
 from echocal.diagnose.validation.gain import HeldOut, floor, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.refute import Rest, against_the_base
@@ -19,9 +20,24 @@ from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
 from echocal.model import Model
 
-__all__ = ["Validation", "validate"]
+__all__ = ["Validation", "Withheld", "validate"]
 
 Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Withheld:
+    """Claims whose gain may be chance.
+
+    Attributes
+    ----------
+    claims : tuple of Claim
+    gain : Gain
+        Of the model that has them.
+    """
+
+    claims: tuple[Claim, ...]
+    gain: Gain
 
 
 @dataclass(frozen=True)
@@ -43,6 +59,8 @@ class Validation:
         Kept causes that the folds cannot validate.
     overruled : bool
         Whether claims that the folds do not refute were dropped with the model.
+    withheld : Withheld or None
+        Claims that the model does not have, because the interval of their gain is not above zero.
     """
 
     kept: tuple[Claim, ...]
@@ -53,15 +71,22 @@ class Validation:
     fitted: Callable[[Mask], Model]
     unjudged: tuple[str, ...] = ()
     overruled: bool = False
+    withheld: Withheld | None = None
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """Claims that no row refutes, in the model or withheld from it."""
+        return self.kept if self.withheld is None else self.withheld.claims
 
     def further_level_step(self, table: Table) -> int | None:
         """Source row of a claimed step of an unknown level, if no segment begins there yet.
 
         A step of an unknown level is not an error of the sensor, so a new segment begins there.
         """
-        if table.reference is not None or all(claim.cause != "step_change" for claim in self.kept):
+        steps = [claim for claim in self.claims if claim.cause == "step_change"]
+        if table.reference is not None or not steps:
             return None
-        time = self.model.effects["step_change"]["time"]
+        time = parameters(steps[0].variant, steps[0].mean)["time"]
         later = np.flatnonzero(table.conditions["elapsed_time"] > time)
         return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])
 
@@ -69,7 +94,8 @@ class Validation:
 def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Validation:
     """Compare the model with the base on rows that its choice has not seen, and measure its gain.
 
-    A model that is no better than the base is dropped with all its causes.
+    A model that is no better than the base is dropped with all its causes. If it is better, but the
+    interval of its gain is not above zero, its causes are possible, and the model is the base.
 
     Parameters
     ----------
@@ -80,28 +106,62 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     judge : Judge
         The rows.
     """
-    noise = selection.noise
-    trials = Trials(case, noise)
+    trials = Trials(case, selection.noise)
     before = judge.base()
     claimed = rest.kept
     rest = against_the_base(trials, judge.judged(trials, rest), before)
-    fit = fit_with(case, rest.hypothesis, case.folds.fit, noise)
+    gain, withheld = _gain(trials, judge, rest, before, selection), None
+    if rest.kept and not gain.earned:
+        withheld = Withheld(rest.kept, gain)
+        rest = _base_alone(rest, before)
+        gain = _gain(trials, judge, rest, before, selection)
+    fit = _fit(trials, rest, selection)
+    overruled = len(rest.kept) < len(claimed) and withheld is None
+    return Validation(
+        rest.kept,
+        rest.refuted,
+        fit,
+        _extended(case, fit, rest.kept, gain),
+        gain,
+        trials.fitted(rest.hypothesis, rest.kept),
+        rest.unjudged,
+        overruled,
+        withheld,
+    )
+
+
+def _base_alone(rest: Rest, before: HeldOut) -> Rest:
+    """The base without any claim."""
+    hypothesis = rest.hypothesis
+    for claim in rest.kept:
+        hypothesis = without(hypothesis, claim.cause)
+    return replace(rest, hypothesis=hypothesis, kept=(), after=before)
+
+
+def _fit(trials: Trials, rest: Rest, selection: Selection) -> HypothesisFit:
+    """The hypothesis of the claims, fitted to all rows except held-out ones."""
+    case = trials.case
+    return varied(fit_with(case, rest.hypothesis, case.folds.fit, selection.noise), selection.between)
+
+
+def _gain(trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: Selection) -> Gain:
+    """The gain of the base with some claims."""
+    case, settings = trials.case, trials.case.settings
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
+    variance = _fit(trials, rest, selection).variance
     gain = summarize(
         None if fixed else judge.fixed_speed(),
         _ladder(trials, judge, rest, before),
         before,
         rest.after if rest.kept else before,
-        floor(case.sums, case.folds.judged, fit.variance, case.settings.noise_models.ridge_width),
+        floor(case.sums, case.folds.judged, variance, settings.noise_models.ridge_width),
         judge.scheme,
+        selection.noise.rho,
         case.seed,
-        case.settings.validation,
+        settings.validation,
     )
-    gain = replace(gain, shifted=shifted(case, rest.hypothesis, [c.cause for c in rest.kept], noise))
-    model = _extended(case, fit, rest.kept, gain)
-    fitted = trials.fitted(rest.hypothesis, rest.kept)
-    overruled = len(rest.kept) < len(claimed)
-    return Validation(rest.kept, rest.refuted, fit, model, gain, fitted, rest.unjudged, overruled)
+    ids = [claim.cause for claim in rest.kept]
+    return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
 
 
 def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain) -> Model:

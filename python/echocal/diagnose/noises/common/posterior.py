@@ -50,6 +50,11 @@ class NoisePosterior:
         """Probabilities of the nuisance noises beside a set."""
         return self.nuisances.get(ids, {})
 
+    def possible(self, least: float) -> tuple[FittedNoise, ...]:
+        """Fitted noises that are not improbable beside every evaluated set."""
+        sets = self.fitted.values()
+        return tuple(n for n in registry.fitted() if any(one.get(n.facts.id, 0.0) >= least for one in sets))
+
     def fit_of(self, id_: str) -> Likelihood | None:
         """Fit of a noise beside the likeliest set that has one."""
         return next(
@@ -61,7 +66,7 @@ def infer_noises(
     case: Case,
     fits: list[HypothesisFit],
     reduced: Stack,
-    quantizations: Collection[str],
+    tried: Collection[FittedNoise],
 ) -> NoisePosterior:
     """Fit the likeliest sets of causes, and none, beside each noise.
 
@@ -72,8 +77,8 @@ def infer_noises(
         Hypotheses on the mean under normal noise with the nuisance noises.
     reduced : Stack
         Products under the noise models that some hypothesis makes probable.
-    quantizations : collection of str
-        Quantizations found before; noises that they imitate are not fitted.
+    tried : collection of FittedNoise
+        Noises that compete.
 
     Returns
     -------
@@ -86,9 +91,6 @@ def infer_noises(
         best.setdefault(one.hypothesis.ids, one)
     chosen = list(best)[: settings.sets]
     chosen += [ids for ids in [()] if ids not in chosen]
-    known = [noise for noise in registry.quantizations() if noise.facts.id in quantizations]
-    skipped = {id_ for noise in known for id_ in noise.imitates}
-    tried = [noise for noise in registry.fitted() if noise.facts.id not in skipped]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
     rows = _sample(case, settings)
