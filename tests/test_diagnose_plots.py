@@ -12,7 +12,7 @@ from rich.console import Console
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.results.grouped import grouped
-from echocal.plots.diagnosis import by_correlation, plot_gain, save_diagnosis
+from echocal.plots.diagnosis import _summary, by_correlation, plot_gain, save_diagnosis
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained
@@ -121,7 +121,8 @@ def test_columns_may_have_any_name(name: str, tmp_path: Path) -> None:
     assert found.unexplained is not None
     assert found.unexplained.against == name.strip()
     assert name.strip() in found.unexplained.description
-    assert len(save_diagnosis(found, tmp_path)) == 5
+    assert found.smooth is not None
+    assert len(save_diagnosis(found, tmp_path)) == 5 + found.smooth.offered
     ax = Figure().add_subplot()
     plot_unexplained(found, ax)
     assert max(map(len, ax.get_xlabel().splitlines())) <= 80
@@ -148,3 +149,19 @@ def test_no_title_is_wider_than_its_figure(diagnosis: echocal.Diagnosis) -> None
         figure.draw_without_rendering()
         title = ax._left_title  # type: ignore[attr-defined]
         assert title.get_window_extent().x1 <= figure.bbox.x1
+
+
+def test_class_and_member_are_told_with_their_questions(diagnosis: echocal.Diagnosis) -> None:
+    scale = Cause("clock_error", "effect", 0.9, (), ("oblique_target", "reference_scale"), "far rows")
+    told = replace(diagnosis, causes=(replace(scale, probability_alone=0.3),))
+    question = "does one of 3 causes act that these data cannot separate? 0.90; clock_error itself? 0.30"
+    ax = Figure().add_subplot()
+    plot_posterior(told, ax)
+    assert question in " ".join(ax.get_title(loc="left").split())
+    assert ax.get_xlabel() == "probability that exactly these causes act"
+    assert question in " ".join(_summary(told).split())
+    plot_gain(told, ax := Figure().add_subplot())
+    gain = told.gain
+    assert f"removes {100 * gain.variance_removed:.0f} % of the mean square error" in " ".join(
+        ax.get_title(loc="left").split()
+    )

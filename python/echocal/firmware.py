@@ -21,6 +21,7 @@ from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.model import Model
 from echocal.model.needs import assumed
+from echocal.model.origin import diagnosed
 from echocal.outputs import replace_all
 from echocal.registry import find_effect
 
@@ -270,6 +271,7 @@ def generate(
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
         "model_hash": model.hash,
+        "diagnosis": diagnosed(model.provenance),
         "command": "",
     }
     times = echoes.accepted(model._core, request, echo)

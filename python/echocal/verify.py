@@ -1,7 +1,8 @@
 """Verification: whether every error of indication is within the maximum permissible error."""
 
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from numbers import Real
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.correction import base_indication, corrected_distance
+from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.table import require_observations
 from echocal.sweep import Range, sweep
 
@@ -42,6 +43,8 @@ class Verification:
         Where the maximum error is: the row (1 is the first), or the conditions [SI].
     unusable : dict of str to int
         Rows that could not be examined, by reason code.
+    outside_smooth : dict of str to int
+        Rows outside of the range of the model's smooth correction, which were examined without it.
 
     Examples
     --------
@@ -60,6 +63,7 @@ class Verification:
     exceeding: int
     worst: dict[str, float]
     unusable: dict[str, int]
+    outside_smooth: dict[str, int] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, schema ``echocal.verification/1``; lengths in meters."""
@@ -114,12 +118,14 @@ def verify(
     usable = np.flatnonzero(observations.usable)
     indication = _indication(observations, model, law)
     errors = (indication - observations.reference_distance)[usable]
-    return _judge(
+    found = _judge(
         errors,
         maximum_permissible_error,
         lambda position: {"row": int(usable[position]) + 1},
         observations.unusable_counts,
     )
+    marks = [] if model is None else outside_smooth(observations, model)[usable].tolist()
+    return replace(found, outside_smooth=dict(Counter(mark for mark in marks if mark)))
 
 
 def verify_model(

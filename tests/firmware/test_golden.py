@@ -11,6 +11,26 @@ from echocal import Model, firmware
 from echocal.firmware import Firmware
 
 GOLDEN = Path(__file__).parent / "golden"
+ORIGIN = {
+    "verdict": "named",
+    "causes": [
+        {
+            "id": "fixed_delay",
+            "probability": 0.97,
+            "probability_alone": 0.61,
+            "indistinguishable_from": ["zero_error", "*/ zero"],
+        },
+        {"id": "clock_error", "probability": 0.99, "indistinguishable_from": []},
+    ],
+    "gain": {
+        "rms_before_m": 5.1e-3,
+        "rms_after_m": 1.2e-3,
+        "held_out_rows": 400,
+        "variance_removed": 0.945,
+        "variance_removed_interval_95": [0.93, 0.96],
+        "scheme": "nested, blocked by time, 5 folds",
+    },
+}
 CASES = {
     "dry_air": (Model("cramer"), {}),
     "delay_and_zero": (
@@ -18,6 +38,8 @@ CASES = {
         {"max_error": 0.1e-3},
     ),
     "avr": (Model("cramer"), {"target": "avr", "form": "interpolated_table", "max_error": 0.2e-3}),
+    "diagnosed": (Model("cramer", {"fixed_delay": {"delay": 31e-6}}, provenance=ORIGIN), {}),
+    "diagnosed_micropython": (Model("cramer", provenance=ORIGIN), {"package": "micropython"}),
     "table": (Model("cramer"), {"form": "interpolated_table", "max_error": 0.2e-3}),
     "arduino": (Model("cramer"), {"target": "avr", "package": "arduino"}),
     "platformio": (Model("cramer"), {"target": "cortex-m0", "package": "platformio"}),

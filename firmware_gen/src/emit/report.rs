@@ -23,6 +23,9 @@ pub struct Provenance {
     pub model_hash: String,
     /// The model, a line each: law, effects, air.
     pub model: Vec<String>,
+    /// The diagnosis that the model comes from, a line each; none where it comes from elsewhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub diagnosis: Vec<String>,
     /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
     /// Requested error bound \[m\].

@@ -125,7 +125,8 @@ def _folder(
 
 def _rows(result: Corrected) -> dict[str, Any]:
     bad = sum(result.unusable.values())
-    return {"rows": {"total": result.rows, "used": result.rows - bad, "unusable": result.unusable}}
+    rows = {"total": result.rows, "used": result.rows - bad, "unusable": result.unusable}
+    return {"rows": rows | ({"outside_smooth": result.marked} if result.marked else {})}
 
 
 def _print(done: dict[Path, Corrected]) -> None:

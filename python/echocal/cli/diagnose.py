@@ -67,6 +67,13 @@ def command(
             help="Add the unexplained term, a smooth function without a known cause, to the model.",
         ),
     ] = False,
+    with_smooth: Annotated[
+        bool,
+        typer.Option(
+            "--with-smooth",
+            help="Add the smooth correction, functions of columns without a known cause, to the model.",
+        ),
+    ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
     rows: Annotated[
         Path | None,
@@ -87,6 +94,10 @@ def command(
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
     if with_shape and model is None:
         raise UsageError("--with-shape adds a term to the model that is written: give --model OUT.json, too")
+    if with_smooth and model is None:
+        raise UsageError("--with-smooth adds terms to the model that is written: give --model OUT.json, too")
+    if with_smooth and with_shape:
+        raise UsageError("--with-shape and --with-smooth describe the same errors: give one of them")
     check_outputs(
         Output("--model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
@@ -114,9 +125,12 @@ def command(
             ),
             **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
         )
+    whole = diagnosis.model
+    if with_shape or with_smooth:
+        whole = diagnosis.model_with_shape if with_shape else diagnosis.model_with_smooth
     if model is not None:
-        _made_by.sign(diagnosis.model, "diagnose", data, model)
-    _write(diagnosis, model, plots, with_shape=with_shape)
+        _made_by.sign(whole, "diagnose", data, model)
+    _write(diagnosis, whole, model, plots)
     write_json(diagnosis.to_dict(), json)
     if rows is not None:
         replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
@@ -139,13 +153,13 @@ def _bar(quiet: bool) -> Progress:
     return Progress(*columns, console=console, transient=True, disable=quiet or not console.is_terminal)
 
 
-def _write(diagnosis: Diagnosis, model: Path | None, plots: Path | None, *, with_shape: bool) -> None:
+def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path | None) -> None:
     if plots is not None:  # first: it creates the folder, which may also receive the model
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 
         save_diagnosis(diagnosis, plots)
     if model is not None:
-        (diagnosis.model_with_shape if with_shape else diagnosis.model).save(model)
+        whole.save(model)
 
 
 def _ranges(first: list[str] | None, more: list[str] | None) -> dict[str, tuple[float, float]] | None:

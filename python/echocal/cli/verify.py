@@ -102,6 +102,8 @@ def _print(result: Verification) -> None:
     table.add_row("errors examined", f"{result.count}, of which {result.exceeding} exceed the bound")
     for reason, count in result.unusable.items():
         table.add_row("not examined", f"{count} rows: {reason}")
+    for reason, count in result.outside_smooth.items():
+        table.add_row("examined without it", f"{count} rows: {reason}")
     Console().print(table)
 
 

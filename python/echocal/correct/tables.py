@@ -2,17 +2,18 @@
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from echocal.correct.marks import reference_of, with_marks
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import read_observations
-from echocal.observations.correction import corrected_distance
+from echocal.observations.correction import corrected_distance, outside_smooth
 from echocal.observations.marks import MARKS
 from echocal.observations.names import IGNORE
 from echocal.observations.plan import make, read_columns
@@ -34,19 +35,23 @@ class Corrected:
     Attributes
     ----------
     table : pandas.DataFrame, shape (n, m + 2)
-        The unchanged table, and ``corrected_distance_m`` [m] and ``unusable``, a reason code.
+        The unchanged table, and ``corrected_distance_m`` [m] and ``unusable``, a reason code. A row
+        outside of the range of a smooth correction has a reason and the distance without this correction.
     rows : int
         Number of rows.
     unusable : dict of str to int
         Rows without a corrected distance, by reason code.
     notes : tuple of str
         Notes for the user.
+    marked : dict of str to int
+        Rows with a corrected distance and a reason code: outside of the range of a smooth correction.
     """
 
     table: pd.DataFrame
     rows: int
     unusable: dict[str, int]
     notes: tuple[str, ...]
+    marked: dict[str, int] = field(default_factory=dict)
 
 
 def correct_table(
@@ -117,18 +122,24 @@ def correct_table(
     for column in model.columns.values():
         lacks = observations.usable & np.isnan(observations.thermometers[column])
         reasons = np.where(lacks, f"{column} missing", reasons)
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = observations.notes
     if mark_rows and MARKS in model.provenance:
         reference = reference_of(table, requests, options.get("missing", ()), model)
-        distance, marks, notes = with_marks(observations, distance, reference, model)
-        reasons = np.where(reasons == "", marks, reasons)
+        distance, faults, more = with_marks(observations, distance, reference, model)
+        reasons, notes = np.where(reasons == "", faults, reasons), (*notes, *more)
+    marks = np.where(reasons == "", outside_smooth(observations, model), "")
+    unusable, marked = _counts(reasons), _counts(marks)
+    if marked:
+        said = "; ".join(f"{count} x {reason}" for reason, count in marked.items())
+        notes += (f"rows with the distance by the model without its smooth correction: {said}",)
+    results: tuple[NDArray[Any], ...] = (distance, np.where(marks == "", reasons, marks))
+    whole = table.assign(**dict(zip(RESULTS, results, strict=True)))
+    return Corrected(whole, len(table), unusable, notes, marked)
+
+
+def _counts(reasons: NDArray[Any]) -> dict[str, int]:
     codes, counts = np.unique(reasons[reasons != ""], return_counts=True)
-    return Corrected(
-        table.assign(**dict(zip(RESULTS, (distance, reasons), strict=True))),
-        len(table),
-        dict(zip(codes.tolist(), counts.tolist(), strict=True)),
-        (*observations.notes, *notes),
-    )
+    return dict(zip(codes.tolist(), counts.tolist(), strict=True))
 
 
 def _without_references(table: pd.DataFrame, requests: dict[str, str], model: Model) -> dict[str, str]:

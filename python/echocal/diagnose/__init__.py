@@ -30,6 +30,8 @@ from echocal.diagnose.findings.parts import (
     NextMeasurement,
     Parameter,
     Refuted,
+    Remainder,
+    SmoothCorrection,
     Traces,
     Unexplained,
 )
@@ -44,7 +46,9 @@ __all__ = [
     "NextMeasurement",
     "Parameter",
     "Refuted",
+    "Remainder",
     "Settings",
+    "SmoothCorrection",
     "Traces",
     "Unexplained",
     "diagnose",

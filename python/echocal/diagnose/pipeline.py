@@ -31,6 +31,8 @@ from echocal.diagnose.selection.leverage import carried_by_few
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
+from echocal.diagnose.validation.remainder import remainder
+from echocal.diagnose.validation.smooth import smooth_correction
 from echocal.diagnose.validation.validate import validate
 from echocal.errors import DataError, DomainWarning
 from echocal.observations.checks import still_refused
@@ -107,11 +109,14 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
             level_steps.append(step)
             work.level_steps = len(level_steps)
 
+        smooth = smooth_correction(case, validation, judge, selection.noise)
+        left = remainder(case, ranking, validation, smooth, selection.noise)
+
         work.begin("planning measurements")
         joint = join(ranking, [*faults.found, *offsets], shares, reduced)
         able = members(case, ranking, selection.every_claim, validation, reduced)
         proposals = propose(case, able, selection, validation, ranges)
-        found = (inference, ranking, selection, validation, judge, joint)
+        found = (inference, ranking, selection, validation, judge, joint, smooth, left)
         diagnosis = report(case, observations, *found, able, proposals)
         diagnosis.model.provenance.update(faults.marks)
     work.end()

@@ -1,6 +1,6 @@
 """The verdict, one of four words, and the credible set."""
 
-from echocal.diagnose.findings.parts import Verdict
+from echocal.diagnose.findings.parts import Remainder, Verdict
 from echocal.diagnose.selection.claims import Ranking
 from echocal.diagnose.selection.joint import Joint
 from echocal.diagnose.selection.select import Selection
@@ -9,14 +9,21 @@ from echocal.diagnose.validation.validate import Validation
 __all__ = ["credible_set", "verdict"]
 
 
-def verdict(ranking: Ranking, selection: Selection, validation: Validation, joint: Joint) -> Verdict:
+def verdict(
+    ranking: Ranking,
+    selection: Selection,
+    validation: Validation,
+    joint: Joint,
+    left: Remainder | None = None,
+) -> Verdict:
     """Choose the verdict.
 
     A noise or a fault alone makes the verdict ``named`` only if no shift of the readings is open. A
     shift is open if it is more probable than the threshold of ``named`` and no claim is kept, if a kept
     claim has no constant or no plausible size, or if claims were dropped because their model is not, or
     not certainly, better than the base on rows that its choice has not seen. An open shift is never
-    ``nothing``, even if every claim is refuted.
+    ``nothing``, even if every claim is refuted. Neither is an error that recorded columns
+    can lower: `left` says so.
     """
     named = ranking.settings.claims.named
     steady = [c.probability for c in validation.kept if c.cause not in selection.doubts]
@@ -29,7 +36,9 @@ def verdict(ranking: Ranking, selection: Selection, validation: Validation, join
         return "named"
     if selection.term is not None:
         return "unknown"
-    return "ambiguous" if is_open or validation.kept or joint.decisive else "nothing"
+    if is_open or validation.kept or joint.decisive:
+        return "ambiguous"
+    return "nothing" if left is None or left.by_chance else "unknown"
 
 
 def _shifted(ranking: Ranking) -> bool:

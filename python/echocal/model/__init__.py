@@ -2,5 +2,6 @@
 
 from echocal.model.composition import Model
 from echocal.model.shape import Shape
+from echocal.model.smooth import Smooth
 
-__all__ = ["Model", "Shape"]
+__all__ = ["Model", "Shape", "Smooth"]

@@ -10,17 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.conditions import columns, numbers, refuse_unknown
 from echocal.errors import ModelError
+from echocal.model import added, document, needs
 from echocal.model import covariance as covariances
-from echocal.model import document, needs
 from echocal.model.shape import DISTANCE, Shape
+from echocal.model.smooth import Smooth
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = ["Model"]
 
 Values = NDArray[np.float64]
-
-_ROUNDS = 6  # of the fixed point for a shape against the distance, whose slope is a few percent at most
 
 
 def _terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
@@ -88,8 +87,9 @@ class Model:
         Covariance of the parameters in the order of `parameter_names`; zero where one was held.
     provenance : mapping, optional
         Where the model comes from; saved without change, not part of the `hash`.
-    shape : Shape, optional
-        An unexplained term that is added to every indication; no firmware can contain it.
+    shape : Shape or Smooth, optional
+        An unexplained term, or a smooth correction, that is added to the indications; no firmware can
+        contain it.
     columns : mapping of str to str, optional
         Column of a table from which a quantity is read that several columns may hold, e.g.
         ``{"second_temperature": "temperature_box_C"}``.
@@ -121,7 +121,7 @@ class Model:
         air: Mapping[str, float] | None = None,
         covariance: ArrayLike | None = None,
         provenance: Mapping[str, Any] | None = None,
-        shape: Shape | None = None,
+        shape: Shape | Smooth | None = None,
         columns: Mapping[str, str] | None = None,
     ) -> None:
         if not isinstance(law, str):
@@ -249,8 +249,13 @@ class Model:
         """Return what the device indicates [m] at a true distance [m]."""
         if self.shape is None:
             return self._map(self._core.indicate, distance, conditions)
-        shift, rest = self._shift(distance, conditions)
-        shifted: float | Values = self._map(self._core.indicate, distance, rest) + shift
+        shifted: float | Values = added.indicated(
+            self.shape,
+            self.air,
+            distance,
+            conditions,
+            lambda at, rest: self._map(self._core.indicate, at, rest),
+        )
         return shifted
 
     @overload
@@ -278,11 +283,10 @@ class Model:
         """Return the true distance [m] of an indication [m]; NaN where there is none."""
         if self.shape is None:
             return self._map(self._core.correct, indication, conditions)
-        found: Any = indication
-        for _ in range(_ROUNDS if self.shape.against == DISTANCE else 1):
-            shift, rest = self._shift(found, conditions)
-            found = self._map(self._core.correct, _numeric("the first argument", indication) - shift, rest)
-        corrected: float | Values = found
+        own = _numeric("the first argument", indication)
+        corrected: float | Values = added.corrected(
+            self.shape, self.air, own, conditions, lambda at, rest: self._map(self._core.correct, at, rest)
+        )
         return corrected
 
     @overload
@@ -300,13 +304,13 @@ class Model:
         The first column is the derivative to the distance [1], then one per parameter in the
         order of `parameter_names` [m per unit of the parameter].
         """
-        if self.shape is not None and self.shape.against == DISTANCE:
+        if self.shape is not None and DISTANCE in self.shape.columns:
             self.refuse_shape("a derivative")
         shape, (first, *rest) = columns(distance, self._conditions(conditions))
         return self._core.jacobian(first, rest).reshape(*shape, -1)
 
-    def with_shape(self, shape: Shape | None) -> "Model":
-        """The same model with an unexplained term."""
+    def with_shape(self, shape: Shape | Smooth | None) -> "Model":
+        """The same model with an unexplained term or a smooth correction."""
         same = Model(
             self.law,
             self.effects,
@@ -319,7 +323,7 @@ class Model:
         return same
 
     def without_shape(self) -> "Model":
-        """The same model without its unexplained term."""
+        """The same model without its unexplained term or smooth correction."""
         return self.with_shape(None)
 
     @property
@@ -356,28 +360,17 @@ class Model:
     def refuse_shape(self, what: str) -> None:
         """Raise `ModelError` if the model has an unexplained term, which `what` cannot use."""
         if self.shape is not None:
+            kind = "a smooth correction" if isinstance(self.shape, Smooth) else "an unexplained term"
             message = (
-                f"the model has an unexplained term against {self.shape.against}, and {what} cannot "
-                "use it; Model.without_shape() removes it"
+                f"the model has {kind} against {self.shape.against}, and {what} cannot use it; "
+                "Model.without_shape() removes it"
             )
             raise ModelError(message)
 
-    def _shift(self, distance: Any, given: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Shift by the unexplained term, and the conditions for the rest of the model."""
-        assert self.shape is not None
-        if given.get("out") is not None:
-            message = "a model with a shape makes a new array: leave out= away"
-            raise ModelError(message)
-        column = self.shape.column({**self.air, **given, DISTANCE: distance})
-        shift = self.shape.of(column)
-        rest = {
-            name: v for name, v in given.items() if not (self.shape.is_extra and name == self.shape.against)
-        }
-        return (float(shift) if shift.ndim == 0 else shift), rest
-
     def __repr__(self) -> str:
         air = f", air={self.air}" if self.air else ""
-        shape = f", shape against {self.shape.against} (not explained)" if self.shape else ""
+        kind = "smooth correction" if isinstance(self.shape, Smooth) else "shape"
+        shape = f", {kind} against {self.shape.against} (not explained)" if self.shape else ""
         columns = f", columns={self.columns}" if self.columns else ""
         return f"Model({self.law!r}, {self.effects}{air}{columns}{shape})"
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import ModelError, UsageError
 from echocal.model.shape import Shape
+from echocal.model.smooth import Smooth
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
 
@@ -24,7 +25,7 @@ class Described(Protocol):
 
     air: dict[str, float]
     effects: dict[str, dict[str, float]]
-    shape: Shape | None
+    shape: Shape | Smooth | None
     covariance: NDArray[np.float64] | None
     provenance: dict[str, Any]
 
@@ -50,7 +51,8 @@ def content(model: Described) -> dict[str, Any]:
             for p in find_effect(id_).parameters
         }
 
-    shape = {} if model.shape is None else {"shape": model.shape.to_dict()}
+    kind = "smooth" if isinstance(model.shape, Smooth) else "shape"
+    shape = {} if model.shape is None else {kind: model.shape.to_dict()}
     columns = {"columns": model.columns} if model.columns else {}
     return {
         "schema": SCHEMA,

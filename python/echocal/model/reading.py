@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 from echocal.errors import ModelError, UsageError
 from echocal.model.document import NEWEST, SCHEMA, digest
 from echocal.model.shape import Shape
+from echocal.model.smooth import Smooth
 from echocal.registry import find_effect
 
 __all__ = ["read"]
@@ -43,6 +44,12 @@ class _Shape(_Entry):
     unit: Literal["m"]
 
 
+class _Smooth(_Entry):
+    offset: float
+    terms: list[_Shape]
+    unit: Literal["m"]
+
+
 class _File(_Entry):
     schema_: str = Field(alias="schema")
     law: str
@@ -51,6 +58,7 @@ class _File(_Entry):
     covariance: list[list[float]] | None = None
     shape: _Shape | None = None
     columns: dict[str, str] = {}
+    smooth: _Smooth | None = None
     hash: str | None = None
     data: dict[str, Any] = {}
 
@@ -134,18 +142,24 @@ def _arguments(file: _File) -> dict[str, Any]:
         raise ModelError(message)
     for effect in file.effects:
         _check_units(effect)
+    if file.shape is not None and file.smooth is not None:
+        raise ModelError("has a shape and a smooth correction; a model has one of them at most")
     return {
         "law": file.law,
         "air": file.air,
         "effects": {e.id: {n: p.value for n, p in e.parameters.items()} for e in file.effects},
         "provenance": file.data,
-        "shape": None if file.shape is None else _shape(file.shape),
+        "shape": _smooth(file.smooth) if file.shape is None else _shape(file.shape),
         "columns": file.columns,
     }
 
 
 def _shape(entry: _Shape) -> Shape:
     return Shape(entry.against, tuple(entry.at), tuple(entry.shift), tuple(entry.standard_uncertainty))
+
+
+def _smooth(entry: _Smooth | None) -> Smooth | None:
+    return None if entry is None else Smooth(entry.offset, tuple(_shape(term) for term in entry.terms))
 
 
 def _check_units(effect: _Effect) -> None:

@@ -9,12 +9,17 @@ from numpy.typing import ArrayLike, NDArray
 from echocal.errors import DataError, ModelError
 from echocal.quantities import QUANTITIES
 
-__all__ = ["DISTANCE", "Shape"]
+__all__ = ["DISTANCE", "Shape", "is_extra"]
 
 Column = NDArray[np.float64]
 
 DISTANCE = "distance"
 """Name under which a shape is a function of the true distance."""
+
+
+def is_extra(name: str) -> bool:
+    """Whether a column of a term is neither an influence quantity nor the distance."""
+    return name not in QUANTITIES and name != DISTANCE
 
 
 @dataclass(frozen=True)
@@ -73,9 +78,9 @@ class Shape:
         return np.asarray(np.interp(np.asarray(values, dtype=float), self.at, self.standard_uncertainty))
 
     @property
-    def is_extra(self) -> bool:
-        """Whether it needs a column that is no influence quantity."""
-        return self.against not in QUANTITIES and self.against != DISTANCE
+    def columns(self) -> tuple[str, ...]:
+        """Its column, as a tuple."""
+        return (self.against,)
 
     def column(self, conditions: dict[str, Any]) -> Any:
         """Values of its column among what is given."""

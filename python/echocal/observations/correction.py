@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.model import Model
+from echocal.model import Model, Smooth
+from echocal.model.shape import DISTANCE
 from echocal.observations.table import Observations
 
-__all__ = ["base_indication", "corrected_distance"]
+__all__ = ["base_indication", "corrected_distance", "outside_smooth"]
 
 Column = NDArray[np.float64]
 
@@ -43,10 +44,27 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
     return distance
 
 
+def outside_smooth(observations: Observations, model: Model) -> NDArray[np.str_]:
+    """Why a smooth correction of a model adds nothing to a row, shape (n,); empty where it holds.
+
+    Such a row has the distance by the model without the correction: it does not extrapolate.
+    """
+    smooth = model.shape
+    if not isinstance(smooth, Smooth):
+        return np.full(len(observations.usable), "")
+    given = {**_conditions(observations), **_extra(observations, model)}
+    if DISTANCE in smooth.columns:
+        given[DISTANCE] = corrected_distance(observations, model.without_shape())
+    place, names = smooth.which_outside(given)
+    sources = [observations.source_names.get(name, name.replace("_", " ")) for name in names]
+    reasons = np.array(["", *(f"{name} outside of the smooth correction" for name in sources)])
+    return np.where(observations.usable, reasons[place + 1], "")
+
+
 def _extra(observations: Observations, model: Model) -> dict[str, Column]:
     """Further columns that a shape of the model is a function of."""
-    extra = observations.extra
-    return {name: extra[name] for name in extra if model.shape is not None and name == model.shape.against}
+    needed = () if model.shape is None else model.shape.columns
+    return {name: column for name, column in observations.extra.items() if name in needed}
 
 
 def _conditions(observations: Observations, model: Model | None = None) -> dict[str, Column]:

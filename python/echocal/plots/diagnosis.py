@@ -11,17 +11,19 @@ from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.sentences import Recorded, most_correlated, shown
+from echocal.diagnose.results.explain import class_texts
 from echocal.errors import writing
 from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
+from echocal.plots.smooth import smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
 __all__ = ["PICTURES", "by_correlation", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
-PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png")
-"""Names of the files that `save_diagnosis` writes; the last one if there is an unexplained term."""
+PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png", "smooth.png")
+"""Names of the files that `save_diagnosis` can write; the last two if there is such a function."""
 
 _BEFORE, _AFTER, _FLOOR = (
     "#e0862a",
@@ -30,6 +32,7 @@ _BEFORE, _AFTER, _FLOOR = (
 )  # light and dark: different without color, too
 _BINS = 30
 _PANELS = 4
+_SUMMARY = 140  # characters of a line above all panels
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # rows that are visible one by one
 _ENOUGH = 5  # fewest rows of a mean that is drawn
@@ -39,7 +42,8 @@ _SAME = 1e-6  # m, far below the resolution of such sensors
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     """Write ``residuals.png``, ``gain.png``, ``posterior.png`` and ``next.png``.
 
-    If there is an unexplained term, ``unexplained.png`` shows it.
+    If there is an unexplained term, ``unexplained.png`` shows it. If a smooth correction is offered,
+    ``smooth.png`` shows its parts.
 
     Parameters
     ----------
@@ -63,10 +67,11 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             _single(diagnosis, plot_gain, (6.0, 2.8)),
             _single(diagnosis, plot_posterior, (8.0, 3.2)),
             next_figure(diagnosis),
+            None if diagnosis.unexplained is None else _single(diagnosis, plot_unexplained, (6.5, 3.6)),
+            smooth_figure(diagnosis) if diagnosis.smooth is not None and diagnosis.smooth.offered else None,
         ]
-        if diagnosis.unexplained is not None:
-            figures.append(_single(diagnosis, plot_unexplained, (6.5, 3.6)))
-        paths = {folder / name: figure for name, figure in zip(PICTURES, figures, strict=False)}
+        named = zip(PICTURES, figures, strict=True)
+        paths = {folder / name: figure for name, figure in named if figure is not None}
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         for path, figure in paths.items():
@@ -102,7 +107,8 @@ def _summary(diagnosis: Diagnosis) -> str:
     text = f"RMS error on {gain.judged_rows}: {1e3 * gain.rms_before_m:.2f} mm with the base"
     if len(gain.ladder) > 1:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
-    return f"{text}; the column with the clearest trend first"
+    lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
+    return "\n".join(textwrap.fill(line, _SUMMARY) for line in lines)
 
 
 def by_correlation(diagnosis: Diagnosis) -> list[str]:
@@ -230,5 +236,22 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     rows = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})"
     error = f"RMS error on {rows}: {1e3 * gain.rms_before_m:.2f}{after}"
     width = title_beside(names, ax)
-    lines = (error, "dotted line: error that all recorded columns together could reach")
+    lines = [error, *_removed(diagnosis), "dotted line: error that all recorded columns together could reach"]
     ax.set_title("\n".join(textwrap.fill(line, width) for line in lines), fontsize=8, loc="left")
+
+
+def _removed(diagnosis: Diagnosis) -> list[str]:
+    """Part of the error that the model removes; and the error with a smooth correction, if it is offered."""
+    gain, smooth = diagnosis.gain, diagnosis.smooth
+    lines = []
+    if gain is not None and len(gain.ladder) > 1:
+        low, high = (100 * end for end in gain.variance_removed_interval_95)
+        lines.append(
+            f"the model removes {100 * gain.variance_removed:.0f} % of the mean square error "
+            f"({low:.0f} to {high:.0f} %, 95 % interval)"
+        )
+    if smooth is not None and smooth.offered and smooth.rms_after_m is not None:
+        lines.append(
+            f"with the smooth correction, which has no known cause: {1e3 * smooth.rms_after_m:.2f} mm"
+        )
+    return lines

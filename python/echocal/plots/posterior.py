@@ -6,7 +6,7 @@ from collections.abc import Set
 from matplotlib.axes import Axes
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.results.explain import lead
+from echocal.diagnose.results.explain import class_texts, lead
 from echocal.diagnose.results.grouped import LEAST, Group, grouped, in_common
 from echocal.plots.labels import title_beside
 
@@ -38,11 +38,16 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
         ax.text(left + 0.015, place, f"{left:.3f}", va="center")
     ax.set_yticks(range(len(groups)), labels)
     ax.set_ylim(max(len(groups), _FEWEST) - 0.5, -0.5)
-    ax.set(xlim=(0.0, 1.15), xticks=[0.0, 0.25, 0.5, 0.75, 1.0], xlabel="probability")
+    ax.set(
+        xlim=(0.0, 1.15),
+        xticks=[0.0, 0.25, 0.5, 0.75, 1.0],
+        xlabel="probability that exactly these causes act",
+    )
     said = lead(diagnosis)
     finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
     width = title_beside(labels, ax)
-    lines = [textwrap.fill(text, width) for text in (finding, *_remarks(groups, common))]
+    told = (finding, *class_texts(diagnosis), *_remarks(groups, common))
+    lines = [textwrap.fill(text, width) for text in told]
     ax.set_title("\n".join(lines), fontsize=8, loc="left")
 
 

@@ -18,6 +18,7 @@ from echocal.diagnose.results.explain import (
     probability_text,
     proposal_text,
     rivals_of,
+    without_a_cause,
 )
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
@@ -46,6 +47,9 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
         console.print(_cause(cause))
     if diagnosis.unexplained is not None:
         console.print(Text.assemble(("unexplained  ", "magenta"), diagnosis.unexplained.description))
+        console.print()
+    for text in without_a_cause(diagnosis):
+        console.print(Text.assemble(("without a cause  ", "magenta"), text))
         console.print()
     if diagnosis.gain is not None:
         console.print(_gain(diagnosis.gain, _bars(console)))
@@ -126,7 +130,7 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
 
 def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
     """Sets of causes, inseparable ones in one line; the causes that all sets have are above."""
-    table = Table(title="probability of each set of causes", title_justify="left", show_header=False)
+    table = Table(title="probability that exactly these causes act", title_justify="left", show_header=False)
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)
     for group in groups:

@@ -130,6 +130,7 @@ pub struct FirmwareRequest {
     assumed: [f64; Quantity::COUNT],
     command: String,
     model_hash: String,
+    diagnosis: Vec<String>,
 }
 
 /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all conditions that the device accepts.
@@ -266,6 +267,7 @@ fn meet(
         prefer: request.prefer.clone(),
         model_hash: request.model_hash.clone(),
         model: describe(model),
+        diagnosis: request.diagnosis.clone(),
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
         maximum_error: request.maximum_error,
         maximum_distance: request.maximum_distance,

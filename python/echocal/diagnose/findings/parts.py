@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.model import Shape
+from echocal.model import Shape, Smooth
 
 __all__ = [
     "HELD_OUT",
@@ -18,7 +18,9 @@ __all__ = [
     "NextMeasurement",
     "Parameter",
     "Refuted",
+    "Remainder",
     "Shifted",
+    "SmoothCorrection",
     "Traces",
     "Unexplained",
     "Verdict",
@@ -140,6 +142,93 @@ class Unexplained:
         if self.rms_without_m is None or self.rms_with_m is None:
             return self.against not in OF_THIS_TABLE
         return self.rms_with_m < self.rms_without_m  # not, where no row can judge it
+
+
+@dataclass(frozen=True)
+class SmoothCorrection:
+    """A smooth correction of what the model leaves: functions of recorded columns without a cause.
+
+    Attributes
+    ----------
+    tried : tuple of str
+        Columns that could take part.
+    smooth : Smooth or None
+        The correction; None if no column predicts rows that it is not fitted to.
+    scheme : str
+        How the rows were chosen that judge it.
+    rms_before_m, rms_after_m : float or None
+        Error of the model without the correction and with it [m], on rows that neither the choice of the
+        columns and of the smoothness nor the fit has seen.
+    held_out_rows : int
+        Number of these rows.
+    interval_95 : tuple of float, or None
+        Of ``rms_before_m - rms_after_m`` [m].
+    variance_removed : float or None
+        Part of the mean square error of the model that the correction removes.
+    variance_removed_interval_95 : tuple of float, or None
+    chosen_by_folds : tuple of tuple of str
+        Columns that each fold chooses by itself.
+    rows_outside : int
+        Rows of this table outside of a column's range, which keep the correction of the model.
+    """
+
+    tried: tuple[str, ...]
+    smooth: Smooth | None
+    scheme: str
+    rms_before_m: float | None = None
+    rms_after_m: float | None = None
+    held_out_rows: int = 0
+    interval_95: tuple[float, float] | None = None
+    variance_removed: float | None = None
+    variance_removed_interval_95: tuple[float, float] | None = None
+    chosen_by_folds: tuple[tuple[str, ...], ...] = ()
+    rows_outside: int = 0
+
+    @property
+    def recurs(self) -> bool:
+        """Whether every fold chooses a correction by itself."""
+        return all(self.chosen_by_folds)
+
+    @property
+    def offered(self) -> bool:
+        """Whether it may extend the model: it recurs, and the interval of its gain is above zero."""
+        return (
+            self.smooth is not None
+            and self.recurs
+            and self.interval_95 is not None
+            and self.interval_95[0] > 0.0
+        )
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """An error that recorded columns could lower by far, though no cause is claimed for it.
+
+    Attributes
+    ----------
+    rms_m : float
+        Error of the model [m].
+    rms_floor_m : float
+        Error that all columns together reach [m], without what chance removes.
+    p_value : float
+        Probability that columns of noise would remove as much.
+    degrees_of_freedom : tuple of float
+        Effective ones of what the columns remove, and of what they leave.
+    no_effect : float
+        Posterior probability that there is neither an effect nor an unexplained term.
+    against : tuple of str
+        Columns that were tried.
+    by_chance : bool
+        Whether noise as autocorrelated as that of the table may be all that there is.
+    """
+
+    rms_m: float
+    rms_floor_m: float
+    p_value: float
+    degrees_of_freedom: tuple[float, float]
+    no_effect: float
+    against: tuple[str, ...]
+    by_chance: bool
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
+from echocal.model.shape import is_extra
 from echocal.observations.quantiles import median
 from echocal.quantities import AIR, QUANTITIES
 
@@ -97,7 +98,8 @@ class Table:
         self, model: Model, rows: NDArray[Any] | slice | None = None, out: Column | None = None
     ) -> Column:
         """Readings of some or all rows, corrected by a model [m]."""
-        reads = model.reads if model.shape is None else {*model.reads, model.shape.against}
+        own = () if model.shape is None else model.shape.columns
+        reads = {*model.reads, *own}
         given = {**self.conditions, **self.bound(model)}
         needed = {name: column for name, column in given.items() if name in reads}
         indication = self.indication
@@ -105,9 +107,9 @@ class Table:
             indication, needed = indication[rows], {name: column[rows] for name, column in needed.items()}
         if model.shape is None:
             return np.asarray(model.correct(indication, **needed, out=out))
-        further = self.extra.get(model.shape.against) if model.shape.is_extra else None
-        if further is not None:
-            needed[model.shape.against] = further if rows is None else further[rows]
+        for name in own:
+            if name in self.extra and is_extra(name):
+                needed[name] = self.extra[name] if rows is None else self.extra[name][rows]
         corrected = np.asarray(model.correct(indication, **needed))
         if out is not None:
             out[:] = corrected

@@ -16,6 +16,7 @@ from echocal.diagnose.findings.parts import (
 )
 from echocal.diagnose.results.explain import explain
 from echocal.diagnose.results.outcome import Outcome
+from echocal.diagnose.results.smooth import refusal
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
@@ -36,7 +37,7 @@ class Diagnosis(Outcome):
     Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
     ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
     ``next_measurements``, ``rows``, ``base``, ``noise``, ``notes``, ``settings``, ``model``, ``traces``,
-    ``fates``, ``members`` and ``seconds``.
+    ``fates``, ``members``, ``seconds``, ``smooth`` and ``remainder``.
 
     Examples
     --------
@@ -60,6 +61,8 @@ class Diagnosis(Outcome):
             "posterior": [{"ids": list(ids), "probability": p} for ids, p in self.posterior],
             "credible_set": [list(ids) for ids in self.credible_set],
             "unexplained": None if self.unexplained is None else _plain(self.unexplained),
+            "smooth": None if self.smooth is None else _plain(self.smooth) | {"offered": self.smooth.offered},
+            "remainder": None if self.remainder is None else _plain(self.remainder),
             "refuted": [_plain(refuted) for refuted in self.refuted],
             "gain": None if self.gain is None else _plain(self.gain),
             "next_measurements": [_plain(measurement) for measurement in self.next_measurements],
@@ -195,6 +198,35 @@ class Diagnosis(Outcome):
             )
             raise UsageError(message)
         return self.model.with_shape(found.shape)
+
+    @property
+    def model_with_smooth(self) -> Model:
+        """The model with the smooth correction: functions of recorded columns, without a known cause.
+
+        Where a column is outside of its range, the correction adds nothing: it does not extrapolate.
+        Firmware cannot include it. Use it until the cause is known.
+
+        Raises
+        ------
+        UsageError
+            If none is offered: the interval of its gain on rows that neither its choice nor its fit has
+            seen is not above zero.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import echocal
+        >>> celsius = 20.0 + 20.0 * np.sin(2.4 * np.arange(200.0))
+        >>> kink = 8e-3 * np.exp(-(((celsius - 22) / 5) ** 2)) + 5e-4 * np.sin(np.arange(200.0) ** 2)
+        >>> table = {"reading_m": 1.0 + kink, "temperature_C": celsius, "distance_m": np.full(200, 1.0)}
+        >>> model = echocal.diagnose(table).model_with_smooth
+        >>> model.shape.columns, abs(model.correct(1.008, temperature=22.0) - 1.0) < 2e-3
+        (('temperature',), True)
+        """
+        found = self.smooth
+        if found is None or found.smooth is None or not found.offered:
+            raise UsageError(refusal(found))
+        return self.model.with_shape(found.smooth)
 
     def explain(self) -> str:
         """The diagnosis in sentences that a user can check in the data."""

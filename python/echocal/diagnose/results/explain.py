@@ -6,8 +6,10 @@ from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, quantity_text, shifted_text
 from echocal.diagnose.noises.registry import listed_only
 from echocal.diagnose.results.outcome import Outcome
+from echocal.diagnose.results.smooth import remainder_text, smooth_text
 
 __all__ = [
+    "class_texts",
     "explain",
     "further_notes",
     "lead",
@@ -15,6 +17,7 @@ __all__ = [
     "place_text",
     "probability_text",
     "proposal_text",
+    "without_a_cause",
 ]
 
 _SHOWN = 6  # causes named in one proposal
@@ -30,6 +33,7 @@ def explain(diagnosis: Outcome) -> str:
         lines += _cause(cause)
     if diagnosis.unexplained is not None:
         lines.append(f"Not explained: {diagnosis.unexplained.description}.")
+    lines += [f"{text[0].upper()}{text[1:]}." for text in without_a_cause(diagnosis)]
     lines += _gain(diagnosis.gain)
     lines += [f"Note: {note}." for note in further_notes(diagnosis)]
     lines += [f"Next: {proposal_text(proposal)}." for proposal in diagnosis.next_measurements]
@@ -42,6 +46,8 @@ def lead(diagnosis: Outcome) -> str:
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
         either = f". Either the noise is autocorrelated, or {_OUTSIDE} changes as slowly as such noise"
         return f"No effect is detected{either if slow else ''}"
+    if diagnosis.verdict == "unknown" and diagnosis.remainder is not None:
+        return "The data show an effect, but no cause and no smooth function of one column is probable"
     if diagnosis.verdict == "unknown":
         return f"The data show {_OUTSIDE}"
     if diagnosis.verdict == "ambiguous":
@@ -57,6 +63,30 @@ def lead(diagnosis: Outcome) -> str:
             said.append(f"They {also}name {enumerated(ids)}, which {acts} on {what}")
             also = "also "
     return ". ".join([*said, *([f"They also show {_OUTSIDE}"] if diagnosis.unexplained else [])])
+
+
+def without_a_cause(diagnosis: Outcome) -> list[str]:
+    """What is known of an effect that nothing explains, and the correction that is offered meanwhile."""
+    left = diagnosis.remainder
+    texts = [] if left is None else [remainder_text(left)]
+    smooth = diagnosis.smooth
+    if smooth is not None and (smooth.offered or diagnosis.verdict == "unknown"):
+        texts.append(smooth_text(smooth))
+    return texts
+
+
+def class_texts(diagnosis: Outcome) -> list[str]:
+    """Each claimed effect with the question that each of its probabilities answers."""
+    claimed = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
+    return [_questions(cause) for cause in claimed]
+
+
+def _questions(cause: Cause) -> str:
+    count = 1 + len(cause.indistinguishable_from)
+    if count == 1:
+        return f"does {cause.id} act? {cause.probability:.2f}"
+    alone = "" if cause.probability_alone is None else f"; {cause.id} itself? {cause.probability_alone:.2f}"
+    return f"does one of {count} causes act that these data cannot separate? {cause.probability:.2f}{alone}"
 
 
 def _left_open(diagnosis: Outcome) -> str:

@@ -10,6 +10,8 @@ from echocal.diagnose.findings.parts import (
     Gain,
     NextMeasurement,
     Refuted,
+    Remainder,
+    SmoothCorrection,
     Traces,
     Unexplained,
     Verdict,
@@ -59,6 +61,11 @@ class Outcome:
         The possible sets of causes, each with its model. `predict` and `correct` average over them.
     seconds : float
         Time that the diagnosis took [s].
+    smooth : SmoothCorrection or None
+        A correction without a cause for what the model leaves: smooth functions of recorded columns. None
+        if none was tried.
+    remainder : Remainder or None
+        What is known where the columns could lower the error by far, but nothing is claimed for it.
     """
 
     verdict: Verdict
@@ -79,3 +86,5 @@ class Outcome:
     fates: Fates = field(repr=False)
     members: tuple[Member, ...] = field(repr=False, default=())
     seconds: float = 0.0
+    smooth: SmoothCorrection | None = None
+    remainder: Remainder | None = None

@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
-from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement, Parameter, Traces, Verdict
+from echocal.diagnose.findings.parts import (
+    Cause,
+    Gain,
+    NextMeasurement,
+    Parameter,
+    Remainder,
+    SmoothCorrection,
+    Traces,
+    Verdict,
+)
 from echocal.diagnose.findings.sentences import Recorded
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.posterior import Inference
@@ -44,20 +53,26 @@ def report(
     validation: Validation,
     judge: Judge,
     joint: Joint,
+    smooth: SmoothCorrection | None,
+    left: Remainder | None,
     members: tuple[Member, ...],
     proposals: tuple[NextMeasurement, ...],
 ) -> Diagnosis:
     """Put the results together."""
-    word = verdict(ranking, selection, validation, joint)
+    word = verdict(ranking, selection, validation, joint, left)
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
+    causes = _causes(case, ranking, selection, validation, joint, word)
+    validation.model.provenance |= _origin(causes, word)
     return Diagnosis(
         verdict=word,
-        causes=_causes(case, ranking, selection, validation, joint, word),
+        causes=causes,
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
+        smooth=smooth,
+        remainder=left if term is None and word in ("unknown", "nothing") else None,
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
@@ -102,6 +117,13 @@ def _causes(
         *(_cause(case, ranking, claim, validation, recorded) for claim in others),
         *joint.causes,
     )
+
+
+def _origin(causes: Sequence[Cause], word: Verdict) -> dict[str, Any]:
+    """What a model says of its diagnosis: the class and the member of each of its causes."""
+    told = ("id", "probability", "probability_alone", "indistinguishable_from", "doubt")
+    effects = [cause for cause in causes if cause.kind == "effect" and cause.in_model]
+    return {"verdict": word, "causes": [{name: getattr(c, name) for name in told} for c in effects]}
 
 
 def _cause(

@@ -20,6 +20,7 @@ from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.diagnose.settings.search import SearchSettings
+from echocal.diagnose.settings.smooth import SmoothSettings
 from echocal.diagnose.settings.validation import ValidationSettings
 from echocal.errors import UsageError
 
@@ -32,6 +33,7 @@ __all__ = [
     "RowSettings",
     "SearchSettings",
     "Settings",
+    "SmoothSettings",
     "TermSettings",
     "ValidationSettings",
     "table",
@@ -57,6 +59,7 @@ class Settings:
     search: SearchSettings = field(default_factory=SearchSettings)
     claims: ClaimSettings = field(default_factory=ClaimSettings)
     validation: ValidationSettings = field(default_factory=ValidationSettings)
+    smooth: SmoothSettings = field(default_factory=SmoothSettings)
     noises: NoiseSettings = field(default_factory=NoiseSettings)
     faults: FaultSettings = field(default_factory=FaultSettings)
 

@@ -1,7 +1,7 @@
 """The rows that judge a model at last: rows that neither its choice nor its fit has seen."""
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -48,6 +48,9 @@ class Judge(Protocol):
     def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         """Errors of a model that is a function of the blocks that it is fitted on."""
 
+    def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
+        """The model that some blocks choose; `fitted` is the final one, and whether it has causes."""
+
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with one speed [m]."""
 
@@ -63,11 +66,14 @@ class Nested:
         Those that are probable beside some hypothesis on all rows; a fold considers no other.
     tried : collection of FittedNoise
         The same, of noises with a likelihood of their own.
+    known : dict
+        Models that blocks have chosen before.
     """
 
     case: Case
     noises: tuple[Noise, ...]
     tried: Collection[FittedNoise]
+    known: dict[bytes, Model] = field(default_factory=dict, repr=False)
 
     @property
     def scheme(self) -> str:
@@ -94,16 +100,23 @@ class Nested:
         """Errors of a model that is a function of the blocks that it is fitted on."""
         return measure(self.case.table, self.case.folds, fitted)
 
+    def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
+        """The model that some blocks choose; of all blocks, the final one."""
+        return lambda blocks: self._chosen(blocks) if kept and blocks.sum() < len(blocks) else fitted(blocks)
+
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with one speed [m]."""
         return fixed_speed_rms(self.case.table, self.case.folds, _speed(self.case.base, self.case.table))
 
     def _chosen(self, blocks: Mask) -> Model:
         """The model that some blocks choose, refute and fit."""
+        if (key := blocks.tobytes()) in self.known:
+            return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self.case, folds=folds, signals={}, probable=self.noises)
         selection, rest = chosen(part, self.tried)
-        return Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+        self.known[key] = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+        return self.known[key]
 
 
 @dataclass(frozen=True)
@@ -143,6 +156,10 @@ class HeldOutRows:
     def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         """Errors of a model that is a function of the blocks that it is fitted on."""
         return HeldOut(self.errors(fitted(self.case.folds.fit)))
+
+    def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
+        """The final model: no held-out row has taken part in its choice."""
+        return fitted
 
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with the mean speed of the other rows [m]."""
