@@ -16,7 +16,9 @@ from echocal.diagnose.faults import registry
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.observations.marks import MARKS, RowRule, rules_from
 
-LEFT_OUT = [f for f in registry.of_kind("row") if f.facts.id not in {"mistyped_rows", "shifted_rows"}]
+# typing errors are rewritten, shifted rows are moved, and a failing sensor gives rows without a reading
+REPAIRED = {"mistyped_rows", "shifted_rows", "degrading_sensor"}
+LEFT_OUT = [f for f in registry.of_kind("row") if f.facts.id not in REPAIRED]
 SAME = pytest.mark.parametrize("fault", LEFT_OUT, ids=lambda fault: fault.facts.id)
 
 pytestmark = pytest.mark.filterwarnings("ignore::echocal.DataWarning", "ignore::echocal.DomainWarning")
