@@ -125,8 +125,27 @@ class Population:
 
     @property
     def between(self) -> Array:
-        """Standard deviation between tables: root of the mean variance."""
-        return np.asarray(np.sqrt(self.weight @ self.grid.between**2))
+        """Posterior mean of the standard deviation between tables."""
+        return np.asarray(self.weight @ self.grid.between)
+
+    def sizes(self, tables: Likelihoods) -> tuple[Array, Array]:
+        """Size of each table, drawn to the mean of all: mean, shape (k, d), and covariance, (k, d, d).
+
+        docs/method.md, Eq. 35.
+        """
+        d = self.grid.widths.shape[1]
+        variance = self.grid.between**2  # (g, d)
+        inner = np.eye(d) + variance[:, None, :, None] * tables.precision  # (g, k, d, d)
+        own = np.linalg.solve(inner, np.broadcast_to(variance[:, None, :, None] * np.eye(d), inner.shape))
+        kept = np.eye(d) - own @ tables.precision  # how far a table follows the mean
+        means = np.einsum("gkij,gj->gki", kept, self.means) + np.einsum(
+            "gkij,kj->gki", own, tables.information
+        )
+        covariances = own + kept @ self.covariances[:, None] @ np.swapaxes(kept, -1, -2)
+        mean = np.einsum("g,gki->ki", self.weight, means)
+        apart = means - mean
+        covariance = np.einsum("g,gkij->kij", self.weight, covariances)
+        return mean, covariance + np.einsum("g,gki,gkj->kij", self.weight, apart, apart)
 
 
 def population(tables: Likelihoods, grid: Grid, bounds: Bounds) -> Population:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations, product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from echocal.diagnose.pooling.table import TableInference, log_prior_of_set
 from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.settings import Settings
 
-__all__ = ["Pool", "SharedSet", "search"]
+__all__ = ["Pool", "SharedRanking", "SharedSet", "search"]
 
 Mask = NDArray[np.bool_]
 Forms = tuple[SharedForm, ...]
@@ -40,7 +41,7 @@ class SharedSet:
     forms: Forms
     log_prior: float
     population: Population
-    others: NDArray[np.float64]
+    others: NDArray[np.floating[Any]]
 
     @property
     def causes(self) -> frozenset[str]:
@@ -51,6 +52,26 @@ class SharedSet:
     def log_posterior(self) -> float:
         """Up to a constant common to all sets."""
         return self.log_prior + self.population.log_evidence
+
+
+@dataclass(frozen=True)
+class SharedRanking:
+    """Probabilities of shared sets.
+
+    Attributes
+    ----------
+    ranking : Ranking
+    sets : mapping of int to SharedSet
+        By the identity of the hypothesis.
+    """
+
+    ranking: Ranking
+    sets: Mapping[int, SharedSet]
+
+    def best(self, beyond: tuple[str, ...] | None = None) -> SharedSet | None:
+        """As `Ranking.best`."""
+        found = self.ranking.best(beyond)
+        return None if found is None else self.sets[id(found)]
 
 
 @dataclass
@@ -116,11 +137,12 @@ class Pool:
         bounds = [bound for form in forms for bound in form.bounds]
         return population(self.likelihoods(forms).only(tables), self.grid(forms), bounds)
 
-    def ranking(self, sets: Sequence[SharedSet], without: int | None = None) -> Ranking:
+    def ranking(self, sets: Sequence[SharedSet], without: int | None = None) -> SharedRanking:
         """Probabilities of the sets, from all tables or without one."""
-        fits = [_fit(found, without) for found in sets]
-        fits.sort(key=lambda fit: -fit.log_posterior)
-        return rank(fits, len(self.forms), self.settings)
+        fits = [(_fit(found, without), found) for found in sets]
+        fits.sort(key=lambda pair: -pair[0].log_posterior)
+        ranking = rank([fit for fit, _ in fits], len(self.forms), self.settings)
+        return SharedRanking(ranking, {id(fit): found for fit, found in fits})
 
 
 def search(pool: Pool) -> list[SharedSet]:

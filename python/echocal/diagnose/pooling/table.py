@@ -11,11 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
-from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit_hypotheses
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypotheses
 from echocal.diagnose.pipeline import Examined
 from echocal.diagnose.pooling.hierarchy import log_mixture
 from echocal.diagnose.pooling.shared_forms import SharedForm, keys
-from echocal.diagnose.settings import PriorSettings
+from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.selection.decision import threshold_of
+from echocal.diagnose.settings import PriorSettings, Settings
 
 __all__ = ["TableInference", "log_prior_of_set"]
 
@@ -48,34 +52,66 @@ def log_prior_of_presence(count: int, competing: int, priors: PriorSettings) -> 
 
 @dataclass
 class TableInference:
-    """The inference of one table.
+    """The inference of one table, without its columns.
 
     Attributes
     ----------
     name : str
-    examined : Examined
+    diagnosis : Diagnosis
+    table : Table
+    base : Base
+    variants : list of Variant
+        Forms that compete.
+    skipped : mapping of str to str
+        Causes that do not compete, with the reasons.
+    reduced : Stack
+        Products under the noise models that some hypothesis makes probable.
+    fits : list of HypothesisFit
+        Hypotheses, most probable first.
+    doubts : mapping of str to str
+        Why a claim is not named, whatever its probability is.
+    threshold : float
+        Probability of no effect below which an effect is claimed.
+    settings : Settings
     known : dict
         Likelihoods that were computed before.
     """
 
     name: str
-    examined: Examined
+    diagnosis: Diagnosis
+    table: Table
+    base: Base
+    variants: list[Variant]
+    skipped: Mapping[str, str]
+    reduced: Stack
+    fits: list[HypothesisFit]
+    doubts: Mapping[str, str]
+    threshold: float
+    settings: Settings
     known: dict[tuple[SharedForm, ...], Natural] = field(default_factory=dict, repr=False)
 
-    @cached_property
-    def variants(self) -> list[Variant]:
-        """Forms that compete."""
-        return self.examined.case.found.variants
+    @classmethod
+    def of(cls, name: str, examined: Examined, diagnosis: Diagnosis) -> "TableInference":
+        """Keep what a pool needs."""
+        case, settings = examined.case, examined.case.settings
+        return cls(
+            name,
+            diagnosis,
+            case.table,
+            case.base,
+            case.found.variants,
+            case.found.skipped,
+            examined.reduced,
+            examined.shares.fits,
+            examined.selection.doubts,
+            threshold_of(settings.claims.few_rows, examined.ranking, examined.shares),
+            settings,
+        )
 
     @cached_property
     def competing(self) -> frozenset[str]:
         """Causes that compete."""
         return frozenset(v.cause for v in self.variants) - {UNKNOWN}
-
-    @cached_property
-    def fits(self) -> list[HypothesisFit]:
-        """Hypotheses of the table, most probable first."""
-        return self.examined.shares.fits
 
     @cached_property
     def _keys(self) -> dict[int, tuple[object, ...]]:
@@ -113,12 +149,12 @@ class TableInference:
         best += [fit for fit in [some.get(())] if fit is not None and fit not in best]
         own = list(product(*(self.of_forms(form) for form in forms)))
         hypotheses, raises = [], []
-        again = fit_hypotheses([fit.hypothesis for fit in best], self.examined.reduced)
+        again = fit_hypotheses([fit.hypothesis for fit in best], self.reduced)
         for fit, plain in zip(best, again, strict=True):
             for chosen in own:
                 hypotheses.append(self._joined(fit.hypothesis, chosen))
                 raises.append(fit.log_evidence - plain.log_evidence)
-        made = fit_hypotheses(hypotheses, self.examined.reduced)
+        made = fit_hypotheses(hypotheses, self.reduced)
         raised = [fit.raised(by) for fit, by in zip(made, raises, strict=True)]
         distinct = {tuple(map(id, fit.hypothesis.variants)): fit for fit in raised}
         return sorted(distinct.values(), key=lambda fit: -fit.log_posterior)
@@ -127,7 +163,7 @@ class TableInference:
         """A hypothesis with further causes, and its prior."""
         causes = {v.cause for v in chosen}
         rest = tuple(v for v in hypothesis.variants if v.cause not in causes)
-        priors, competing = self.examined.case.settings.priors, len(self.competing)
+        priors, competing = self.settings.priors, len(self.competing)
         before = len(hypothesis.effects)
         after = len([v for v in rest if v.cause != UNKNOWN]) + len(chosen)
         log = log_prior_of_set(after, competing, priors) - log_prior_of_set(before, competing, priors)
@@ -155,7 +191,7 @@ class TableInference:
         fits = self.with_forms(forms)
         logs = np.array([fit.log_posterior for fit in fits])
         total = float(np.logaddexp.reduce(logs))
-        priors = self.examined.case.settings.priors
+        priors = self.settings.priors
         given = log_prior_of_presence(len(forms), len(self.competing), priors)
         given += sum(np.log(form.weight) for form in forms)
         counts = [len(form.names) for form in forms]
@@ -178,13 +214,11 @@ class TableInference:
         each = ((form, self.of_forms(form)[0]) for form in forms if form.names)
         return [bound for form, variant in each for bound in variant.bounds[: len(form.names)]]
 
-    def _wide(
-        self, fits: Sequence[HypothesisFit], forms: Sequence[SharedForm]
-    ) -> tuple[Array, Array]:
+    def _wide(self, fits: Sequence[HypothesisFit], forms: Sequence[SharedForm]) -> tuple[Array, Array]:
         """Moments of the sizes with the widest prior and without bounds, over some hypotheses."""
         named = {form.cause: len(form.names) for form in forms if form.names}
         free = [_unbounded(fit.hypothesis, named) for fit in fits]
-        wide = fit_hypotheses(free, self.examined.reduced, one_width=True)
+        wide = fit_hypotheses(free, self.reduced, one_width=True)
         log = np.array([fit.log_posterior for fit in fits])
         weight = np.exp(log - np.logaddexp.reduce(log))
         means, covariances = [], []
@@ -207,13 +241,10 @@ def _unbounded(hypothesis: Hypothesis, causes: Mapping[str, int]) -> Hypothesis:
     return Hypothesis(variants, hypothesis.prior)
 
 
-def _divided(
-    mean: Array, covariance: Array
-) -> tuple[Array, Array]:
+def _divided(mean: Array, covariance: Array) -> tuple[Array, Array]:
     """A posterior less its prior, the widest one: the likelihood. What the data do not show stays flat."""
     precision = np.linalg.inv(covariance)
     values, vectors = np.linalg.eigh(0.5 * (precision + precision.T) - np.eye(len(mean)) / _WIDEST**2)
     shown = values > 0.0
     information = vectors @ np.where(shown, vectors.T @ (precision @ mean), 0.0)
     return information, (vectors * np.where(shown, values, 0.0)) @ vectors.T
-
