@@ -16,8 +16,8 @@ def opposition(tables: Sequence[TableInference], settings: Settings) -> dict[tup
     """Log odds of tables against causes, by the names of both; not above 0.
 
     A cause that its table refutes has the difference of the log scores on the rows of the folds. Chance
-    refutes a weak cause often, so this counts for strong ones only. A cause whose size is doubted in a table (not
-    plausible, not steady, carried by few rows, or after a refuted one) has the largest odds.
+    refutes a weak cause often, so this counts for strong ones only. A cause whose size is doubted in a
+    table (not plausible, not steady, carried by few rows, or after a refuted one) has the largest odds.
     """
     pool = Pool(tables, settings)
     limit = settings.pooling.against

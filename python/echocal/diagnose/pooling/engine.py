@@ -93,7 +93,7 @@ def diagnose_many(
     ('named', 'fixed_speed', ('A', 'B', 'C'))
     """
     from echocal.diagnose.pooling.pool import pooled  # late: it is needed for several tables only
-    from echocal.diagnose.pooling.source import divided, given_one_by_one
+    from echocal.diagnose.pooling.source import sources_of
 
     start = time.perf_counter()
     request = Request.of(
@@ -108,7 +108,7 @@ def diagnose_many(
         can_vary=None,
     )
     how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
-    sources = given_one_by_one(tables, how) if by is None else divided(tables, by, how)
+    sources = sources_of(tables, by, how)
     found, skipped = _each(sources.tables, sources.how, request, progress)
     if sources.unlabeled:
         skipped.append(_skipped("(no label)", sources.unlabeled, f"column '{by}' is empty in these rows"))
@@ -159,8 +159,8 @@ def _skipped(name: str, rows: int | None, reason: str) -> SkippedTable:
 def _too_few(count: int, skipped: list[SkippedTable]) -> str:
     each = "; ".join(f"{one.name}: {one.reason}" for one in skipped[:5])
     more = f"; and {len(skipped) - 5} others" if len(skipped) > 5 else ""
-    noun = "table" if count == 1 else "tables"
+    said = f" ({each}{more})" if each else ""
     return (
-        f"a pool needs at least {_FEWEST} tables that can be diagnosed; there "
-        f"{'is' if count == 1 else 'are'} {count} such {noun}{f' ({each}{more})' if each else ''}; echocal.diagnose diagnoses one table"
+        f"a pool needs at least {_FEWEST} tables that can be diagnosed; it has "
+        f"{count or 'none'}{said}; echocal.diagnose diagnoses one table"
     )

@@ -11,7 +11,7 @@ from echocal.errors import DataError, UsageError
 from echocal.observations import Observations
 from echocal.observations.plan import read_columns
 
-__all__ = ["Sources", "divided", "given_one_by_one"]
+__all__ = ["Sources", "sources_of"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,13 @@ class Sources:
     tables: Mapping[str, Any]
     how: Mapping[str, Any]
     unlabeled: int = 0
+
+
+def sources_of(tables: Any, by: str | None, how: Mapping[str, Any]) -> Sources:
+    """Tables by name: given one by one, or the rows of one table divided by a column."""
+    if isinstance(tables, Sources):
+        return tables
+    return given_one_by_one(tables, how) if by is None else divided(tables, by, how)
 
 
 def given_one_by_one(tables: Any, how: Mapping[str, Any]) -> Sources:

@@ -34,8 +34,8 @@ class PoolingSettings:
     speaks: float = number(
         1.0,
         "log odds",
-        "a table whose log Bayes factor is at least this supports a cause; at most minus this, it contradicts "
-        "it",
+        "a table whose log Bayes factor is at least this supports a cause; at most minus "
+        "this, it contradicts the cause",
         "chosen by hand: odds of 2.7 to 1",
     )
     fewest_tables: int = number(
