@@ -79,13 +79,11 @@ def diagnose_tables(
         *(Output("--models", file, _made_by.model("diagnose", origin[name])) for name, file in files.items()),
         *_shared(outputs.models, tables[0]),
         Output("--json", outputs.json, _made_by.result("echocal.pooled_diagnosis", "echocal.diagnosis")),
-        *_pictures(outputs.plots),
         inputs=[*tables, *inputs],
         folder=outputs.models,
         force=force,
     )
-    if outputs.plots is not None:
-        check_outputs(*_pictures(outputs.plots), inputs=tables, folder=outputs.plots, force=force)
+    check_outputs(*_pictures(outputs.plots), inputs=[*tables, *inputs], folder=outputs.plots, force=force)
     with bar(quiet) as shown, noted(quiet, DomainWarning):
         task = shown.add_task("reading", total=None)
         pooled = diagnose_many(

@@ -111,7 +111,9 @@ def diagnose_many(
     sources = sources_of(tables, by, how)
     found, skipped = _each(sources.tables, sources.how, request, progress)
     if sources.unlabeled:
-        skipped.append(_skipped("(no label)", sources.unlabeled, f"column '{by}' is empty in these rows"))
+        skipped.append(
+            _skipped("(no label)", sources.unlabeled, f"column '{sources.by}' is empty in these rows")
+        )
     if len(found) < _FEWEST:
         raise DataError(_too_few(len(found), skipped))
     if progress is not None:

@@ -1,6 +1,7 @@
 """The pool on one screen: from the inference of each table to the pooled diagnosis."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,7 @@ def pooled(
         base=tables[0].base.to_dict(),
         notes=tuple(_notes(pool, results)),
         settings=settings,
-        model=shared_model(pool, modeled, provenance, range(len(tables))),
+        model=shared_model(pool, modeled, {**provenance, "gain": asdict(gain)}, range(len(tables))),
     )
 
 

@@ -25,11 +25,14 @@ class Sources:
         Rows of a divided table that have no label.
     how : mapping of str to object
         Arguments of `echocal.read_observations`.
+    by : str
+        Column whose labels divide the rows; empty for tables that were given one by one.
     """
 
     tables: Mapping[str, Any]
     how: Mapping[str, Any]
     unlabeled: int = 0
+    by: str = ""
 
 
 def sources_of(tables: Any, by: str | None, how: Mapping[str, Any]) -> Sources:
@@ -122,7 +125,7 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     parts = {label: whole.iloc[places].reset_index(drop=True) for label, places in rows.items()}
     columns = {**read_columns(how.get("columns")), by: "ignore"}
     used = {"skip_lines": 0, "decimal": ".", "encoding": "utf-8-sig"}
-    return Sources(parts, {**how, "columns": columns, **used}, sum(not label for label in labels))
+    return Sources(parts, {**how, "columns": columns, **used}, sum(not label for label in labels), by)
 
 
 def _label(value: Any) -> str:
