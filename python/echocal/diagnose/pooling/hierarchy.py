@@ -1,4 +1,4 @@
-"""Sizes that vary between tables: Gaussian integrals in closed form. docs/method.md, Eq. 32 to 34."""
+"""Sizes that vary between tables: Gaussian integrals in closed form. docs/method.md, Eq. 33 to 35."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -14,6 +14,7 @@ from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.pooling.table import TableInference
 from echocal.diagnose.selection.claims import covariance_of, effects_of, parameters
 from echocal.model import Model
+from echocal.registry import find_effect
 
 __all__ = ["Sizes", "model_of_table", "shared_model"]
 
@@ -38,14 +39,19 @@ def _places(shared: SharedSet) -> dict[str, slice]:
     return {form.cause: slice(ends[i], ends[i + 1]) for i, form in enumerate(shared.forms)}
 
 
-def hypothesis_of(pool: Pool, shared: SharedSet, sizes: Sizes) -> HypothesisFit:
-    """The shared causes as a hypothesis, without those of which tables share only the name."""
+def hypothesis_of(pool: Pool, shared: SharedSet, sizes: Sizes, table: TableInference | None) -> HypothesisFit:
+    """The shared causes as a hypothesis, without those of which tables share only the name.
+
+    With a table, without those that it has no columns for.
+    """
     places = _places(shared)
     variants: list[Variant] = []
     at: list[int] = []
     for form in (form for form in shared.forms if not form.is_by_name):
-        table = next(table for table in pool.tables if table.of_forms(form))
-        own = table.of_forms(form)[0]
+        if table is not None and not table.can_have(form.cause):
+            continue
+        source = next(table for table in pool.tables if table.of_forms(form))
+        own = source.of_forms(form)[0]
         free = tuple(range(len(at), len(at) + len(form.names)))
         at += list(range(places[form.cause].start, places[form.cause].stop))
         variants.append(Variant(form.cause, own.at, own.offset, free, form.names, form.scales, form.bounds))
@@ -54,13 +60,17 @@ def hypothesis_of(pool: Pool, shared: SharedSet, sizes: Sizes) -> HypothesisFit:
 
 
 def shared_model(
-    pool: Pool, shared: SharedSet, provenance: Mapping[str, Any], tables: Sequence[int]
+    pool: Pool,
+    shared: SharedSet,
+    provenance: Mapping[str, Any],
+    tables: Sequence[int],
+    use: TableInference | None = None,
 ) -> Model:
-    """Base and shared causes, with the sizes that some tables share."""
+    """Base and shared causes, with the sizes that some tables share; if given, for the use in one table."""
     some = np.zeros(len(pool.tables), dtype=bool)
     some[list(tables)] = True
     population = shared.population if some.all() else pool.population(shared.forms, some)
-    fit = hypothesis_of(pool, shared, Sizes(population.mean, population.covariance))
+    fit = hypothesis_of(pool, shared, Sizes(population.mean, population.covariance), use)
     return _model([pool.tables[place] for place in tables], fit, provenance)
 
 
@@ -71,6 +81,8 @@ def _model(tables: Sequence[TableInference], fit: HypothesisFit, provenance: Map
     names = sorted({name for air in airs for name in air})
     medians = {name: float(np.median([air[name] for air in airs if name in air])) for name in names}
     effects = effects_of(fit)
+    unknown = {name for id_ in effects for name in find_effect(id_).excludes}
+    medians = {name: value for name, value in medians.items() if name not in unknown}
     own = type(base)(base.law, base.effects, {**base.air, **medians}, base.device_speed)
     places = own.model(effects).parameter_names
     covariance = covariance_of(fit, places) if places else None

@@ -1,4 +1,4 @@
-"""The posterior over the sets of causes that all tables share: docs/method.md, section 9."""
+"""The posterior over the sets of causes that all tables share: docs/method.md, section 10."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

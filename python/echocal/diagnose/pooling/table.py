@@ -1,4 +1,4 @@
-"""What one table says about sets of causes that all tables may share."""
+"""What one table says about sets of causes that all tables may share: docs/method.md, Eq. 32 and 33."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypotheses
+from echocal.diagnose.inference.visible import INVISIBLE
 from echocal.diagnose.pipeline import Examined
 from echocal.diagnose.pooling.hierarchy import log_mixture
 from echocal.diagnose.pooling.shared_forms import SharedForm, keys
@@ -121,6 +122,10 @@ class TableInference:
     def total(self) -> float:
         """Log evidence of the table, all its hypotheses averaged."""
         return float(np.logaddexp.reduce([fit.log_posterior for fit in self.fits]))
+
+    def can_have(self, cause: str) -> bool:
+        """Whether the table has the columns for a cause, even if none of its sizes would show there."""
+        return cause in self.competing or self.skipped.get(cause) == INVISIBLE
 
     def of_forms(self, form: SharedForm) -> list[Variant]:
         """Forms of this table that are a shared form."""

@@ -1,5 +1,6 @@
 """The gain on tables left out: the others choose the shared causes and their sizes."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -41,20 +42,18 @@ def transfer(
     pool: Pool, sets: Sequence[SharedSet], classes: Classes, causes: Sequence[str], seed: int
 ) -> tuple[Gain, tuple[Transfer, ...]]:
     """Leave each table out once, and judge the model of the others on it."""
-    import warnings
-
     before, after, each = [], [], []
     for place, table in enumerate(pool.tables):
         chosen = choose(pool, sets, classes, without=place).best
         others = [other for other in range(len(pool.tables)) if other != place]
         rows = np.ones(len(table.table), dtype=bool)
         with warnings.catch_warnings(action="ignore", category=DomainWarning):
-            model = shared_model(pool, chosen, {}, others)
+            model = shared_model(pool, chosen, {}, others, table)
             base, extended = (errors(table.table, one, rows) for one in (table.base.model(), model))
         known = np.isfinite(base) & np.isfinite(extended)
         before.append(base[known])
         after.append(extended[known])
-        ids = tuple(form.cause for form in chosen.forms if not form.is_by_name)
+        ids = tuple(model.effects.keys() - table.base.effects.keys())
         each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
     gained, removed = intervals(one, other, seed, pool.settings.validation)
