@@ -1,18 +1,24 @@
 """The tables of a pool: files, mappings, rows divided by a column; and the command."""
 
+import io
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from pooled_tables import unit
+from rich.console import Console
 
 import echocal
 from echocal.diagnose.pooling.source import sources_of
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
+from echocal.plots.pooled import plot_sizes
+from echocal.report.pooled import print_pooled
 
 Run = Callable[..., tuple[int, str]]
 
@@ -133,7 +139,7 @@ def test_the_command_writes_models_plot_and_json(run: Run, fleet: pd.DataFrame) 
 def test_the_command_reads_several_files(run: Run, fleet: pd.DataFrame) -> None:
     for number, rows in list(fleet.groupby("sensor_id"))[1:3]:
         rows.drop(columns="sensor_id").to_csv(f"unit {number:.0f}.csv", index=False)
-    assert run("diagnose", "unit 7.csv", "unit 12.csv", "--quiet", "--json", "found.json") == (0, "")
+    assert run("diagnose", "unit 7.csv", "unit 12.csv", "--json", "found.json")[0] == 0
     names = [table["name"] for table in json.loads(Path("found.json").read_text())["tables"]]
     assert names == ["unit 7", "unit 12"]
 
@@ -182,3 +188,35 @@ def test_what_is_neither_a_table_nor_a_range_is_refused(run: Run, fleet: pd.Data
     code, told = run("diagnose", "a.csv", "--models", "m")
     assert code != 0
     assert "for one table give --model" in told
+
+
+def test_the_terminal_shows_each_table_and_what_is_left_out(fleet: pd.DataFrame) -> None:
+    found = echocal.diagnose_many(fleet, by="sensor_id")
+    console = Console(width=140, record=True, file=io.StringIO())
+    print_pooled(found, console)
+    said = console.export_text()
+    assert f"{found.verdict}: " in said
+    assert "3 tables, 240 rows used" in said
+    for name in ("30", "7", "12"):
+        assert f"│ {name} " in said
+    assert "left out  5 (2 rows): a diagnosis needs at least 8 usable rows" in said
+    for cause in found.causes:
+        assert cause.id in said
+
+
+def test_the_plot_shows_each_size(fleet: pd.DataFrame) -> None:
+    found = echocal.diagnose_many(fleet, by="sensor_id")
+    sized = [cause for cause in found.causes if any(p.standard_uncertainty for p in cause.parameters)]
+    assert sized, "a lag of eight standard deviations in each table"
+    ax = Figure().add_subplot()
+    plot_sizes(sized[0], sized[0].parameters[0].name, ax)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["30", "7", "12"]
+    spoken = [one for one in sized[0].tables if one.parameters]
+    assert len(ax.containers) == 2 * len(spoken)
+    assert ax.get_legend_handles_labels()[1] == ["from the table alone", "in the pool"]
+
+
+def test_a_pooled_diagnosis_can_be_copied(fleet: pd.DataFrame) -> None:
+    found = echocal.diagnose_many(fleet, by="sensor_id")
+    again = pickle.loads(pickle.dumps(found))
+    assert again.to_dict() == found.to_dict()

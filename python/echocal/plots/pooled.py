@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from echocal.diagnose.findings.sentences import readable
 from echocal.diagnose.pooling.explain import lead
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
@@ -73,9 +74,11 @@ def plot_sizes(cause: PooledCause, name: str, ax: Axes) -> None:
     ax : matplotlib.axes.Axes
     """
     shared = next(p for p in cause.parameters if p.name == name)
-    band = float(np.hypot(shared.between_tables, shared.standard_uncertainty))
-    ax.axvspan(shared.value - band, shared.value + band, color=_MEAN, alpha=0.25, lw=0)
-    ax.axvline(shared.value, color=_MEAN, linewidth=1.2)
+    factor, unit = readable(shared.value, shared.unit)
+    middle = factor * shared.value
+    band = factor * float(np.hypot(shared.between_tables, shared.standard_uncertainty))
+    ax.axvspan(middle - band, middle + band, color=_MEAN, alpha=0.25, lw=0)
+    ax.axvline(middle, color=_MEAN, linewidth=1.2)
     drawn = []
     for place, one in enumerate(cause.tables):
         for parameters, color, shift, label in (
@@ -83,20 +86,20 @@ def plot_sizes(cause: PooledCause, name: str, ax: Axes) -> None:
             (one.drawn, _DRAWN, 0.14, "in the pool"),
         ):
             for p in (p for p in parameters if p.name == name):
-                half = _INTERVAL * p.standard_uncertainty
-                drawn.append((p.value - half, p.value + half))
+                value, half = factor * p.value, factor * _INTERVAL * p.standard_uncertainty
+                drawn.append((value - half, value + half))
                 seen = ax.get_legend_handles_labels()[1]
                 shown = label if label not in seen else "_nolegend_"
-                ax.errorbar(p.value, place + shift, xerr=half, fmt="o", ms=3.5, color=color, label=shown)
+                ax.errorbar(value, place + shift, xerr=half, fmt="o", ms=3.5, color=color, label=shown)
         if not one.parameters:
-            ax.text(shared.value, place, one.role, va="center", ha="center", fontsize=7, color="0.4")
-    _limit(ax, drawn, shared.value, band)
+            ax.text(middle, place, one.role, va="center", ha="center", fontsize=7, color="0.4")
+    _limit(ax, drawn, middle, band)
     names = [one.table for one in cause.tables]
     ax.set_yticks(range(len(names)) if len(names) <= _NAMED else [], names if len(names) <= _NAMED else [])
     ax.set_ylim(len(names) - 0.5, -0.5)
-    ax.set_xlabel(f"{cause.id}: {name.replace('_', ' ')} [{shared.unit}]")
+    ax.set_xlabel(f"{cause.id}: {name.replace('_', ' ')}{f' [{unit}]' * bool(unit)}")
     ax.set_title(
-        f"95 % intervals; line and band: mean of all tables, {shared.value:.3g} {shared.unit}, and standard "
+        f"95 % intervals; line and band: mean of all tables, {middle:.4g} {unit}, and standard "
         "deviation of a table",
         fontsize=8,
         loc="left",

@@ -5,12 +5,12 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.pooling.explain import (
     lead,
     pooled_probability,
     recurrence,
     sentence,
+    short_sizes,
     sizes_text,
     transfer_text,
 )
@@ -83,12 +83,7 @@ def _cause(cause: PooledCause) -> RenderableType:
 def _row(one: InTable) -> tuple[str, str, str]:
     if one.role in {"not tested", "doubts"}:
         return one.role, one.why, ""
-    return f"{one.log_bayes:+.1f}", _sizes(one.parameters), _sizes(one.drawn)
-
-
-def _sizes(parameters: tuple[Parameter, ...]) -> str:
-    free = (p for p in parameters if p.standard_uncertainty > 0.0)
-    return ", ".join(f"{p.value:.3g} +/- {p.standard_uncertainty:.2g} {p.unit}" for p in free)
+    return f"{one.log_bayes:+.1f}", short_sizes(one.parameters), short_sizes(one.drawn)
 
 
 def _tables(pooled: PooledDiagnosis) -> RenderableType:

@@ -13,6 +13,7 @@ __all__ = [
     "pooled_probability",
     "recurrence",
     "sentence",
+    "short_sizes",
     "sizes_text",
     "transfer_text",
 ]
@@ -73,9 +74,20 @@ def sizes_text(cause: PooledCause) -> str:
     for p in cause.parameters:
         text = parameter_text(p.name, p.value, p.standard_uncertainty, p.unit)
         if p.standard_uncertainty > 0.0:
-            text += f" (standard deviation between tables {p.between_tables:.2g} {p.unit})"
+            between = _quantity(p.name, p.value, p.between_tables, p.unit).partition("+/- ")[2]
+            text += f" (standard deviation between tables {between})"
         texts.append(text)
     return ", ".join(texts)
+
+
+def short_sizes(parameters: tuple[Parameter, ...]) -> str:
+    """Sizes that are not fixed, without their names: ``80.2 +/- 4 us``."""
+    free = (p for p in parameters if p.standard_uncertainty > 0.0)
+    return ", ".join(_quantity(p.name, p.value, p.standard_uncertainty, p.unit) for p in free)
+
+
+def _quantity(name: str, value: float, uncertainty: float, unit: str) -> str:
+    return parameter_text(name, value, max(uncertainty, 1e-300), unit).partition(" = ")[2]
 
 
 def recurrence(cause: PooledCause) -> str:
