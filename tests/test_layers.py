@@ -44,6 +44,7 @@ ROOMS_OF_DIAGNOSE = [
     "request",
     "pipeline",
     "engine",
+    "pooling",
 ]
 FLOOR = {room: floor for floor, rooms in enumerate(LAYERS) for room in rooms}
 

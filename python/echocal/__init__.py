@@ -4,7 +4,7 @@ from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may
 from echocal import firmware
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
-from echocal.diagnose import Diagnosis, diagnose, gross_faults, noises, row_faults
+from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, noises, row_faults
 from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
 from echocal.errors import (
     BoundError,
@@ -44,6 +44,7 @@ __all__ = [
     "calibrate",
     "departures",
     "diagnose",
+    "diagnose_many",
     "distance",
     "domain_violations",
     "effects",

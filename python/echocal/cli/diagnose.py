@@ -5,9 +5,8 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from echocal.cli import _made_by
+from echocal.cli import _made_by, _pool
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import (
     Columns,
@@ -35,7 +34,12 @@ from echocal.report import print_diagnosis
 
 def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes: CSV, TSV, Parquet.")],
-    ranges: Annotated[list[str] | None, typer.Argument(hidden=True, metavar="NAME=LOW:HIGH")] = None,
+    more: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[DATA ...]", help="Further tables, of this instrument or of others of its kind."
+        ),
+    ] = None,
     base: Annotated[str, typer.Option(help="Law, expression, fixed speed in m/s, or model file.")] = "linear",
     column: Columns = None,
     reference_distance: Annotated[
@@ -86,12 +90,53 @@ def command(
             help="What can be varied for the next measurements: distance=0.2:4 temperature=5:40 (m, degC).",
         ),
     ] = None,
+    by: Annotated[
+        str | None, typer.Option(metavar="COLUMN", help="Divide the rows into several tables by this column.")
+    ] = None,
+    models: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Of several tables: write shared.json and the model of each table."),
+    ] = None,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
+    tables, ranges = _pool.told_apart(more)
+    layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
+    reading = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout)
+    if tables or by is not None:
+        _pool.refuse_options(
+            {
+                "--model": model,
+                "--with-shape": with_shape,
+                "--with-smooth": with_smooth,
+                "--rows": rows,
+                "--hold-out-after": hold_out_after,
+                "--can-vary": can_vary or ranges,
+            }
+        )
+        _pool.diagnose_tables(
+            [data, *tables],
+            by,
+            [base if base.endswith(".json") else None, *toml_files(column)],
+            {
+                "base": Model.load(base) if base.endswith(".json") else base,
+                "reference_distance": reference_distance,
+                "constant_distance": constant_distance,
+                "since": since,
+                "until": until,
+                "seed": seed,
+            },
+            reading,
+            _pool.Outputs(models, plots, json),
+            force=force,
+            quiet=quiet,
+        )
+        return
+    if models is not None:
+        raise UsageError("--models writes the models of several tables; for one table give --model OUT.json")
     if with_shape and model is None:
         raise UsageError("--with-shape adds a term to the model that is written: give --model OUT.json, too")
     if with_smooth and model is None:
@@ -107,8 +152,7 @@ def command(
         folder=plots,
         force=force,
     )
-    layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-    with _bar(quiet) as bar, noted(quiet, DomainWarning):  # the notes repeat each DataWarning
+    with _pool.bar(quiet) as bar, noted(quiet, DomainWarning):  # the notes repeat each DataWarning
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
@@ -123,7 +167,7 @@ def command(
             progress=lambda what, done, total: bar.update(
                 task, description=what, completed=done, total=total
             ),
-            **options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout),
+            **reading,
         )
     whole = diagnosis.model
     if with_shape or with_smooth:
@@ -146,13 +190,6 @@ def _pictures(folder: Path | None) -> list[Output]:
     return made_in(folder, "--plots", PICTURES, _made_by.picture("diagnose"))
 
 
-def _bar(quiet: bool) -> Progress:
-    """Progress bar on a terminal; none in a log or a pipe."""
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, console=console, transient=True, disable=quiet or not console.is_terminal)
-
-
 def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path | None) -> None:
     if plots is not None:  # first: it creates the folder, which may also receive the model
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
@@ -162,12 +199,12 @@ def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path |
         whole.save(model)
 
 
-def _ranges(first: list[str] | None, more: list[str] | None) -> dict[str, tuple[float, float]] | None:
+def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, float]] | None:
     """Ranges after ``--can-vary``, however many follow it."""
     if more and not first:
-        message = f"'{more[0]}' is an unexpected argument: a diagnosis reads one table"
+        message = f"'{more[0]}' is neither a table nor a range of --can-vary: there is no such file"
         raise UsageError(message)
-    texts = [text for joined in (*(first or ()), *(more or ())) for text in joined.split()]
+    texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
 
 

@@ -20,6 +20,8 @@ The packages, in layers from the lowest to the highest; each imports lower ones 
     What the members of a credible set predict, and the measurements that separate them.
 ``results``
     The diagnosis as data and as sentences.
+``pooling``
+    Several tables together: which causes they share.
 """
 
 from echocal.diagnose.engine import diagnose
@@ -36,6 +38,7 @@ from echocal.diagnose.findings.parts import (
     Unexplained,
 )
 from echocal.diagnose.noises import noises
+from echocal.diagnose.pooling.engine import diagnose_many
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.settings import Settings
 
@@ -52,6 +55,7 @@ __all__ = [
     "Traces",
     "Unexplained",
     "diagnose",
+    "diagnose_many",
     "gross_faults",
     "noises",
     "row_faults",

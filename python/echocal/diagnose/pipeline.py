@@ -5,16 +5,18 @@ variance of autocorrelated noise may grow with the distance, the posterior is co
 """
 
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from echocal.diagnose.experiment_design.members import members
 from echocal.diagnose.experiment_design.next_measurements import propose
 from echocal.diagnose.faults import find_faults
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
+from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.offsets import without_offsets
-from echocal.diagnose.noises.common.posterior import infer_noises
+from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
@@ -25,9 +27,10 @@ from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.report import report
-from echocal.diagnose.selection.claims import rank
+from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.selection.joint import join
 from echocal.diagnose.selection.leverage import carried_by_few
+from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
@@ -37,11 +40,39 @@ from echocal.diagnose.validation.validate import validate
 from echocal.errors import DataError, DomainWarning
 from echocal.observations.checks import still_refused
 
-__all__ = ["run"]
+__all__ = ["Examined", "examined", "run"]
+
+
+@dataclass(frozen=True)
+class Examined:
+    """A diagnosis with the inference that it comes from, for a pool of several tables.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+    case : Case
+    reduced : Stack
+        Products under the noise models that some hypothesis makes probable.
+    shares : NoisePosterior
+    ranking : Ranking
+    selection : Selection
+    """
+
+    diagnosis: Diagnosis
+    case: Case
+    reduced: Stack
+    shares: NoisePosterior
+    ranking: Ranking
+    selection: Selection
 
 
 def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
-    """Diagnose a table.
+    """Diagnose a table; see `examined`."""
+    return examined(reading, request, work).diagnosis
+
+
+def examined(reading: Reading, request: Request, work: Steps) -> Examined:
+    """Diagnose a table, and keep the inference.
 
     Parameters
     ----------
@@ -52,8 +83,8 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
     Returns
     -------
-    Diagnosis
-        Without the seconds that it took.
+    Examined
+        The diagnosis is without the seconds that it took.
 
     Raises
     ------
@@ -120,4 +151,4 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
         diagnosis = report(case, observations, *found, able, proposals)
         diagnosis.model.provenance.update(faults.marks)
     work.end()
-    return diagnosis
+    return Examined(diagnosis, case, reduced, shares, ranking, selection)

@@ -22,9 +22,9 @@ from echocal.diagnose.results.explain import (
 )
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
-__all__ = ["print_diagnosis"]
+__all__ = ["STYLE", "print_diagnosis"]
 
-_STYLE = {
+STYLE = {
     "named": "bold green",
     "ambiguous": "bold yellow",
     "unknown": "bold magenta",
@@ -70,7 +70,7 @@ def _bars(console: Console) -> int:
 
 def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     said = lead(diagnosis)
-    yield Text.assemble((diagnosis.verdict, _STYLE[diagnosis.verdict]), f": {said[0].lower()}{said[1:]}")
+    yield Text.assemble((diagnosis.verdict, STYLE[diagnosis.verdict]), f": {said[0].lower()}{said[1:]}")
     rows = diagnosis.rows
     speed = diagnosis.base["device_speed"]
     base = diagnosis.base["law"] if speed is None else f"{speed:g} m/s at any temperature"

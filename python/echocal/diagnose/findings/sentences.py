@@ -17,6 +17,7 @@ __all__ = [
     "most_correlated",
     "parameter_text",
     "quantity_text",
+    "readable",
     "rows_text",
     "shifted_text",
     "shown",
@@ -73,12 +74,17 @@ def shifted_text(one: Shifted) -> str:
 
 def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
     """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
-    factor, shown = _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
-    if unit == "s" and abs(value) >= 1.0:
-        factor, shown = 1.0, "s"  # a time constant, not an echo
+    factor, shown = readable(value, unit)
     if uncertainty == 0.0:
         return f"{name} = {value * factor:g} {shown}".rstrip()
     return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()
+
+
+def readable(value: float, unit: str) -> tuple[float, str]:
+    """Factor to the unit in which people read a value, and this unit."""
+    if unit == "s" and abs(value) >= 1.0:
+        return 1.0, "s"  # a time constant, not an echo
+    return _READABLE.get(unit, (1.0, "" if unit == "1" else unit))
 
 
 def shown(name: str, values: Column) -> tuple[Column, str]:

@@ -24,7 +24,7 @@ from echocal.outputs import replace_text
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-__all__ = ["Diagnosis"]
+__all__ = ["Diagnosis", "plain"]
 
 SCHEMA = "echocal.diagnosis/1"
 Column = NDArray[np.float64]
@@ -57,18 +57,18 @@ class Diagnosis(Outcome):
         return {
             "schema": SCHEMA,
             "verdict": self.verdict,
-            "causes": [_plain(cause) for cause in self.causes],
+            "causes": [plain(cause) for cause in self.causes],
             "posterior": [{"ids": list(ids), "probability": p} for ids, p in self.posterior],
             "credible_set": [list(ids) for ids in self.credible_set],
-            "unexplained": None if self.unexplained is None else _plain(self.unexplained),
-            "smooth": None if self.smooth is None else _plain(self.smooth) | {"offered": self.smooth.offered},
-            "remainder": None if self.remainder is None else _plain(self.remainder),
-            "refuted": [_plain(refuted) for refuted in self.refuted],
-            "gain": None if self.gain is None else _plain(self.gain),
-            "next_measurements": [_plain(measurement) for measurement in self.next_measurements],
-            "rows": _plain(self.rows),
-            "base": _plain(self.base),
-            "noise": _plain(self.noise),
+            "unexplained": None if self.unexplained is None else plain(self.unexplained),
+            "smooth": None if self.smooth is None else plain(self.smooth) | {"offered": self.smooth.offered},
+            "remainder": None if self.remainder is None else plain(self.remainder),
+            "refuted": [plain(refuted) for refuted in self.refuted],
+            "gain": None if self.gain is None else plain(self.gain),
+            "next_measurements": [plain(measurement) for measurement in self.next_measurements],
+            "rows": plain(self.rows),
+            "base": plain(self.base),
+            "noise": plain(self.noise),
             "notes": list(self.notes),
             "settings": self.settings.to_dict(),
             "seconds": self.seconds,
@@ -233,12 +233,13 @@ class Diagnosis(Outcome):
         return explain(self)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """A value as JSON can hold it."""
     if hasattr(value, "__dataclass_fields__"):
-        return {name: _plain(getattr(value, name)) for name in value.__dataclass_fields__}
+        return {name: plain(getattr(value, name)) for name in value.__dataclass_fields__}
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
-    plain = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(plain, float) and not math.isfinite(plain) else plain
+        return [plain(item) for item in value]
+    bare = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(bare, float) and not math.isfinite(bare) else bare

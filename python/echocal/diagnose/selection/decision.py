@@ -8,7 +8,7 @@ from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Claim, Ranking, claims
 from echocal.diagnose.selection.parsimony import Ids
 
-__all__ = ["claim_or_not"]
+__all__ = ["claim_or_not", "is_claimed", "threshold_of"]
 
 
 def claim_or_not(
@@ -23,19 +23,19 @@ def claim_or_not(
     best = ranking.best()
     if best is None:
         raise RuntimeError("no hypothesis was fitted")
-    threshold = _threshold(len(case.table), ranking, shares)
+    threshold = threshold_of(len(case.table), ranking, shares)
     claimed = _of(best, case, ranking, reduced)
     while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
         ids = best.hypothesis.effects
         (more,) = _of(grown, case, ranking, reduced, ids)
         alone, beside = ranking.more(ids, (more.cause, *more.rivals))
-        if not _is_claimed(ids, alone, beside, threshold):
+        if not is_claimed(ids, alone, beside, threshold):
             break
         best, claimed = grown, _of(grown, case, ranking, reduced)
     return best, claimed
 
 
-def _is_claimed(ids: Ids, alone: float, beside: float, threshold: float) -> bool:
+def is_claimed(ids: Ids, alone: float, beside: float, threshold: float) -> bool:
     """Whether a further effect is claimed: docs/method.md, Eq. 25.
 
     The empty set is extended if its probability is below a threshold. It may be improbable although
@@ -58,7 +58,7 @@ def _is_claimed(ids: Ids, alone: float, beside: float, threshold: float) -> bool
     return class_is_more_probable if ids else no_effect_is_improbable
 
 
-def _threshold(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
+def threshold_of(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
     """Probability of "no effect" below which an effect is claimed: t of docs/method.md, Eq. 25."""
     settings = ranking.settings.claims
     found = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]

@@ -17,6 +17,7 @@ from echocal.diagnose.settings.claims import ClaimSettings
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
 from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.pooling import PoolingSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.diagnose.settings.search import SearchSettings
@@ -29,6 +30,7 @@ __all__ = [
     "FaultSettings",
     "NoiseModelSettings",
     "NoiseSettings",
+    "PoolingSettings",
     "PriorSettings",
     "RowSettings",
     "SearchSettings",
@@ -62,6 +64,7 @@ class Settings:
     smooth: SmoothSettings = field(default_factory=SmoothSettings)
     noises: NoiseSettings = field(default_factory=NoiseSettings)
     faults: FaultSettings = field(default_factory=FaultSettings)
+    pooling: PoolingSettings = field(default_factory=PoolingSettings)
 
     @classmethod
     def of(cls, given: Settings | Mapping[str, Mapping[str, Any]] | None) -> Settings:

@@ -1,0 +1,146 @@
+"""``echocal diagnose`` of several tables."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from echocal.cli import _made_by
+from echocal.cli._outputs import Output, check_outputs, made_in
+from echocal.cli._tables import noted, write_json
+from echocal.diagnose.pooling.engine import diagnose_many
+from echocal.errors import DomainWarning, UsageError
+
+__all__ = ["Outputs", "bar", "diagnose_tables", "refuse_options", "told_apart"]
+
+_SHARED = "shared.json"
+_UNSAFE = re.compile(r"[^\w.-]+")
+_INSTEAD = {
+    "--model": "give --models DIR",
+    "--with-shape": "an unexplained term belongs to its table: diagnose this table alone",
+    "--with-smooth": "a smooth correction belongs to its table: diagnose this table alone",
+    "--rows": "diagnose each table alone for its rows",
+    "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
+    "--can-vary": "diagnose one table for its next measurements",
+}
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Where the results go."""
+
+    models: Path | None
+    plots: Path | None
+    json: str | None
+
+
+def told_apart(more: Sequence[str] | None) -> tuple[list[Path], list[str]]:
+    """Further tables, and ranges that follow ``--can-vary``, which have an equals sign and are no files."""
+    given = more or ()
+    tables = [Path(text) for text in given if "=" not in text or Path(text).exists()]
+    return tables, [text for text in given if Path(text) not in tables]
+
+
+def refuse_options(given: Mapping[str, object]) -> None:
+    """Raise `UsageError` for an option that is for one table only."""
+    for option, value in given.items():
+        if value:
+            message = f"{option} is for one table, and several are given; {_INSTEAD[option]}"
+            raise UsageError(message)
+
+
+def diagnose_tables(
+    tables: Sequence[Path],
+    by: str | None,
+    inputs: Sequence[str | None],
+    request: Mapping[str, Any],
+    reading: Mapping[str, Any],
+    outputs: Outputs,
+    *,
+    force: bool,
+    quiet: bool,
+) -> None:
+    """Diagnose several files, or the parts of one, and write and print the results."""
+    from echocal.diagnose.pooling.source import sources_of
+    from echocal.report.pooled import print_pooled
+
+    if by is not None and len(tables) > 1:
+        message = f"--by divides one table, and {len(tables)} are given; give one table, or leave --by out"
+        raise UsageError(message)
+    sources = sources_of(tables if by is None else tables[0], by, reading)
+    origin = dict.fromkeys(sources.tables, tables[0])
+    if by is None:
+        origin = dict(zip(sources.tables, tables, strict=True))
+    files = _model_files(list(sources.tables), outputs.models)
+    check_outputs(
+        *(Output("--models", file, _made_by.model("diagnose", origin[name])) for name, file in files.items()),
+        *_shared(outputs.models, tables[0]),
+        Output("--json", outputs.json, _made_by.result("echocal.pooled_diagnosis", "echocal.diagnosis")),
+        inputs=[*tables, *inputs],
+        folder=outputs.models,
+        force=force,
+    )
+    check_outputs(*_pictures(outputs.plots), inputs=[*tables, *inputs], folder=outputs.plots, force=force)
+    with bar(quiet) as shown, noted(quiet, DomainWarning):
+        task = shown.add_task("reading", total=None)
+        pooled = diagnose_many(
+            sources,
+            progress=lambda name, done, total: shown.update(
+                task, description=name, completed=done, total=total
+            ),
+            **request,
+        )
+    if outputs.models is not None:
+        outputs.models.mkdir(parents=True, exist_ok=True)
+        _made_by.sign(pooled.model, "diagnose", tables[0], outputs.models / _SHARED)
+        pooled.model.save(outputs.models / _SHARED)
+        for name, model in pooled.models.items():
+            _made_by.sign(model, "diagnose", origin[name], files[name])
+            model.save(files[name])
+    if outputs.plots is not None:
+        from echocal.plots.pooled import save_pooled  # matplotlib takes a second to import
+
+        save_pooled(pooled, outputs.plots)
+    write_json(pooled.to_dict(), outputs.json)
+    if not quiet and outputs.json != "-":
+        print_pooled(pooled, Console())
+
+
+def bar(quiet: bool) -> Progress:
+    """Progress bar on a terminal; none in a log or a pipe."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, console=console, transient=True, disable=quiet or not console.is_terminal)
+
+
+def _model_files(names: Sequence[str], folder: Path | None) -> dict[str, Path]:
+    """File of each table's model: its name, with signs that a file name may have."""
+    if folder is None:
+        return {}
+    files = {name: (_UNSAFE.sub("_", name).strip(".") or "_") + ".json" for name in names}
+    seen: dict[str, str] = {_SHARED: "the shared model"}
+    for name, file in files.items():
+        if file.lower() in seen:
+            message = (
+                f"--models would write the models of {seen[file.lower()]} and {name} to the same file "
+                f"{file}; rename one of them"
+            )
+            raise UsageError(message)
+        seen[file.lower()] = name
+    return {name: folder / file for name, file in files.items()}
+
+
+def _shared(folder: Path | None, table: Path) -> list[Output]:
+    return made_in(folder, "--models", [_SHARED], _made_by.model("diagnose", table))
+
+
+def _pictures(folder: Path | None) -> list[Output]:
+    if folder is None:
+        return []
+    from echocal.plots.pooled import PICTURES  # matplotlib takes a second to import
+
+    return made_in(folder, "--plots", PICTURES, _made_by.picture("diagnose"))

@@ -1,0 +1,233 @@
+"""The pool on one screen: from the inference of each table to the pooled diagnosis."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from echocal.diagnose.findings.parts import Gain, Parameter, Verdict
+from echocal.diagnose.pooling.against import opposition
+from echocal.diagnose.pooling.choice import Choice, Classes, SharedClaim, choose
+from echocal.diagnose.pooling.models import Sizes, model_of_table, shared_model, values
+from echocal.diagnose.pooling.parts import (
+    InTable,
+    PooledCause,
+    PooledParameter,
+    Role,
+    SkippedTable,
+    TableResult,
+)
+from echocal.diagnose.pooling.result import PooledDiagnosis
+from echocal.diagnose.pooling.search import Pool, SharedSet, search
+from echocal.diagnose.pooling.table import TableInference
+from echocal.diagnose.pooling.transfer import transfer
+from echocal.diagnose.selection.claims import posterior_sets
+from echocal.diagnose.settings import Settings
+from echocal.registry import find_effect
+
+__all__ = ["pooled"]
+
+
+def pooled(
+    tables: Sequence[TableInference], skipped: tuple[SkippedTable, ...], settings: Settings, seed: int
+) -> PooledDiagnosis:
+    """Compare the sets of causes that the tables may share, claim, judge on tables left out, and size."""
+    pool = Pool(tables, settings, opposition(tables, settings))
+    sets = search(pool)
+    classes = Classes(pool)
+    choice = choose(pool, sets, classes)
+    by_size = [form.cause for form in choice.best.forms if not form.is_by_name]
+    gain, transfers = transfer(pool, sets, classes, by_size, seed)
+    refuted = bool(by_size) and gain.rms_after_m > gain.rms_before_m
+    modeled = pool.evaluated(()) if refuted else choice.best
+    claims = () if refuted else choice.claims
+    provenance = {"made_by": "echocal diagnose", "tables": [table.name for table in tables]}
+    results: dict[str, TableResult] = {}
+    drawn: list[Sizes] = []
+    for place, table in enumerate(tables):
+        model, _ = model_of_table(pool, modeled, claims, place, {**provenance, "of": table.name})
+        taken = {id_ for claim in claims for id_ in (claim.cause, *claim.rivals)}
+        own = tuple(c.id for c in table.diagnosis.causes if c.kind == "effect" and c.in_model)
+        own = tuple(id_ for id_ in own if id_ not in taken)
+        results[table.name] = TableResult(table.diagnosis, model, own, transfers[place])
+    means, covariances = choice.best.population.sizes(pool.likelihoods(choice.best.forms))
+    drawn = [Sizes(mean, covariance) for mean, covariance in zip(means, covariances, strict=True)]
+    causes = tuple(_cause(pool, choice, claim, drawn, gain, refuted=refuted) for claim in choice.claims)
+    return PooledDiagnosis(
+        verdict=_verdict(pool, choice, causes),
+        causes=causes,
+        posterior=tuple(posterior_sets(choice.ranking.ranking).items()),
+        credible_set=_credible(choice, settings),
+        gain=gain,
+        tables=results,
+        skipped=skipped,
+        base=tables[0].base.to_dict(),
+        notes=tuple(_notes(pool, results)),
+        settings=settings,
+        model=shared_model(pool, modeled, {**provenance, "gain": asdict(gain)}, range(len(tables))),
+    )
+
+
+def _cause(
+    pool: Pool, choice: Choice, claim: SharedClaim, drawn: Sequence[Sizes], gain: Gain, *, refuted: bool
+) -> PooledCause:
+    shared = choice.best
+    form = next(form for form in shared.forms if form.cause == claim.cause)
+    each = _in_tables(pool, shared, claim.cause, drawn)
+    recurs = tuple(one.table for one in each if one.role == "supports")
+    tested = sum(one.role != "not tested" for one in each)
+    parameters: tuple[PooledParameter, ...] = ()
+    if not form.is_by_name:
+        population = shared.population
+        size, deviation = Sizes(population.mean, population.covariance).of(shared, claim.cause)
+        between, _ = Sizes(population.between, population.covariance).of(shared, claim.cause)
+        table = next(table for table in pool.tables if table.of_forms(form))
+        of = values(shared, claim.cause, table, size)
+        scale = dict(zip(form.names, form.scales, strict=True))
+        at = {name: place for place, name in enumerate(form.names)}
+        parameters = tuple(
+            PooledParameter(
+                p.name,
+                of[p.name],
+                float(deviation[at[p.name]]) * scale[p.name] if p.name in at else 0.0,
+                float(between[at[p.name]]) * scale[p.name] if p.name in at else 0.0,
+                p.unit,
+            )
+            for p in find_effect(claim.cause).parameters
+            if p.name in of
+        )
+    doubt = _doubt(pool, shared, claim, len(recurs), tested, gain, refuted=refuted)
+    return PooledCause(
+        claim.cause,
+        claim.probability,
+        claim.alone,
+        claim.rivals,
+        "name" if form.is_by_name else "sizes",
+        parameters,
+        each,
+        recurs,
+        tested,
+        in_model=not (refuted or form.is_by_name),
+        doubt=doubt,
+    )
+
+
+def _doubt(
+    pool: Pool, shared: SharedSet, claim: SharedClaim, recurs: int, tested: int, gain: Gain, *, refuted: bool
+) -> str:
+    form = next(form for form in shared.forms if form.cause == claim.cause)
+    size, _ = Sizes(shared.population.mean, shared.population.covariance).of(shared, claim.cause)
+    low, high = (1e3 * end for end in gain.interval_95)
+    if recurs < pool.settings.pooling.fewest_tables:
+        return f"only {recurs} of {tested} tables that test it support it by themselves"
+    if len(size) and float(np.abs(size).max()) > pool.settings.claims.implausible:
+        return f"its mean size is {float(np.abs(size).max()):.2g} times the usual one"
+    if form.is_by_name:
+        return "tables share only its name; the gain of each table must judge it"
+    if refuted:
+        return (
+            f"on tables left out, the shared causes increase the error from {1e3 * gain.rms_before_m:.2f} to "
+            f"{1e3 * gain.rms_after_m:.2f} mm, so the shared model is the base"
+        )
+    if not gain.earned:
+        return (
+            f"on tables left out, the shared causes gain {low:.2f} to {high:.2f} mm over the base (95 % "
+            "interval), which is not above 0"
+        )
+    return ""
+
+
+def _in_tables(pool: Pool, shared: SharedSet, cause: str, drawn: Sequence[Sizes]) -> tuple[InTable, ...]:
+    less = pool.evaluated(tuple(form for form in shared.forms if form.cause != cause))
+    form = next(form for form in shared.forms if form.cause == cause)
+    likelihoods = pool.likelihoods((form,))
+    found = []
+    for place, table in enumerate(pool.tables):
+        log = _own_part(shared, place) - _own_part(less, place)
+        role, why = _role(pool, table, cause, log)
+        alone: tuple[Parameter, ...] = ()
+        mean: tuple[Parameter, ...] = ()
+        if pool.speaks(table, cause) and not form.is_by_name:
+            precision = likelihoods.precision[place] + 1e-6 * np.eye(len(form.names))  # flat: very uncertain
+            covariance = np.linalg.inv(precision)
+            own = covariance @ likelihoods.information[place]
+            alone = _parameters(shared, cause, table, own, np.sqrt(np.diag(covariance)))
+            mean = _parameters(shared, cause, table, *drawn[place].of(shared, cause))
+        found.append(InTable(table.name, role, log, alone, mean, why))
+    return tuple(found)
+
+
+def _own_part(shared: SharedSet, place: int) -> float:
+    """Log evidence of a table, given the others."""
+    return shared.population.log_evidence - float(shared.others[place])
+
+
+def _role(pool: Pool, table: TableInference, cause: str, log: float) -> tuple[Role, str]:
+    if (table.name, cause) in pool.against:
+        return "doubts", table.doubts.get(cause, "the cross-validated rows of this table refute it")
+    if cause not in table.competing:
+        return "not tested", table.skipped.get(cause, "not tried")
+    least = pool.settings.pooling.speaks
+    if abs(log) < least:
+        return "undecided", ""
+    return ("supports" if log > 0.0 else "contradicts"), ""
+
+
+def _parameters(
+    shared: SharedSet, cause: str, table: TableInference, size: Any, deviation: Any
+) -> tuple[Parameter, ...]:
+    form = next(form for form in shared.forms if form.cause == cause)
+    of = values(shared, cause, table, size)
+    uncertain = dict(zip(form.names, deviation * np.array(form.scales), strict=True))
+    return tuple(
+        Parameter(p.name, of[p.name], float(uncertain.get(p.name, 0.0)), p.unit)
+        for p in find_effect(cause).parameters
+        if p.name in of
+    )
+
+
+def _verdict(pool: Pool, choice: Choice, causes: Sequence[PooledCause]) -> Verdict:
+    claims = pool.settings.claims
+    if any(cause.probability >= claims.named and not cause.doubt for cause in causes):
+        return "named"
+    terms = [t.diagnosis.unexplained.against for t in pool.tables if t.diagnosis.unexplained is not None]
+    if (
+        not causes
+        and max((terms.count(name) for name in terms), default=0) >= pool.settings.pooling.fewest_tables
+    ):
+        return "unknown"
+    shared = sum(p for ids, p in choice.ranking.ranking.sets if ids)
+    return "ambiguous" if causes or shared > claims.named else "nothing"
+
+
+def _credible(choice: Choice, settings: Settings) -> tuple[tuple[str, ...], ...]:
+    total, chosen = 0.0, []
+    for ids, p in choice.ranking.ranking.sets:
+        chosen.append(ids)
+        total += p
+        if total >= settings.claims.credible:
+            break
+    return tuple(chosen)
+
+
+def _notes(pool: Pool, results: dict[str, TableResult]) -> list[str]:
+    """Causes of the tables' own, and columns of unexplained terms that recur."""
+    own: dict[str, list[str]] = {}
+    for name, result in results.items():
+        for id_ in result.own_causes:
+            own.setdefault(id_, []).append(name)
+    said = [f"{id_} is a cause of {_listed(names)} alone" for id_, names in own.items()]
+    terms: dict[str, list[str]] = {}
+    for table in pool.tables:
+        if table.diagnosis.unexplained is not None:
+            terms.setdefault(table.diagnosis.unexplained.against, []).append(table.name)
+    said += [
+        f"an unexplained term against {against} is in {_listed(names)}" for against, names in terms.items()
+    ]
+    return said
+
+
+def _listed(names: Sequence[str], most: int = 6) -> str:
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} others"

@@ -1,0 +1,137 @@
+"""The tables of a pool: given one by one, or the rows of one table divided by a column."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from echocal.errors import DataError, UsageError
+from echocal.observations import Observations
+from echocal.observations.plan import read_columns
+
+__all__ = ["Sources", "sources_of"]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Tables by name.
+
+    Attributes
+    ----------
+    tables : mapping of str to object
+    unlabeled : int
+        Rows of a divided table that have no label.
+    how : mapping of str to object
+        Arguments of `echocal.read_observations`.
+    by : str
+        Column whose labels divide the rows; empty for tables that were given one by one.
+    """
+
+    tables: Mapping[str, Any]
+    how: Mapping[str, Any]
+    unlabeled: int = 0
+    by: str = ""
+
+
+def sources_of(tables: Any, by: str | None, how: Mapping[str, Any]) -> Sources:
+    """Tables by name: given one by one, or the rows of one table divided by a column."""
+    if isinstance(tables, Sources):
+        return tables
+    return given_one_by_one(tables, how) if by is None else divided(tables, by, how)
+
+
+def given_one_by_one(tables: Any, how: Mapping[str, Any]) -> Sources:
+    """Name tables: a mapping has names, a file its own, another table its place."""
+    if isinstance(tables, Mapping):
+        named = {str(name): table for name, table in tables.items()}
+        if len(named) < len(tables):
+            message = "two tables have the same name as text; give each another name"
+            raise UsageError(message)
+    elif isinstance(tables, Sequence) and not isinstance(tables, str | bytes):
+        named = dict(zip(_names(tables), tables, strict=True))
+    else:
+        message = (
+            f"several tables are a mapping of names to tables, or a sequence; got {type(tables).__name__}; "
+            "by= divides one table by a column"
+        )
+        raise UsageError(message)
+    bare = next((name for name, table in named.items() if np.ndim(table) == 1 and _is_column(table)), None)
+    if bare is not None:
+        message = (
+            f"'{bare}' is a column, not a table; give several tables by name, or divide one table with "
+            "by='COLUMN'"
+        )
+        raise UsageError(message)
+    missing = [str(t) for t in named.values() if isinstance(t, str | Path) and not Path(t).exists()]
+    if missing:
+        message = f"no file {missing[0]}"
+        raise DataError(message)
+    return Sources(named, how)
+
+
+def _is_column(table: Any) -> bool:
+    return not isinstance(table, str | Path | Mapping | Observations) and not hasattr(table, "columns")
+
+
+def _names(tables: Sequence[Any]) -> list[str]:
+    """Stems of files, or as much of their paths as makes them differ; places of other tables."""
+    names = [
+        Path(table).stem if isinstance(table, str | Path) else f"table {place}"
+        for place, table in enumerate(tables, start=1)
+    ]
+    if len(set(names)) < len(names):
+        names = [
+            str(table) if isinstance(table, str | Path) else name
+            for table, name in zip(tables, names, strict=True)
+        ]
+    repeated = next((name for name in names if names.count(name) > 1), None)
+    if repeated is not None:
+        message = f"the table {repeated} is given twice; the same rows would count twice"
+        raise UsageError(message)
+    return names
+
+
+def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
+    """Divide the rows of one table by the labels of a column, in the order in which they appear.
+
+    Raises
+    ------
+    DataError
+        If the column is absent or has no label; the text lists the columns.
+    """
+    from echocal.observations.source import load  # slow import: only reading a table needs pandas
+    from echocal.observations.text import Layout
+
+    if isinstance(table, Observations):
+        message = "by= divides a file or a table; Observations have no such column"
+        raise UsageError(message)
+    layout = Layout(how.get("skip_lines", 0), how.get("decimal", "."), how.get("encoding", "utf-8-sig"))
+    whole = load(table, layout)
+    if by not in whole.columns:
+        message = (
+            f"there is no column '{by}' to divide the table by; it has {', '.join(map(str, whole.columns))}"
+        )
+        raise DataError(message)
+    labels = [_label(value) for value in whole[by].tolist()]
+    if not any(labels):
+        message = f"column '{by}' is empty in every row, so it cannot divide the table"
+        raise DataError(message)
+    rows: dict[str, list[int]] = {}
+    for place, label in enumerate(labels):
+        if label:
+            rows.setdefault(label, []).append(place)
+    parts = {label: whole.iloc[places].reset_index(drop=True) for label, places in rows.items()}
+    columns = {**read_columns(how.get("columns")), by: "ignore"}
+    used = {"skip_lines": 0, "decimal": ".", "encoding": "utf-8-sig"}
+    return Sources(parts, {**how, "columns": columns, **used}, sum(not label for label in labels), by)
+
+
+def _label(value: Any) -> str:
+    """A label as text; empty where there is none. Whole numbers have no fraction."""
+    if value is None or value != value:  # not a number, not a time
+        return ""
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return str(value).strip()

@@ -1,0 +1,90 @@
+"""The gain on tables left out: the others choose the shared causes and their sizes."""
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.findings.parts import Gain
+from echocal.diagnose.pooling.choice import Classes, choose
+from echocal.diagnose.pooling.models import shared_model
+from echocal.diagnose.pooling.search import Pool, SharedSet
+from echocal.diagnose.validation.gain import HeldOut, errors, intervals
+from echocal.errors import DomainWarning
+
+__all__ = ["SCHEME", "Transfer", "transfer"]
+
+SCHEME = "tables left out in turn; the others choose the causes and their sizes"
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """What the model of all other tables does for one table.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        That the others choose.
+    rows : int
+    rms_before_m, rms_after_m : float
+        Error of the base and of that model [m].
+    """
+
+    causes: tuple[str, ...]
+    rows: int
+    rms_before_m: float
+    rms_after_m: float
+
+
+def transfer(
+    pool: Pool, sets: Sequence[SharedSet], classes: Classes, causes: Sequence[str], seed: int
+) -> tuple[Gain, tuple[Transfer, ...]]:
+    """Leave each table out once, and judge the model of the others on it."""
+    before, after, each = [], [], []
+    for place, table in enumerate(pool.tables):
+        chosen = choose(pool, sets, classes, without=place).best
+        others = [other for other in range(len(pool.tables)) if other != place]
+        rows = np.ones(len(table.table), dtype=bool)
+        with warnings.catch_warnings(action="ignore", category=DomainWarning):
+            model = shared_model(pool, chosen, {}, others, table)
+            base, extended = (errors(table.table, one, rows) for one in (table.base.model(), model))
+        known = np.isfinite(base) & np.isfinite(extended)
+        before.append(base[known])
+        after.append(extended[known])
+        ids = tuple(model.effects.keys() - table.base.effects.keys())
+        each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
+    one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
+    rho = max(table.diagnosis.noise["autoregression"] for table in pool.tables)
+    gained, removed = intervals(one, other, rho, seed, pool.settings.validation)
+    floor = _floor(pool, min(one.rms, other.rms))
+    reachable = one.rms**2 - floor**2
+    worth = reachable > pool.settings.validation.reachable * one.rms**2
+    rungs = [((), one.rms), *([(tuple(causes), other.rms)] if causes else [])]
+    gain = Gain(
+        rms_fixed_speed_m=None,
+        ladder=tuple(rungs),
+        rms_before_m=one.rms,
+        rms_after_m=other.rms,
+        rms_floor_m=floor,
+        held_out_rows=len(one.error),
+        fraction_of_reachable=(one.rms**2 - other.rms**2) / reachable if worth else None,
+        interval_95=gained,
+        variance_removed=1.0 - (other.rms / one.rms) ** 2 if one.rms > 0.0 else 0.0,
+        variance_removed_interval_95=removed,
+        scheme=SCHEME,
+    )
+    return gain, tuple(each)
+
+
+def _rms(error: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(error**2))) if len(error) else np.nan
+
+
+def _floor(pool: Pool, most: float) -> float:
+    """Floor of all rows, from the floors of the tables."""
+    gains = [(t.diagnosis.gain, len(t.table)) for t in pool.tables]
+    known = [(gain.rms_floor_m**2, rows) for gain, rows in gains if gain is not None]
+    total = sum(rows for _, rows in known)
+    return min(float(np.sqrt(sum(square * rows for square, rows in known) / max(total, 1))), most)

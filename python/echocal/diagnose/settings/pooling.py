@@ -1,0 +1,51 @@
+"""Numbers of a pool of several tables."""
+
+from dataclasses import dataclass
+
+from echocal.diagnose.settings.threshold import number
+
+__all__ = ["PoolingSettings"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoolingSettings:
+    """Numbers of a pool of several tables."""
+
+    between: tuple[float, ...] = number(
+        (0.0, 0.03, 0.1, 0.2, 0.4, 0.8),
+        "prior sd",
+        "standard deviations between tables that are tried, all equally probable; 0 is one size for all",
+        "chosen by hand: from one size to sizes almost as different as those of unrelated devices",
+    )
+    strong: float = number(
+        8.0,
+        "log likelihood ratio",
+        "from it on, a cause that the rows of its table refute has no support from this table",
+        "argument: at 8, which is four standard deviations, the expected gain on cross-validated rows is two "
+        "standard deviations above zero, so chance refutes such a cause in 2.5 % of tables",
+    )
+    against: float = number(
+        3.0,
+        "log odds",
+        "most that one table in which a cause is refuted counts against it, and what a table counts in which "
+        "its size is not plausible, varies or is carried by few rows",
+        "chosen by hand: odds of 1 to 20",
+    )
+    speaks: float = number(
+        1.0,
+        "log odds",
+        "a table whose log Bayes factor is at least this supports a cause; at most minus "
+        "this, it contradicts the cause",
+        "chosen by hand: odds of 2.7 to 1",
+    )
+    fewest_tables: int = number(
+        2,
+        "tables",
+        "that must support a cause before the pool names it",
+        "argument: one table shows no recurrence",
+    )
+    pairs_of: int = number(
+        8, "causes", "the most probable shared causes whose pairs are tried", "chosen by hand"
+    )
+    forms: int = number(3, "forms", "of a cause that are tried beside other shared causes", "chosen by hand")
+    most_causes: int = number(4, "causes", "that all tables may share", "chosen by hand")

@@ -1,0 +1,187 @@
+"""Several tables together: what they share is named once, with the size and the certainty of all."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import Seeded
+from pooled_tables import unit
+
+import echocal
+from echocal.diagnose.findings.parts import Refuted
+from echocal.diagnose.pipeline import examined
+from echocal.diagnose.pooling.against import opposition
+from echocal.diagnose.pooling.pool import pooled
+from echocal.diagnose.pooling.result import PooledDiagnosis
+from echocal.diagnose.pooling.search import Pool, search
+from echocal.diagnose.pooling.table import TableInference
+from echocal.diagnose.preprocess.reading import read
+from echocal.diagnose.progress import Steps
+from echocal.diagnose.request import Request
+from echocal.diagnose.settings import Settings
+
+LAG = "temperature_lag"
+
+
+def cause(found: PooledDiagnosis, id_: str = LAG) -> "echocal.diagnose.pooling.parts.PooledCause":  # type: ignore[name-defined]
+    return next(one for one in found.causes if one.id == id_)
+
+
+@pytest.fixture(scope="module")
+def weak(seeded: Seeded, request: pytest.FixtureRequest) -> PooledDiagnosis:
+    random = seeded(request)
+    return echocal.diagnose_many({f"week {k}": unit(random, 300.0, visible=3.0) for k in range(1, 5)})
+
+
+@pytest.fixture(scope="module")
+def tables(seeded: Seeded, request: pytest.FixtureRequest) -> list[TableInference]:
+    random = seeded(request)
+    given = Request.of(
+        "linear",
+        0,
+        None,
+        reference_distance=None,
+        constant_distance=False,
+        since=None,
+        until=None,
+        hold_out_after=None,
+        can_vary=None,
+    )
+    found = []
+    for name in "AB":
+        table = read(unit(random, 300.0, visible=8.0), {"reading_speed": "linear"})
+        result = examined(table, given, Steps(None))
+        found.append(TableInference.of(name, result, result.diagnosis))
+    return found
+
+
+def test_three_deviations_in_each_of_four_tables_are_named_once_with_six(weak: PooledDiagnosis) -> None:
+    lag = cause(weak)
+    assert weak.verdict == "named"
+    assert lag.probability > 0.9
+    assert len(lag.recurs_in) >= 3
+    (size,) = lag.parameters
+    (alone,) = zip(*(one.parameters for one in lag.tables), strict=True)
+    assert all(2.0 < p.value / p.standard_uncertainty < 4.0 for p in alone)
+    assert all(p.standard_uncertainty > 1.5 * size.standard_uncertainty for p in alone)
+    assert abs(size.value - 300.0) < 3.0 * size.standard_uncertainty
+    assert weak.gain.earned
+    assert weak.model.effects[LAG]["time_constant"] == pytest.approx(size.value)
+
+
+def test_the_gain_is_measured_on_tables_that_the_model_has_not_seen(weak: PooledDiagnosis) -> None:
+    parts = [table.transfer for table in weak.tables.values()]
+    total = sum(part.rows for part in parts)
+    after = sum(part.rows * part.rms_after_m**2 for part in parts) / total
+    assert total == weak.gain.held_out_rows == 1000
+    assert weak.gain.rms_after_m == pytest.approx(after**0.5)
+
+
+def test_the_result_is_plain_data(weak: PooledDiagnosis) -> None:
+    document = json.loads(json.dumps(weak.to_dict(), allow_nan=False))
+    assert document["schema"] == "echocal.pooled_diagnosis/1"
+    assert [table["name"] for table in document["tables"]] == ["week 1", "week 2", "week 3", "week 4"]
+    assert document["tables"][0]["diagnosis"]["schema"] == "echocal.diagnosis/1"
+    assert "4 support it" in weak.explain() or "3 support it" in weak.explain()
+
+
+def test_a_cause_of_one_table_stays_its_own(random: np.random.Generator) -> None:
+    units = [unit(random, 300.0, visible=12.0), *(unit(random) for _ in range(3))]
+    found = echocal.diagnose_many(units)
+    assert found.verdict != "named"
+    assert LAG not in {one.id for one in found.causes}
+    assert LAG in found.tables["table 1"].own_causes
+    assert LAG in found.tables["table 1"].model.effects
+    assert LAG not in found.tables["table 2"].model.effects
+    assert not found.model.effects
+
+
+def test_noise_is_not_named(random: np.random.Generator) -> None:
+    pools = [echocal.diagnose_many([unit(random, rows=120) for _ in range(2)]) for _ in range(4)]
+    named = [found.verdict for found in pools if found.verdict == "named"]
+    assert len(named) <= 1, "each pool may be wrong in 2 of 100 draws"
+
+
+def test_sizes_that_differ_between_units_are_drawn_to_their_mean(random: np.random.Generator) -> None:
+    true = [180.0, 240.0, 300.0, 360.0, 420.0]
+    found = echocal.diagnose_many([unit(random, size, visible=9.0) for size in true])
+    lag = cause(found)
+    (size,) = lag.parameters
+    assert size.value == pytest.approx(300.0, abs=2.5 * size.standard_uncertainty)
+    assert np.std(true, ddof=1) / 2 < size.between_tables < 2 * np.std(true, ddof=1)
+    for one in lag.tables:
+        (alone,), (drawn,) = one.parameters, one.drawn
+        nearer = abs(alone.value - size.value) - abs(drawn.value - size.value)
+        assert nearer > -0.1 * alone.standard_uncertainty
+        assert drawn.standard_uncertainty < 1.1 * alone.standard_uncertainty
+        assert found.tables[one.table].model.effects[LAG]["time_constant"] == pytest.approx(drawn.value)
+    alone_sd, drawn_sd = (
+        np.std([getattr(one, which)[0].value for one in lag.tables]) for which in ("parameters", "drawn")
+    )
+    assert drawn_sd < alone_sd
+
+
+def test_a_table_that_cannot_test_a_cause_neither_supports_nor_contradicts(
+    random: np.random.Generator,
+) -> None:
+    units = {name: unit(random, 300.0, visible=8.0) for name in "AB"}
+    rowless = {name: values for name, values in unit(random).items() if name != "time_s"}
+    found = echocal.diagnose_many({**units, "without time": rowless})
+    lag = cause(found)
+    silent = lag.tables[-1]
+    assert silent.role == "not tested"
+    assert "temperature_rate" in silent.why
+    assert silent.log_bayes == pytest.approx(0.0, abs=1e-9)
+    assert lag.tested_in == 2
+    assert found.verdict == "named"
+
+
+def probability(tables: list[TableInference]) -> float:
+    pool = Pool(tables, Settings(), opposition(tables, Settings()))
+    return pool.ranking(search(pool)).ranking.of([LAG])
+
+
+def odds(p: float) -> float:
+    return float(np.log(p) - np.log1p(-p))
+
+
+def test_a_refuted_cause_counts_against(tables: list[TableInference]) -> None:
+    first, other = tables
+    refuted = Refuted(LAG, 0.99, rms_with_m=1.2e-2, rms_without_m=1.0e-2)
+    against = replace(first, diagnosis=replace(first.diagnosis, refuted=(refuted,)), known={})
+    assert opposition([against, other], Settings()) == {("A", LAG): -Settings().pooling.against}
+    assert odds(probability([against, other])) < odds(probability(tables)) - Settings().pooling.against
+
+
+def test_a_doubted_size_counts_against(tables: list[TableInference]) -> None:
+    first, other = tables
+    doubted = replace(first, doubts={LAG: "its size is not plausible"}, known={})
+    assert odds(probability([doubted, other])) < odds(probability(tables)) - Settings().pooling.against
+    found = pooled([doubted, other], (), Settings(), 0)
+    roles = {one.table: one.role for c in found.causes if c.id == LAG for one in c.tables}
+    assert roles.get("A", "doubts") == "doubts"
+    assert found.verdict != "named", "one table shows no recurrence"
+
+
+def test_recurrence_raises_the_probability(tables: list[TableInference]) -> None:
+    pool = Pool(tables, Settings())
+    sets = search(pool)
+    both = pool.ranking(sets).ranking.of([LAG])
+    assert both > max(pool.ranking(sets, without=k).ranking.of([LAG]) for k in (0, 1))
+
+
+def test_what_happens_at_a_place_or_a_time_is_shared_by_name(random: np.random.Generator) -> None:
+    steps = []
+    for at in (60, 150):
+        table = unit(random, noise=2e-3)
+        table["reading_m"][at:] += 12e-3
+        steps.append(table)
+    found = echocal.diagnose_many(steps)
+    step = next((one for one in found.causes if one.id == "step_change"), None)
+    assert step is not None
+    assert step.shares == "name"
+    assert not step.parameters
+    assert "step_change" not in found.model.effects
+    times = [found.tables[f"table {k}"].model.effects["step_change"]["time"] for k in (1, 2)]
+    assert times == pytest.approx([60 * 20.0, 150 * 20.0], abs=60.0)
