@@ -311,16 +311,13 @@ class Model:
 
     def with_shape(self, shape: Shape | Smooth | None) -> "Model":
         """The same model with an unexplained term or a smooth correction."""
-        same = Model(
-            self.law,
-            self.effects,
-            air=self.air,
-            provenance=self.provenance,
-            shape=shape,
-            columns=self.given_columns,
-        )
+        same = self._like(self.effects, shape)
         same.covariance = self.covariance
         return same
+
+    def _like(self, effects: Mapping[str, Mapping[str, float]], shape: Shape | Smooth | None) -> "Model":
+        known: dict[str, Any] = {"air": self.air, "provenance": self.provenance}
+        return Model(self.law, effects, **known, shape=shape, columns=self.given_columns)
 
     def without_shape(self) -> "Model":
         """The same model without its unexplained term or smooth correction."""
@@ -345,14 +342,7 @@ class Model:
         left_out = self.campaign_effects
         effects = {id_: own for id_, own in self.effects.items() if id_ not in left_out}
         kept = [i for i, name in enumerate(self.parameter_names) if name.partition(".")[0] in effects]
-        same = Model(
-            self.law,
-            effects,
-            air=self.air,
-            provenance=self.provenance,
-            shape=self.shape,
-            columns=self.given_columns,
-        )
+        same = self._like(effects, self.shape)
         if self.covariance is not None:
             same.covariance = self.covariance[np.ix_(kept, kept)]
         return same

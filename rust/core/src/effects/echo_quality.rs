@@ -14,9 +14,8 @@ impl Effect for EchoQuality {
         stage: Stage::Transducer,
         sentence: "Grass, snow, rain or rough ground change where the echo comes from, and its recorded quality with it.",
         formula: "t' = t + 2 gain (q - reference) / c, with q the quality number as it was recorded",
-        source: "the leading edge of an echo from soft ground is weaker, and a quality number says how much: manual of \
-                 the SR50A, 152 to 210 good, up to 300 weak, up to 600 uncertain (general knowledge); 0.05 to 0.2 mm \
-                 for one unit on two fields of grass",
+        source: "soft ground returns a weaker leading edge, and a quality number says how weak: manual of the SR50A, \
+                 152 to 210 good, up to 600 uncertain (general knowledge)",
         reads: &[Quantity::EchoQuality],
         requires: &[Quantity::EchoQuality],
         parameters: &[
