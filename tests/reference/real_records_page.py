@@ -34,11 +34,14 @@ def _line(record: str, table: str, diagnosis: dict[str, Any]) -> str:
         for id_, cause in diagnosis["causes"].items()
         if cause["kind"] == "effect"
     ]
+    others = [f"`{id_}`" for id_, cause in diagnosis["causes"].items() if cause["kind"] != "effect"]
+    if (term := diagnosis["unexplained"]) is not None:
+        others.append(f"unexplained, against {term['against']}")
     before, after = 1e3 * gain["rms_before_m"], 1e3 * gain["rms_after_m"]
     share = 1 - (after / before) ** 2
     named = ", ".join(effects) or "none"
     figures = " | ".join(f"{figure:.2f}" for figure in (before, after, share))
-    return f"| {record} | `{table}` | {diagnosis['verdict']} | {named} | {figures} |\n"
+    return f"| {record} | `{table}` | {diagnosis['verdict']} | {named} | {', '.join(others) or 'none'} | {figures} |\n"
 
 
 def _others(rivals: list[str]) -> str:
