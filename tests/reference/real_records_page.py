@@ -41,7 +41,8 @@ def _line(record: str, table: str, diagnosis: dict[str, Any]) -> str:
     share = 1 - (after / before) ** 2
     named = ", ".join(effects) or "none"
     figures = " | ".join(f"{figure:.2f}" for figure in (before, after, share))
-    return f"| {record} | `{table}` | {diagnosis['verdict']} | {named} | {', '.join(others) or 'none'} | {figures} |\n"
+    beside = ", ".join(others) or "none"
+    return f"| {record} | `{table}` | {diagnosis['verdict']} | {named} | {beside} | {figures} |\n"
 
 
 def _others(rivals: list[str]) -> str:

@@ -65,14 +65,16 @@ def _why_no_arithmetic(effect: Effect, scene: Scene) -> str:
     """Why an effect on the arithmetic of the device does not compete; empty where it does, or is none.
 
     Recorded echo times do not know this arithmetic. If the user states the speed that readings were made
-    with, the echo times are computed from the readings, and do not know it either. If the stated speed
-    depends on the temperature, the device may still have read another thermometer.
+    with, the echo times are computed from the readings, and do not know it either. Two ways to be wrong about
+    such a statement are left: the device may have compensated its readings already (``double_correction``),
+    or, if the stated speed depends on the temperature, have read another thermometer.
     """
     if effect.stage != "firmware" or (effect.id == "fixed_speed" and scene.base.device_speed is not None):
         return ""
     if scene.echoes:
         return "echo times were recorded"
-    own = read_from_thermometers(effect) and not _is_number(scene.stated_speed)
+    other = read_from_thermometers(effect) and not _is_number(scene.stated_speed)
+    own = other or effect.id == "double_correction"
     if scene.stated_speed and not own:
         return f"readings were made with the stated speed {scene.stated_speed}"
     return ""
