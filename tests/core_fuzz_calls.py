@@ -166,6 +166,7 @@ def firmware_request() -> dict[str, Any]:
         "accept": [],
         "assumed": [20.0 if name == "temperature" else 0.0 for name in QUANTITIES],
         "command": "echocal",
+        "diagnosis": [],
         "model_hash": "0" * 64,
     }
 

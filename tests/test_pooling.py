@@ -1,11 +1,11 @@
 """Several tables together: what they share is named once, with the size and the certainty of all."""
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import Seeded
 from pooled_tables import unit
 
 import echocal
@@ -22,6 +22,8 @@ from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
 
 LAG = "temperature_lag"
+
+Seeded = Callable[..., np.random.Generator]
 
 
 def cause(found: PooledDiagnosis, id_: str = LAG) -> "echocal.diagnose.pooling.parts.PooledCause":  # type: ignore[name-defined]

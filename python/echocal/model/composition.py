@@ -273,7 +273,7 @@ class Model:
     def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the echo time, out and back, that the device records [s] at a true distance [m]."""
         self.refuse_shape("an echo time")
-        return self._map(self._core.time_of_flight, distance, conditions)
+        return self._map(self._core.time_of_flight, distance, conditions, times=True)
 
     @overload
     def correct(self, indication: float, **conditions: float | None) -> float: ...
@@ -296,7 +296,7 @@ class Model:
     def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the true distance [m] of a recorded echo time [s]; NaN where there is none."""
         self.refuse_shape("the distance of an echo time")
-        return self._map(self._core.distance, time, conditions)
+        return self._map(self._core.distance, time, conditions, times=True)
 
     def jacobian(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values:
         """Return exact derivatives of the indication, shape (..., 1 + n).
@@ -368,20 +368,27 @@ class Model:
         """Raise `DataError` where a condition that the model needs is not among these names."""
         self._needs.check({**self.air, **conditions})
 
-    def _conditions(self, given: Mapping[str, ArrayLike | None]) -> dict[str, ArrayLike]:
+    def _conditions(
+        self, given: Mapping[str, ArrayLike | None], *, times: bool = False
+    ) -> dict[str, ArrayLike]:
         refuse_unknown(given)
         known = {name: _numeric(name, value) for name, value in given.items() if value is not None}
         conditions: dict[str, ArrayLike] = {**self.air, **known}
-        self._needs.check(conditions)
+        self._needs.check(conditions, times=times)
         self._needs.warn_outside(conditions, self.effects)
         return conditions
 
     def _map(
-        self, function: Callable[..., float | Values], first: ArrayLike, given: Mapping[str, Any]
+        self,
+        function: Callable[..., float | Values],
+        first: ArrayLike,
+        given: Mapping[str, Any],
+        *,
+        times: bool = False,
     ) -> float | Values:
         # Two keywords are not conditions; callers unpack tables into the rest.
         out, n_threads = given.get("out"), given.get("n_threads")
         named = {name: value for name, value in given.items() if name not in {"out", "n_threads"}}
-        conditions = self._conditions(named)
+        conditions = self._conditions(named, times=times)
         first = _numeric("the first argument", first)
         return function(first, [conditions.get(name) for name in QUANTITIES], out, n_threads)

@@ -26,18 +26,21 @@ class Needs:
         Quantities that must be given, with the law or effect that needs them.
     excluded : mapping of str to str
         Quantities that must not be given, with the effect that replaces them.
+    arithmetic : frozenset of str
+        Required quantities that only the arithmetic of the device reads, after the echo time.
     laws : mapping of str to str or None
         Laws whose domain counts, with the effect that calls them (None: the model's own).
     """
 
     required: Mapping[str, str]
     excluded: Mapping[str, str]
+    arithmetic: frozenset[str]
     laws: Mapping[str, str | None]
 
-    def check(self, conditions: Mapping[str, ArrayLike]) -> None:
-        """Raise `DataError` where what is given does not fit the model."""
+    def check(self, conditions: Mapping[str, ArrayLike], *, times: bool = False) -> None:
+        """Raise `DataError` where what is given does not fit the model, or its echo times alone."""
         for name, who in self.required.items():
-            if name not in conditions:
+            if name not in conditions and not (times and name in self.arithmetic):
                 source = QUANTITIES[name].derived_from
                 if name in FROM_THERMOMETERS:
                     message = (
@@ -115,12 +118,14 @@ def of(model: _core.Model) -> Needs:
     for name in model.law_reads:
         if QUANTITIES[name].default is None:
             required[name] = f"law '{model.law}'"
-    for id_, _ in model.terms:
-        effect = find_effect(id_)
+    acting = [find_effect(id_) for id_, _ in model.terms]
+    for effect in acting:
+        id_ = effect.id
         without_default = (name for name in effect.reads if QUANTITIES[name].default is None)
         for name in (*effect.requires, *without_default):
             required.setdefault(name, f"effect '{id_}'")
         excluded.update({name: f"effect '{id_}'" for name in effect.excludes if name in reads})
         if effect.calls:
             laws.setdefault(effect.calls, id_)
-    return Needs(required, excluded, laws)
+    before = {name for effect in acting if effect.stage != "firmware" for name in effect.reads}
+    return Needs(required, excluded, frozenset(required) - before - {*model.law_reads}, laws)

@@ -11,6 +11,7 @@ FACTS = QuantityFacts(
     forms=(Form("co2", "co2_mole_fraction", MOLE_FRACTION, (), (0.0, 1.0), holds="carbon dioxide"),),
     shown=Shown("ppm", 1e6),
     possible=(0.0, 1.0),
+    dead=(0.0,),
     standard_name="mole_fraction_of_carbon_dioxide_in_air",
     why_no_codes="no codes of a CO2 sensor are defined",
 )

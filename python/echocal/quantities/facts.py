@@ -53,6 +53,8 @@ class QuantityFacts:
         Unit in which people read it; default: its own unit.
     possible : (float, float)
         Range of the values that it can have [unit].
+    dead : tuple of float
+        Values of a sensor that is not there, besides the codes of loggers [unit].
     column : str
         Name of the column that an error is a function of; default: `id`.
     suspect : str
@@ -97,6 +99,7 @@ class QuantityFacts:
     forms: tuple[Form, ...] = ()
     shown: Shown = _OWN_UNIT
     possible: tuple[float, float] = (-inf, inf)
+    dead: tuple[float, ...] = ()
     column: str = ""
     suspect: str = ""
     standard_name: str = ""

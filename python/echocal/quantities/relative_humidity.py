@@ -32,6 +32,7 @@ FACTS = QuantityFacts(
     ),
     shown=Shown("%", 100.0),
     possible=(0.0, 1.0),
+    dead=(0.0,),
     suspect="an error of the hygrometer that grows with humidity",
     standard_name="relative_humidity",
     codes=HumidityCodes,

@@ -9,6 +9,7 @@ FACTS = QuantityFacts(
     words="supply voltage",
     example=4.8,
     forms=(Form("supply", "supply_voltage", VOLTAGE, ("supply voltage",), (0.0, 60.0)),),
+    dead=(0.0,),
     suspect="the supply",
     why_no_codes="no codes of a voltmeter are defined",
 )

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.values import POWER_ON
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -23,14 +22,6 @@ from echocal.quantities import QUANTITIES
 __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
-
-_ABSENT = {  # SI; what a sensor gives that is not there, besides the codes of loggers
-    "temperature": (0.0, -127.0, *POWER_ON),  # DS18B20: -127 degC is the library's DEVICE_DISCONNECTED_C
-    "relative_humidity": (0.0,),
-    "pressure": (0.0,),
-    "supply_voltage": (0.0,),
-    "co2_mole_fraction": (0.0,),
-}
 
 
 @dataclass(frozen=True)
@@ -109,7 +100,7 @@ def _dead(name: str, column: Column, logged: bool) -> str:
         return ""
     if name == "temperature" and value == 0.0 and not logged:
         return ""
-    code = any(np.isclose(value, absent, rtol=1e-6, atol=1e-9) for absent in _ABSENT.get(name, ()))
+    code = any(np.isclose(value, absent, rtol=1e-6, atol=1e-9) for absent in QUANTITIES[name].dead)
     as_recorded = [unit.from_si(value) for form in QUANTITIES[name].forms for unit in form.units.values()]
     shown = next((code for code in CODES for own in as_recorded if np.isclose(own, code, rtol=1e-9)), None)
     if shown is None and code:

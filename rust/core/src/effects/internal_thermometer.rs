@@ -2,7 +2,7 @@
 //!
 //! Only what no other effect says is here: the ranger's thermometer follows a thermometer of the table, such as
 //! that of the box. Other errors of such a ranger have, to first order, the column of an effect that exists, so
-//! that a second id would share its evidence: warmed by a recorded sun, `temperature_radiation`; by an
+//! that a second id would share its probability: warmed by a recorded sun, `temperature_radiation`; by an
 //! unrecorded one, `temperature_daylight`; after power-on, `temperature_self_heating`; too late,
 //! `temperature_lag`; a part of the compensation only, `temperature_gain`, or `fixed_speed` where all of it is
 //! lacking; too much of it, `double_correction`.
