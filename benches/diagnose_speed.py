@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import perf_counter
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
@@ -109,7 +110,7 @@ def on_the_clock(clock: Clock) -> Iterator[None]:
             call = clock.posterior if owner is _core else getattr(owner, name)
             timed = clock.timed(stage, call)
             if owner is _core:  # a compiled module: what the caller sees of it is replaced
-                proxy = type("Core", (), {"posterior": staticmethod(timed)})()
+                proxy = SimpleNamespace(**{**vars(_core), "posterior": timed})
                 stack.enter_context(patch.object(posterior, "_core", proxy))
             else:
                 stack.enter_context(patch.object(owner, name, timed))
