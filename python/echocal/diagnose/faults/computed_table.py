@@ -14,6 +14,8 @@ from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FAULT"]
 
+_SAMPLE = 1000  # rows of a first look
+
 
 @dataclass(frozen=True)
 class Thresholds:
@@ -52,6 +54,28 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if reference is None or view.resolution > own.rounding:
         return None
     rows = np.flatnonzero(view.good)
+    limit = max(own.scatter, 0.4 * view.resolution)
+    if len(rows) > _SAMPLE:  # a sensor's scatter shows in few rows
+        few = _fitted(view, reference, rows[:: len(rows) // _SAMPLE], own)
+        if few is None or few[0] > 3.0 * limit:
+            return None
+    fitted = _fitted(view, reference, rows, own)
+    if fitted is None or fitted[0] > limit:
+        return None
+    scatter, freedom = fitted
+    evidence = min(freedom * float(np.log(3e-4 / max(scatter, 1e-7))), settings.cap)
+    because = (
+        f"the readings of {len(rows)} rows differ from a smooth law of distance and temperature by "
+        f"{1e6 * scatter:.1f} um (standard deviation); a sensor scatters by 300 um and more"
+    )
+    mask = np.zeros(len(view), dtype=bool)
+    mask[rows] = True
+    parameters = (Parameter("scatter", scatter, 0.0, "m"),)
+    return Finding(FACTS, evidence, because, parameters, mask, view.observations, share=0.0)
+
+
+def _fitted(view: View, reference: np.ndarray, rows: np.ndarray, own: Thresholds) -> tuple[float, int] | None:
+    """Scatter around a smooth law [m], and the rows less the coefficients; None if it cannot be fitted."""
     design = _design(reference[rows], None if view.temperature is None else view.temperature[rows])
     if len(rows) < design.shape[1] + own.spare:
         return None
@@ -64,18 +88,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     unit = np.column_stack([np.ones(len(rows)), (design - center)[:, kept] / scale[kept]])
     left = error - unit @ np.linalg.lstsq(unit, error, rcond=None)[0]
     freedom = len(rows) - unit.shape[1]
-    scatter = float(np.sqrt(left @ left / freedom))
-    if scatter > max(own.scatter, 0.4 * view.resolution):
-        return None
-    evidence = min(freedom * float(np.log(3e-4 / max(scatter, 1e-7))), settings.cap)
-    because = (
-        f"the readings of {len(rows)} rows differ from a smooth law of distance and temperature by "
-        f"{1e6 * scatter:.1f} um (standard deviation); a sensor scatters by 300 um and more"
-    )
-    mask = np.zeros(len(view), dtype=bool)
-    mask[rows] = True
-    parameters = (Parameter("scatter", scatter, 0.0, "m"),)
-    return Finding(FACTS, evidence, because, parameters, mask, view.observations, share=0.0)
+    return float(np.sqrt(left @ left / freedom)), freedom
 
 
 def _design(distance: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
