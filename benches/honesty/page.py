@@ -124,7 +124,10 @@ def _rotation(summary: Record) -> list[str]:
         f"| {name} | {row['stretches']} | {row['turns']} | {row['windows']} | {row['independent']:.0f} |"
         for name, row in summary["counts"].items()
     ]
-    unrounded = "These figures are of an older engine (commit 382baf2), and the turned readings are not rounded to the resolution of the\nrecord.\n"
+    unrounded = (
+        "These figures are of an older engine (commit 382baf2), and the turned readings are not rounded to the "
+        "resolution of the\nrecord.\n"
+    )
     return [
         *([] if summary.get("rounded") else [unrounded]),
         _table("| record | a cause named | verdict `named` | names |", rows),
