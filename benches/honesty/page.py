@@ -125,8 +125,8 @@ def _rotation(summary: Record) -> list[str]:
         for name, row in summary["counts"].items()
     ]
     unrounded = (
-        "These figures are of an older engine (commit 382baf2), and the turned readings are not rounded to the "
-        "resolution of the\nrecord.\n"
+        "These figures are of an older engine (commit 382baf2), and the turned readings are not rounded to "
+        "the resolution of the\nrecord.\n"
     )
     return [
         *([] if summary.get("rounded") else [unrounded]),
