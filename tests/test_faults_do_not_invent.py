@@ -1,5 +1,6 @@
 """Ghosts are not typing errors, calm is not stuck, and columns that cross are not exchanged."""
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -224,3 +225,19 @@ def test_records_of_loggers_have_no_invented_fault(shared: Path) -> None:
         found = {f.cause for f in faults.accepted}
         assert not found & {"mistyped_rows", "stuck_reading", "timeout", "swapped_columns"}, name
         assert name not in {"desk", "box 2019-05-21", "cycling"} or "crosstalk" in found
+
+
+@pytest.mark.parametrize("how", [{"since": "2026-02-12"}, {"hold_out_after": "2026-02-12"}, {}])
+def test_rows_that_nobody_asked_for_are_no_failures(how: dict[str, str], random: np.random.Generator) -> None:
+    """Time-outs at a constant rate; rows before a period, or held out, neither fail nor work."""
+    rows = 2000
+    celsius = 15.0 + 8.0 * np.sin(np.arange(rows) / 50.0) + random.normal(0.0, 0.2, rows)
+    reading = 1.5 + random.normal(0.0, 1e-3, rows)
+    reading[random.random(rows) < 0.1] = np.nan
+    time = pd.date_range("2026-01-01", periods=rows, freq="h", tz="UTC").strftime("%Y-%m-%dT%H:%M:%SZ")
+    table = pd.DataFrame({"time": time, "reading_m": reading, "temperature_C": celsius, "distance_m": 1.5})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", echocal.DataWarning)
+        warnings.simplefilter("error", RuntimeWarning)
+        diagnosis = echocal.diagnose(table, **how)
+    assert "degrading_sensor" not in {cause.id for cause in diagnosis.causes}

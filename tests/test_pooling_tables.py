@@ -220,3 +220,24 @@ def test_a_pooled_diagnosis_can_be_copied(fleet: pd.DataFrame) -> None:
     found = echocal.diagnose_many(fleet, by="sensor_id")
     again = pickle.loads(pickle.dumps(found))
     assert again.to_dict() == found.to_dict()
+
+
+def test_a_shared_thermometer_is_read_from_its_column(random: np.random.Generator) -> None:
+    """Two loggers whose path is as warm as the box by a third."""
+    tables = {}
+    for name in ("north", "south"):
+        air = 15.0 + 8.0 * np.sin(np.arange(300) / 20.0) + random.normal(0.0, 0.3, 300)
+        box = air + 4.0 * np.sin(np.arange(300) / 35.0) + random.normal(0.0, 0.3, 300)
+        distance = np.tile([0.5, 1.0, 2.0], 100)
+        echo = 2.0 * distance / (331.4 + 0.6 * (air + 0.35 * (box - air))) + random.normal(0.0, 2e-6, 300)
+        tables[name] = {
+            "echo_s": echo,
+            "temperature_C": air,
+            "temperature_box_C": box,
+            "distance_m": distance,
+        }
+    pool = echocal.diagnose_many(tables)
+    assert "thermometer_mix" in {cause.id for cause in pool.causes}
+    assert pool.model.columns == {"second_temperature": "temperature_box_C"}
+    assert pool.gain is not None
+    assert pool.gain.rms_after_m < 0.8 * pool.gain.rms_before_m

@@ -13,6 +13,7 @@ from echocal.observations import Observations
 from echocal.observations.marks import MARKS, RowRule, marked, rules_from
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import make
+from echocal.observations.source import load
 
 __all__ = ["context_of", "reference_of", "rules_of", "with_marks"]
 
@@ -50,13 +51,13 @@ def with_marks(
     found, unchecked = marked(observations, distance, reference, rules)
     if unchecked:
         notes.append(
-            f"not checked: {', '.join(unchecked)}; the diagnosis of the model found such rows by reference "
-            "distances, and this table has none"
+            f"not checked: {', '.join(unchecked)}; the diagnosis of the model found such rows by a column "
+            "(reading, echo time or reference distance) that this table does not have"
         )
     if other := _kept(model).get("without_rule", ()):
         notes.append(
-            f"not checked: {', '.join(map(str, other))}; the diagnosis of the model repaired its table of "
-            "that, and a correction repairs nothing: if this table has it, repair it before"
+            f"not checked: {', '.join(map(str, other))}; the diagnosis of the model found that in its table, "
+            "and a correction repairs nothing: if this table has it, repair it before"
         )
     return np.where(found == "", distance, np.nan), found, tuple(notes)
 
@@ -67,6 +68,7 @@ def reference_of(
     """Reference distances [m], shape (n,), for rules that need them; None where there are none."""
     if not any("reference" in rule.kind + rule.quantity for rule in rules_of(model)):
         return None
+    table = load(table)
     source = make(list(table.columns), dict(requests)).assignments.get("reference_distance")
     if source is None:
         return None

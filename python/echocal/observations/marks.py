@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from numbers import Real
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -68,6 +69,10 @@ class RowRule:
         if self.kind not in get_args(Kind) or self.sign not in _SIGNS:
             message = f"no rule for rows: kind {self.kind!r}, sign {self.sign!r}"
             raise ModelError(message)
+        for name in ("value", "tolerance", "length", "deviation", "part"):
+            if not isinstance(getattr(self, name), Real):
+                message = f"a rule for rows has the {name} {getattr(self, name)!r}; give a number"
+                raise ModelError(message)
 
     @property
     def context(self) -> int:
@@ -123,19 +128,23 @@ def marked(
     reasons : ndarray of str, shape (n,)
         Empty where no rule says a word.
     unchecked : tuple of str
-        Reasons of the rules that need a column which the table does not have.
+        Reasons of the rules that need a column which the table does not have, unless another rule of the
+        same kind has been checked.
     """
     longest = max((len(rule.reason) for rule in rules), default=1)
     reasons = np.full(len(observations), "", dtype=f"<U{longest}")
-    free, unchecked = observations.usable.copy(), []
+    free, unchecked, checked = observations.usable.copy(), [], set()
     for rule in rules:
         rows = _rows(observations, distance, reference, rule)
         if rows is None:
-            unchecked.append(rule.reason)
+            unchecked.append((rule.reason, rule.kind))
             continue
+        checked.add((rule.reason, rule.kind))
         reasons[rows & free] = rule.reason
         free &= ~rows
-    return reasons, tuple(dict.fromkeys(unchecked))
+    return reasons, tuple(
+        dict.fromkeys(reason for reason, kind in unchecked if (reason, kind) not in checked)
+    )
 
 
 def _rows(

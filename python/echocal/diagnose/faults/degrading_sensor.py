@@ -12,7 +12,9 @@ from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW, NOT_HELD_OUT
 from echocal.diagnose.preprocess.view import View
+from echocal.diagnose.preprocess.window import OUTSIDE
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 
@@ -60,12 +62,12 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     """Fit a logistic trend to the failed rows, and compare it with a constant part."""
     own = settings.of(FACTS, Thresholds)
     time = view.observations.conditions.get("elapsed_time")
-    failed = _failed(view)
-    count = int(failed.sum())
-    if time is None or count < own.fewest or len(view) - count < own.fewest:
+    if time is None:
         return None
-    known = np.isfinite(time)
-    if not known.any() or np.ptp(time[known]) <= 0:
+    known = _asked_for(view, time)
+    failed = _failed(view) & known
+    count = int(failed.sum())
+    if count < own.fewest or int(known.sum()) - count < own.fewest or np.ptp(time[known]) <= 0:
         return None
     u = (time[known] - time[known].min()) / np.ptp(time[known])
     y = failed[known]
@@ -73,7 +75,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     first, last = float(expit(level)), float(expit(level + slope))
     if slope < np.log(own.growth) or last < own.at_last:
         return None
-    rival = max((_trend(_scaled(column[known]), y)[2] for column in _others(view)), default=0.0)
+    rival = max((_trend(_scaled(column), y)[2] for column in _others(view, known)), default=0.0)
     spread = _dispersion(u, y, expit(level + slope * u), own.parts)
     evidence = (gain - max(rival, 0.0)) / spread - 0.5 * np.log(len(y))
     half = u < 0.5
@@ -99,10 +101,22 @@ def _failed(view: View) -> Mask:
     return np.asarray(np.isin(reasons, ours) | missing)
 
 
-def _others(view: View) -> list[Column]:
+def _asked_for(view: View, time: Column) -> Mask:
+    """Rows with a time, in the period that the user asks for, and not held out."""
+    known = np.isfinite(time)
+    left_out = np.isin(view.observations.unusable.astype(str), (OUTSIDE, HELD_OUT_ROW, NOT_HELD_OUT))
+    if left_out.any():  # rows that are unusable for another reason, too, are known by their time alone
+        inside = time[known & view.observations.usable]
+        if not len(inside):
+            return np.zeros_like(known)
+        known &= (time >= inside.min()) & (time <= inside.max()) & ~left_out
+    return known
+
+
+def _others(view: View, known: Mask) -> list[Column]:
     """Other columns that failures may depend on: a far target fails without a worn sensor."""
-    columns = (view.reference, view.temperature)
-    return [column for column in columns if column is not None and np.isfinite(column).all()]
+    columns = [column[known] for column in (view.reference, view.temperature) if column is not None]
+    return [column for column in columns if np.isfinite(column).all()]
 
 
 def _scaled(column: Column) -> Column:

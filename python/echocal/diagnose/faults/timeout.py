@@ -86,18 +86,22 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         parameters,
         mask,
         view.without(mask, FACTS.id),
-        rules=(_rule(view, rows, own),),
+        rules=_rules(view, rows, own),
     )
 
 
-def _rule(view: View, rows: np.ndarray, own: Thresholds) -> RowRule:
-    """The constant, as a time or as a reading."""
+def _rules(view: View, rows: np.ndarray, own: Thresholds) -> tuple[RowRule, ...]:
+    """The constant, as a time or as a reading; as both, where one temperature does not tell them apart."""
     times, readings = view.observations.echo_time[rows], recorded(view)[rows]
     time, reading = float(np.median(times)), float(np.median(readings))
-    if np.ptp(times) > _SAME * time and np.ptp(readings) <= _SAME * reading:
-        return RowRule(reason=FACTS.id, kind="equals", quantity="reading", value=reading)
-    tolerance = own.tolerance if np.ptp(times) > _SAME * time else 0.0
-    return RowRule(reason=FACTS.id, kind="equals", quantity="echo_time", value=time, tolerance=tolerance)
+    one_time, one_reading = np.ptp(times) <= _SAME * time, np.ptp(readings) <= _SAME * reading
+    of_reading = RowRule(reason=FACTS.id, kind="equals", quantity="reading", value=reading)
+    if one_reading and not one_time:
+        return (of_reading,)
+    tolerance = 0.0 if one_time else own.tolerance
+    of_time = RowRule(reason=FACTS.id, kind="equals", quantity="echo_time", value=time, tolerance=tolerance)
+    recorded_both = one_reading and view.observations.reading is not None
+    return (of_time, of_reading) if recorded_both else (of_time,)
 
 
 def _constant(view: View, outliers: np.ndarray, rows: np.ndarray, own: Thresholds) -> float:

@@ -12,7 +12,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit
 from echocal.diagnose.pooling.choice import SharedClaim
 from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.pooling.table import TableInference
-from echocal.diagnose.selection.claims import covariance_of, effects_of, parameters
+from echocal.diagnose.selection.claims import columns_of, covariance_of, effects_of, parameters
 from echocal.model import Model
 from echocal.registry import find_effect
 
@@ -50,11 +50,16 @@ def hypothesis_of(pool: Pool, shared: SharedSet, sizes: Sizes, table: TableInfer
     for form in (form for form in shared.forms if not form.is_by_name):
         if table is not None and not table.can_have(form.cause):
             continue
-        source = next(table for table in pool.tables if table.of_forms(form))
+        first = () if table is None else (table,)
+        source = next(one for one in (*first, *pool.tables) if one.of_forms(form))
         own = source.of_forms(form)[0]
         free = tuple(range(len(at), len(at) + len(form.names)))
         at += list(range(places[form.cause].start, places[form.cause].stop))
-        variants.append(Variant(form.cause, own.at, own.offset, free, form.names, form.scales, form.bounds))
+        variants.append(
+            Variant(
+                form.cause, own.at, own.offset, free, form.names, form.scales, form.bounds, bound=own.bound
+            )
+        )
     covariance = sizes.covariance[np.ix_(at, at)]
     return HypothesisFit(Hypothesis(tuple(variants), 1.0), 0.0, sizes.mean[at], covariance, np.ones(1), 1.0)
 
@@ -86,7 +91,7 @@ def _model(tables: Sequence[TableInference], fit: HypothesisFit, provenance: Map
     own = type(base)(base.law, base.effects, {**base.air, **medians}, base.device_speed)
     places = own.model(effects).parameter_names
     covariance = covariance_of(fit, places) if places else None
-    return own.model(effects, covariance=covariance, provenance=dict(provenance))
+    return own.model(effects, covariance=covariance, provenance=dict(provenance), columns=columns_of(fit))
 
 
 def model_of_table(

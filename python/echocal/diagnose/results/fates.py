@@ -35,6 +35,8 @@ class Fates:
         for one in [table] if held is None else [table, held]:
             for reason, rows in one.left_out.items():
                 fate[rows] = reason
+        if held is not None:  # also those that a repair has made usable
+            fate[held.row] = HELD_OUT_ROW
         return cls(fate)
 
     @property

@@ -55,7 +55,9 @@ class Faults:
         ordered = sorted(faults, key=lambda finding: finding.cause == "mistyped_rows")
         marks = {
             "rules": [rule.to_dict() for finding in ordered for rule in finding.rules],
-            "without_rule": [finding.cause for finding in faults if not finding.rules],
+            "without_rule": [
+                finding.cause for finding in faults if not finding.rules and finding.share > 0.0
+            ],
         }
         return {MARKS: marks} if faults else {}
 
