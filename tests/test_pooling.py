@@ -32,11 +32,14 @@ def cause(found: PooledDiagnosis, id_: str = LAG) -> "echocal.diagnose.pooling.p
 
 @pytest.fixture(scope="module")
 def weak(seeded: Seeded, request: pytest.FixtureRequest) -> PooledDiagnosis:
-    """Four weeks of one unit; 11 of 13 such pools are named, so the first of four pools that is."""
+    """Four weeks of one unit: the first of a few pools that names the lag.
+
+    9 of 10 pools name it or shifted timestamps, which look alike, and 6 of 10 the lag.
+    """
     random = seeded(request)
-    for _ in range(4):
+    for _ in range(10):
         pool = echocal.diagnose_many({f"week {k}": unit(random, 300.0, visible=3.0) for k in range(1, 5)})
-        if pool.verdict == "named":
+        if pool.verdict == "named" and LAG in {one.id for one in pool.causes}:
             break
     return pool
 
