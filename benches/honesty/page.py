@@ -177,7 +177,7 @@ def plot(transfer: Record) -> Figure:
             face = color if named else "none"
             ax.scatter(*zip(*own, strict=True), s=18, facecolors=face, edgecolors=color) if own else None
     ax.axhline(0.0, color="black", linewidth=0.8)
-    ax.axline((0.0, 0.0), slope=1.0, color="gray", linewidth=0.8, linestyle="--")
+    ax.axline((0.0, 0.0), slope=1.0, color="gray", linewidth=0.8, linestyle="--", label="as reported")
     ax.set_xlabel("reported by the window of the model, nested [% of the variance]")
     ax.set_ylabel("removed in another window [%]")
     ax.set_title("Filled: the window names a cause. Open: the model has a cause without a name.", fontsize=9)

@@ -17,7 +17,7 @@ from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
-from echocal.plots.smooth import smooth_figure
+from echocal.plots.smooth import TERM, smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
 __all__ = ["PICTURES", "by_correlation", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
@@ -222,6 +222,9 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
     if len(gain.ladder) > 1 and gain.judged_rows != "held-out rows":
         rungs.append(("chosen by each fold", gain.rms_after_m, _AFTER))
+    smooth = diagnosis.smooth
+    if smooth is not None and smooth.offered and smooth.rms_after_m is not None:
+        rungs.append(("+ smooth correction", smooth.rms_after_m, TERM))
     names, values, colors = zip(*rungs, strict=True)
     bars = ax.barh(range(len(names)), 1e3 * np.array(values), color=colors, height=0.6)
     ax.bar_label(bars, fmt="%.2f mm", padding=3)

@@ -11,9 +11,12 @@ from echocal.diagnose.findings.sentences import shown
 from echocal.model import Shape
 from echocal.plots.labels import fitted
 
-__all__ = ["plot_term", "smooth_figure"]
+__all__ = ["TERM", "plot_term", "smooth_figure"]
 
-_TERM, _LABEL, _TITLE = "#7a3b8f", 45, 120  # color; characters of a line
+TERM = "#7a3b8f"
+"""Color of what has no known cause."""
+
+_LABEL, _TITLE = 45, 120  # characters of a line
 _ACROSS = 3  # panels beside each other
 
 
@@ -52,7 +55,7 @@ def plot_term(term: Shape, ax: Axes) -> None:
     else:
         values, label = shown(term.against, at)
     shift, band = 1e3 * np.array(term.shift), 2e3 * np.array(term.standard_uncertainty)
-    ax.fill_between(values, shift - band, shift + band, color=_TERM, alpha=0.25, linewidth=0)
-    ax.plot(values, shift, color=_TERM, linewidth=2)
+    ax.fill_between(values, shift - band, shift + band, color=TERM, alpha=0.25, linewidth=0)
+    ax.plot(values, shift, color=TERM, linewidth=2)
     ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
     ax.set(xlabel=fitted(label, _LABEL), ylabel="shift of the reading [mm]")

@@ -7,10 +7,11 @@ from echocal.diagnose import Diagnosis
 from echocal.diagnose.candidates.unexplained_terms import column_of
 from echocal.diagnose.findings.sentences import shown
 from echocal.plots.labels import fitted
+from echocal.plots.smooth import TERM
 
 __all__ = ["plot_unexplained"]
 
-_RESIDUAL, _TERM = "#8fa0a8", "#7a3b8f"
+_RESIDUAL = "#8fa0a8"
 _LABEL, _TITLE = 75, 100  # characters of a line
 _MANY = 200  # with more rows, points are transparent
 
@@ -36,8 +37,8 @@ def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
     knots = np.array(found.shape.at)
     at, _ = shown(found.against, knots)
     shift, band = 1e3 * found.shape.of(knots), 1e3 * found.shape.band(knots)
-    ax.fill_between(at, shift - 2 * band, shift + 2 * band, color=_TERM, alpha=0.25, lw=0, label="95 %")
-    ax.plot(at, shift, color=_TERM, linewidth=2, label="smooth function")
+    ax.fill_between(at, shift - 2 * band, shift + 2 * band, color=TERM, alpha=0.25, lw=0, label="95 %")
+    ax.plot(at, shift, color=TERM, linewidth=2, label="smooth function")
     ends = np.nanpercentile(residual, [0.5, 99.5])
     low, high = min(ends[0], (shift - 2 * band).min()), max(ends[1], (shift + 2 * band).max())
     ax.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))

@@ -21,12 +21,7 @@ FACTS = QuantityFacts(
         ),
     ),
     possible=(-273.15, float("inf")),
-    dead=(
-        0.0,
-        -127.0,
-        85.0,
-        185.0,
-    ),  # DS18B20: DEVICE_DISCONNECTED_C of its library; at power-on, also in degF
+    dead=(0.0, -127.0),  # DS18B20: DEVICE_DISCONNECTED_C of its library
     suspect="an error of the thermometer or of the law's slope",
     standard_name="air_temperature",
     codes=TemperatureCodes,

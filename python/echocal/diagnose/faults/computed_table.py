@@ -21,9 +21,8 @@ _SAMPLE = 1000  # rows of a first look
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    scatter: float = threshold(
-        2e-5, "m", "scatter that no such sensor has: 0.1 us of echo time; HC-SR04s have 0.3 mm; judgement"
-    )
+    scatter: float = threshold(2e-5, "m", "scatter that no such sensor has: 0.1 us of echo time; judgement")
+    usual: float = threshold(3e-4, "m", "least scatter of a real sensor; HC-SR04s on a bench")
     rounding: float = threshold(
         2e-4, "m", "step of the readings above which rounding may hide the scatter of a sensor; argument"
     )
@@ -63,10 +62,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if fitted is None or fitted[0] > limit:
         return None
     scatter, freedom = fitted
-    evidence = min(freedom * float(np.log(3e-4 / max(scatter, 1e-7))), settings.cap)
+    evidence = min(freedom * float(np.log(own.usual / max(scatter, 1e-7))), settings.cap)
     because = (
         f"the readings of {len(rows)} rows differ from a smooth law of distance and temperature by "
-        f"{1e6 * scatter:.1f} um (standard deviation); a sensor scatters by 300 um and more"
+        f"{1e6 * scatter:.1f} um (standard deviation); a sensor scatters by {1e6 * own.usual:.0f} um and more"
     )
     mask = np.zeros(len(view), dtype=bool)
     mask[rows] = True

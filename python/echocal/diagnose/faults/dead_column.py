@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.values import POWER_ON
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -100,7 +101,8 @@ def _dead(name: str, column: Column, logged: bool) -> str:
         return ""
     if name == "temperature" and value == 0.0 and not logged:
         return ""
-    code = any(np.isclose(value, absent, rtol=1e-6, atol=1e-9) for absent in QUANTITIES[name].dead)
+    absent = (*QUANTITIES[name].dead, *(POWER_ON if name == "temperature" else ()))
+    code = any(np.isclose(value, one, rtol=1e-6, atol=1e-9) for one in absent)
     as_recorded = [unit.from_si(value) for form in QUANTITIES[name].forms for unit in form.units.values()]
     shown = next((code for code in CODES for own in as_recorded if np.isclose(own, code, rtol=1e-9)), None)
     if shown is None and code:

@@ -16,6 +16,7 @@ from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import OffsetNoise, Offsets
 from echocal.diagnose.noises.common.lattice import (
     ORDERS,
+    PERIOD,
     Placements,
     log_lattice,
     log_prior,
@@ -30,8 +31,6 @@ __all__ = ["NOISE"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
-
-_PERIOD = 25e-6  # s, of 40 kHz (HC-SR04 data sheet)
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
 def _step(case: Case) -> Column:
     """Length of one period in each row [m]."""
     two = case.base.indication(np.full(len(case.table), 2.0), case.table.conditions)
-    return np.asarray(0.5 * two * _PERIOD)
+    return np.asarray(0.5 * two * PERIOD)
 
 
 def _log_prior(case: Case, labels: Labels, orders: Labels) -> float:
@@ -288,7 +287,7 @@ def _parameters(best: _Tried, off: Placements) -> tuple[Parameter, ...]:
     deviation = float(np.sqrt((relative**2).sum() / freedom / square))
     return (
         Parameter("share", share, float(np.sqrt(share * (1 - share) / count)), "1"),
-        Parameter("period", _PERIOD * (1 + slope), _PERIOD * deviation, "s"),
+        Parameter("period", PERIOD * (1 + slope), PERIOD * deviation, "s"),
         Parameter("placements", float(count), 0.0, "1"),
     )
 
@@ -320,7 +319,7 @@ def draw(table: Columns, random: np.random.Generator) -> None:
     table["distance_m"] = np.tile(np.sort(random.uniform(0.3, 3.8, 6)).round(3), 4)[placement]
     missed = random.choice([0, 1, 2], size=24, p=[0.6, 0.3, 0.1])[placement]
     speed = 331.4 + 0.6 * table["temperature_C"]
-    table["reading_m"] = table["distance_m"] + error + 0.5 * missed * speed * _PERIOD
+    table["reading_m"] = table["distance_m"] + error + 0.5 * missed * speed * PERIOD
 
 
 NOISE = OffsetNoise(facts=FACTS, draw=draw, find=find, thresholds=Thresholds())

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
+from echocal.diagnose.noises.common.lattice import PERIOD
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -18,7 +19,6 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 Orders = tuple[int, ...]
 
-_PERIOD = 25e-6  # s, of 40 kHz (HC-SR04 data sheet)
 _MISSED = (0, 1, 2, 3)  # cycles, where zero is known
 _EITHER = (-2, -1, 0, 1, 2)  # around the level of a segment, which may itself have slipped
 _KERNELS = (np.inf, 4.0)
@@ -66,7 +66,7 @@ FACTS = CauseFacts(
             (0.0, 1.0),
             "one for each order and part of the distances; costs half a log of its rows",
         ),
-        Quantity("period", "s", "distance of the groups in time", (_PERIOD, _PERIOD), "fixed: 40 kHz"),
+        Quantity("period", "s", "distance of the groups in time", (PERIOD, PERIOD), "fixed: 40 kHz"),
     ),
     check="draw a histogram of repeated readings; raise the gain, or bring the target nearer",
     prior=0.04,
@@ -104,7 +104,7 @@ class _Mixture:
 def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     """Mix groups one period apart, with probabilities for each part of the distances."""
     own = settings.of(FACTS, Thresholds)
-    step = 0.5 * trace.speed * _PERIOD
+    step = 0.5 * trace.speed * PERIOD
     cells = _cells(trace.distance)
     one = np.zeros(len(trace), dtype=np.int64)
     fits = []
@@ -126,7 +126,7 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     )
     log = float(np.logaddexp.reduce([f.log for f in fits]) - np.log(2 * len(_KERNELS)))
     uncertainty = float(np.sqrt(max(slipped * (1 - slipped), 1e-6) / len(trace)))
-    return Likelihood(log, {"probability": (slipped, uncertainty), "period": (_PERIOD, 0.0)}, because)
+    return Likelihood(log, {"probability": (slipped, uncertainty), "period": (PERIOD, 0.0)}, because)
 
 
 def _where(found: _Mixture) -> str:
@@ -195,7 +195,7 @@ def _mixture(trace: Trace, step: Column, groups: _Groups, freedom: float, own: T
 def draw(table: Columns, random: np.random.Generator) -> None:
     """Miss one cycle more often the farther the target is."""
     missed = random.random(len(table["reading_m"])) < 0.15 + 0.1 * table["distance_m"]
-    table["reading_m"] += missed * 0.5 * (331.4 + 0.6 * table["temperature_C"]) * _PERIOD
+    table["reading_m"] += missed * 0.5 * (331.4 + 0.6 * table["temperature_C"]) * PERIOD
 
 
 NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, thresholds=Thresholds())
