@@ -55,6 +55,28 @@ def test_a_model_is_the_same_bit_for_bit(model: echocal.Model, way: Callable[[An
     np.testing.assert_array_equal(again, model.correct(1.5, temperature=TEMPERATURE))
 
 
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
+def test_equal_models_are_equal(model: echocal.Model) -> None:
+    other = copy.deepcopy(model).with_provenance({"from": "elsewhere"})
+    assert other == model
+    assert len({other, model}) == 1
+    assert all((model == another) is (model is another) for another in MODELS.values())
+    assert model != model.law
+
+
+def test_a_model_cannot_be_edited() -> None:
+    model = MODELS["effects"]
+    with pytest.raises(echocal.ModelError, match="a model does not change; build another one"):
+        model.effects["fixed_delay"]["delay"] = 0.0  # type: ignore[index]
+    with pytest.raises(echocal.ModelError, match="'law' cannot be set"):
+        model.law = "cramer"  # type: ignore[misc]
+    with pytest.raises(ValueError, match="read-only"):
+        model.covariance[0, 0] = 1.0  # type: ignore[index]
+    own = dict(model.effects["fixed_delay"])
+    own["delay"] = 1e-5
+    assert echocal.Model(model.law, {"fixed_delay": own}) != model
+
+
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS.keys())
 def test_a_diagnosis_is_the_same(way: Callable[[Any], Any]) -> None:
     diagnosis = diagnosed(1)

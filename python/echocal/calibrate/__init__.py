@@ -117,7 +117,7 @@ def calibrate(
         model=form.fitted(solution.values, solution.covariance),
     )
     if isinstance(found.model, Model):
-        found.model.provenance = {"calibration": found.to_dict()}
+        return replace(found, model=found.model.with_provenance({"calibration": found.to_dict()}))
     return found
 
 

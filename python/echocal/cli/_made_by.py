@@ -29,13 +29,13 @@ _PICTURES = (b"\x89PNG", b"%PDF", b"%!PS", b"<?xml")
 """What pictures begin with."""
 
 
-def sign(model: Model, command: str, source: Path, out: Path) -> None:
-    """Record in a model the command and the table that it was made from, with a checksum.
+def sign(model: Model, command: str, source: Path, out: Path) -> Model:
+    """Return a model that records the command and the table that it was made from, with a checksum.
 
     Parameters
     ----------
     model : Model
-        The model; its provenance is completed.
+        The model.
     command : str
         Command that made it.
     source : Path
@@ -43,8 +43,8 @@ def sign(model: Model, command: str, source: Path, out: Path) -> None:
     out : Path
         File that the model goes into.
     """
-    model.provenance |= _origin(command, source, out)
-    model.provenance[_SEAL] = _seal(model.provenance)
+    known = {**model.provenance, **_origin(command, source, out)}
+    return model.with_provenance({**known, _SEAL: _seal(known)})
 
 
 def result(*schemas: str) -> Recognize:

@@ -96,11 +96,10 @@ def diagnose_tables(
         )
     if outputs.models is not None:
         outputs.models.mkdir(parents=True, exist_ok=True)
-        _made_by.sign(pooled.model, "diagnose", tables[0], outputs.models / _SHARED)
-        pooled.model.save(outputs.models / _SHARED)
+        shared = outputs.models / _SHARED
+        _made_by.sign(pooled.model, "diagnose", tables[0], shared).save(shared)
         for name, model in pooled.models.items():
-            _made_by.sign(model, "diagnose", origin[name], files[name])
-            model.save(files[name])
+            _made_by.sign(model, "diagnose", origin[name], files[name]).save(files[name])
     if outputs.plots is not None:
         from echocal.plots.pooled import save_pooled  # matplotlib takes a second to import
 

@@ -72,8 +72,7 @@ def command(
         options = options_of(column, missing, trust, reading_speed=reading_speed or start.law, **layout)
         found = calibrate(read(data, quiet, **options), start, fit, loss=loss)
     if out is not None:
-        _made_by.sign(found.model, "calibrate", data, out)
-        found.model.save(out)
+        _made_by.sign(found.model, "calibrate", data, out).save(out)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
         _print(found, out)

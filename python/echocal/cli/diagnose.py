@@ -173,7 +173,7 @@ def command(
     if with_shape or with_smooth:
         whole = diagnosis.model_with_shape if with_shape else diagnosis.model_with_smooth
     if model is not None:
-        _made_by.sign(whole, "diagnose", data, model)
+        whole = _made_by.sign(whole, "diagnose", data, model)
     _write(diagnosis, whole, model, plots)
     write_json(diagnosis.to_dict(), json)
     if rows is not None:

@@ -149,6 +149,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint, smooth, left)
         diagnosis = report(case, observations, *found, able, proposals)
-        diagnosis.model.provenance.update(faults.marks)
+        known = {**diagnosis.model.provenance, **faults.marks}
+        diagnosis = replace(diagnosis, model=diagnosis.model.with_provenance(known))
     work.end()
     return Examined(diagnosis, case, reduced, shares, ranking, selection)

@@ -1,5 +1,6 @@
 """A model: a law for the speed of sound and the effects that extend it."""
 
+import copy
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, overload
@@ -8,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal import _core
-from echocal.conditions import columns, numbers, refuse_unknown
+from echocal.conditions import columns, refuse_unknown
 from echocal.errors import ModelError
-from echocal.model import added, document, needs
+from echocal.model import added, arguments, document, needs
 from echocal.model import covariance as covariances
+from echocal.model.fixed import fixed
 from echocal.model.shape import DISTANCE, Shape
 from echocal.model.smooth import Smooth
 from echocal.quantities import QUANTITIES
@@ -20,44 +22,6 @@ from echocal.registry import find_effect
 __all__ = ["Model"]
 
 Values = NDArray[np.float64]
-
-
-def _terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
-    if not isinstance(effects, Mapping) or not all(isinstance(own, Mapping) for own in effects.values()):
-        message = (
-            f"effects map an id to its parameters, e.g. {{'fixed_delay': {{'delay': 3e-5}}}}; got {effects!r}"
-        )
-        raise ModelError(message)
-    for id_, own in effects.items():
-        for name, value in own.items():
-            if isinstance(value, str) or not hasattr(value, "__float__"):
-                message = f"{id_}.{name} is {value!r}; give a number"
-                raise ModelError(message)
-    return [(id_, list(own.items())) for id_, own in effects.items()]
-
-
-def _numeric(name: str, given: Any) -> Any:
-    """Real numbers: as they are where a ufunc keeps their type, else as an array of their own."""
-    kind = getattr(getattr(given, "dtype", None), "kind", "f")
-    typed = hasattr(given, "__array_ufunc__") and not isinstance(given, np.ma.MaskedArray)
-    if isinstance(given, float | int) or (typed and kind in "biuf"):
-        return given
-    return numbers(name, given)
-
-
-def _refuse_standstill(law: str) -> None:
-    try:
-        speed = float(law)
-    except ValueError:
-        return  # depends on the air
-    if speed <= 0.0:
-        message = f"law '{law}' is a speed of {speed:g} m/s; give a positive one, such as '343'"
-        raise ModelError(message)
-
-
-def _by_name(id_: str, values: list[float]) -> dict[str, float]:
-    names = (parameter.name for parameter in find_effect(id_).parameters)
-    return dict(zip(names, values, strict=True))
 
 
 class Model:
@@ -128,21 +92,51 @@ class Model:
             message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
             raise ModelError(message)
         self._build(law, effects or {})
-        _refuse_standstill(self._core.law)
-        self.air = needs.assumed(air or {})
-        self.effects = {id_: _by_name(id_, values) for id_, values in self._core.terms}
-        self.covariance = covariances.checked(covariance, self.parameter_names)
-        self.provenance = dict(provenance or {})
-        self.shape = shape
-        self.given_columns = needs.of_thermometers(columns or {})
+        arguments.refuse_standstill(self._core.law)
+        own = {id_: arguments.by_name(id_, values) for id_, values in self._core.terms}
+        self._set(
+            air=fixed(needs.assumed(air or {})),
+            effects=fixed(own),
+            covariance=covariances.checked(covariance, tuple(f"{id_}.{p}" for id_ in own for p in own[id_])),
+            provenance=fixed(provenance or {}),
+            shape=shape,
+            given_columns=fixed(needs.of_thermometers(columns or {})),
+        )
+
+    _core: _core.Model
+    _needs: needs.Needs
+    air: Mapping[str, float]
+    effects: Mapping[str, Mapping[str, float]]
+    covariance: Values | None
+    provenance: Mapping[str, Any]
+    shape: Shape | Smooth | None
+    given_columns: Mapping[str, str]
+
+    def _set(self, **parts: Any) -> "Model":
+        vars(self).update(parts)
+        return self
+
+    def __setattr__(self, name: str, value: object) -> None:
+        message = f"a model does not change, and '{name}' cannot be set; build another one: Model(law, ...)"
+        raise ModelError(message)
+
+    def __delattr__(self, name: str) -> None:
+        self.__setattr__(name, None)
+
+    def __eq__(self, other: object) -> bool:
+        same: bool = isinstance(other, Model) and document.content(self) == document.content(other)
+        return same
+
+    def __hash__(self) -> int:
+        return hash(self.hash)
 
     def _build(self, law: str, effects: Mapping[str, Mapping[str, float]]) -> None:
         try:
-            self._core = _core.Model(law, _terms(effects))
+            core = _core.Model(law, arguments.terms(effects))
         except UnicodeEncodeError:
             message = f"the law {law!r}, or the name of an effect or a parameter, is no text in Unicode"
             raise ModelError(message) from None
-        self._needs = needs.of(self._core)
+        self._set(_core=core, _needs=needs.of(core))
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy is made of, here or in another process: the compiled parts are built anew."""
@@ -150,7 +144,7 @@ class Model:
         return {"law": self.law, **{name: own for name, own in vars(self).items() if name not in built}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update({name: own for name, own in state.items() if name != "law"})
+        self._set(**{name: own for name, own in state.items() if name != "law"})
         self._build(state["law"], self.effects)
 
     @property
@@ -232,11 +226,10 @@ class Model:
         from echocal.model.reading import read  # slow import: only reading a file needs it
 
         origin = Path(path)
-        arguments, covariance, listed = read(origin)
+        given, covariance, listed = read(origin)
         try:
-            model = cls(**arguments)
-            model.covariance = covariances.arranged(covariance, listed, model.parameter_names)
-            return model
+            model = cls(**given)
+            return model._set(covariance=covariances.arranged(covariance, listed, model.parameter_names))
         except ModelError as error:
             message = f"{origin}: {error}"
             raise ModelError(message) from None
@@ -283,7 +276,7 @@ class Model:
         """Return the true distance [m] of an indication [m]; NaN where there is none."""
         if self.shape is None:
             return self._map(self._core.correct, indication, conditions)
-        own = _numeric("the first argument", indication)
+        own = arguments.numeric("the first argument", indication)
         corrected: float | Values = added.corrected(
             self.shape, self.air, own, conditions, lambda at, rest: self._map(self._core.correct, at, rest)
         )
@@ -311,9 +304,11 @@ class Model:
 
     def with_shape(self, shape: Shape | Smooth | None) -> "Model":
         """The same model with an unexplained term or a smooth correction."""
-        same = self._like(self.effects, shape)
-        same.covariance = self.covariance
-        return same
+        return self._like(self.effects, shape)._set(covariance=self.covariance)
+
+    def with_provenance(self, provenance: Mapping[str, Any]) -> "Model":
+        """The same model with another record of where it comes from."""
+        return copy.copy(self)._set(provenance=fixed(provenance))
 
     def _like(self, effects: Mapping[str, Mapping[str, float]], shape: Shape | Smooth | None) -> "Model":
         known: dict[str, Any] = {"air": self.air, "provenance": self.provenance}
@@ -342,10 +337,8 @@ class Model:
         left_out = self.campaign_effects
         effects = {id_: own for id_, own in self.effects.items() if id_ not in left_out}
         kept = [i for i, name in enumerate(self.parameter_names) if name.partition(".")[0] in effects]
-        same = self._like(effects, self.shape)
-        if self.covariance is not None:
-            same.covariance = self.covariance[np.ix_(kept, kept)]
-        return same
+        known = None if self.covariance is None else self.covariance[np.ix_(kept, kept)]
+        return self._like(effects, self.shape)._set(covariance=known)
 
     def refuse_shape(self, what: str) -> None:
         """Raise `ModelError` if the model has an unexplained term, which `what` cannot use."""
@@ -372,7 +365,7 @@ class Model:
         self, given: Mapping[str, ArrayLike | None], *, times: bool = False
     ) -> dict[str, ArrayLike]:
         refuse_unknown(given)
-        known = {name: _numeric(name, value) for name, value in given.items() if value is not None}
+        known = {name: arguments.numeric(name, value) for name, value in given.items() if value is not None}
         conditions: dict[str, ArrayLike] = {**self.air, **known}
         self._needs.check(conditions, times=times)
         self._needs.warn_outside(conditions, self.effects)
@@ -390,5 +383,5 @@ class Model:
         out, n_threads = given.get("out"), given.get("n_threads")
         named = {name: value for name, value in given.items() if name not in {"out", "n_threads"}}
         conditions = self._conditions(named, times=times)
-        first = _numeric("the first argument", first)
+        first = arguments.numeric("the first argument", first)
         return function(first, [conditions.get(name) for name in QUANTITIES], out, n_threads)

@@ -36,6 +36,7 @@ def checked(given: ArrayLike | None, names: tuple[str, ...]) -> NDArray[np.float
         apart = np.abs(matrix - matrix.T)
     if (apart > ROUNDING * np.multiply.outer(scale, scale)).any():
         raise ModelError("covariance is not symmetric")
+    matrix.setflags(write=False)
     return matrix
 
 
@@ -49,4 +50,5 @@ def arranged(
     whole = np.zeros((len(names), len(names)))
     places = [names.index(name) for name in listed]
     whole[np.ix_(places, places)] = matrix
+    whole.setflags(write=False)
     return whole

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -23,11 +24,11 @@ SCHEMA = f"echocal.model/{NEWEST}"
 class Described(Protocol):
     """What a file holds of a model."""
 
-    air: dict[str, float]
-    effects: dict[str, dict[str, float]]
+    air: Mapping[str, float]
+    effects: Mapping[str, Mapping[str, float]]
     shape: Shape | Smooth | None
     covariance: NDArray[np.float64] | None
-    provenance: dict[str, Any]
+    provenance: Mapping[str, Any]
 
     @property
     def law(self) -> str: ...

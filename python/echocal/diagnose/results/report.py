@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,8 @@ def report(
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
     causes = _causes(case, ranking, selection, validation, joint, word)
-    validation.model.provenance |= _origin(causes, word)
+    origin = {**validation.model.provenance, **_origin(causes, word)}
+    validation = replace(validation, model=validation.model.with_provenance(origin))
     return Diagnosis(
         verdict=word,
         causes=causes,
