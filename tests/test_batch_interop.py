@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import echocal
+from echocal.model import Shape
 
 TIME = np.array([0.004, 0.01, 0.02])
 TEMPERATURE = np.array([-5.0, 20.0, 35.0])
@@ -77,6 +78,31 @@ def test_polars_expressions_are_lazy() -> None:
         table = frame.with_columns(expression).collect(engine=engine)
         assert table.columns == ["time", "temperature", "distance"]
         np.testing.assert_array_equal(table["distance"], EXPECTED)
+
+
+MODELS = {
+    "effects": echocal.Model("cramer", {"fixed_delay": {"delay": 3e-5}}, air={"relative_humidity": 0.4}),
+    "shape": echocal.Model("linear", shape=Shape("temperature", (0.0, 20.0), (0.0, 2e-3), (1e-4, 1e-4))),
+}
+
+
+@pytest.mark.parametrize("engine", ["in-memory", "streaming"])
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
+def test_models_take_polars_expressions(model: echocal.Model, engine: str) -> None:
+    frame = pl.LazyFrame({"reading": [1.0, 1.5, None, 2.0], "air": [10.0, None, 20.0, 30.0]})
+    expression = model.correct(pl.col("reading"), temperature=pl.col("air"))
+    assert isinstance(expression, pl.Expr)
+    table = frame.with_columns(expression).collect(engine=engine)
+    assert table["distance"].is_null().to_list() == [False, True, True, False]
+    expected = model.correct(np.array([1.0, 2.0]), temperature=np.array([10.0, 30.0]))
+    np.testing.assert_array_equal(table["distance"].drop_nulls(), expected)
+    fixed = frame.select(model.indicate(2.0, temperature=pl.col("air"))).collect()["indication"]
+    np.testing.assert_array_equal(fixed[0], model.indicate(2.0, temperature=10.0))
+
+
+def test_polars_decides_on_threads() -> None:
+    with pytest.raises(echocal.UsageError, match="n_threads cannot be given for polars expressions"):
+        MODELS["effects"].distance(pl.col("time"), temperature=20.0, n_threads=2)
 
 
 def test_an_array_interface_is_enough() -> None:

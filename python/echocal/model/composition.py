@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.conditions import columns, refuse_unknown
 from echocal.errors import ModelError
-from echocal.model import added, arguments, document, needs
+from echocal.model import added, arguments, document, expressions, needs
 from echocal.model import covariance as covariances
 from echocal.model.fixed import fixed
 from echocal.model.shape import DISTANCE, Shape
@@ -34,10 +34,10 @@ class Model:
     [1], ``elapsed_time`` [s], ``supply_voltage`` [V], ``angle`` [rad], ``wind_speed`` [m/s],
     ``radiation`` [W/m^2], ``amplitude`` [1], and what `read_observations` derives from a table's rows
     (`echocal.quantities.QUANTITIES` has all). They broadcast against the first argument; scalars
-    alone give a float; pandas, xarray and dask come back as their own type, and the keywords `out`
-    and `n_threads` act as in `echocal.distance`. Without their keyword, humidity is 0, pressure
-    101325 Pa and CO2 0.04 %; NaN in gives NaN out, and one `DomainWarning` says where a law is
-    used outside its domain.
+    alone give a float; pandas, xarray, dask and polars (expressions, too) come back as their own
+    type, and the keywords `out` and `n_threads` act as in `echocal.distance`. Without their keyword,
+    humidity is 0, pressure 101325 Pa and CO2 0.04 %; NaN in gives NaN out, and one `DomainWarning`
+    says where a law is used outside its domain.
 
     Parameters
     ----------
@@ -240,6 +240,8 @@ class Model:
     def indicate(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def indicate(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return what the device indicates [m] at a true distance [m]."""
+        if expressions.among(distance, conditions):
+            return expressions.over(self.indicate, distance, conditions, "indication")  # type: ignore[no-any-return]
         if self.shape is None:
             return self._map(self._core.indicate, distance, conditions)
         shifted: float | Values = added.indicated(
@@ -257,6 +259,8 @@ class Model:
     def speed_of_sound(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def speed_of_sound(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the speed of sound on the path [m/s] at a true distance [m]."""
+        if expressions.among(distance, conditions):
+            return expressions.over(self.speed_of_sound, distance, conditions, "speed_of_sound")  # type: ignore[no-any-return]
         return self._map(self._core.speed_of_sound, distance, conditions)
 
     @overload
@@ -265,6 +269,8 @@ class Model:
     def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def time_of_flight(self, distance: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the echo time, out and back, that the device records [s] at a true distance [m]."""
+        if expressions.among(distance, conditions):
+            return expressions.over(self.time_of_flight, distance, conditions, "time_of_flight")  # type: ignore[no-any-return]
         self.refuse_shape("an echo time")
         return self._map(self._core.time_of_flight, distance, conditions, times=True)
 
@@ -274,6 +280,8 @@ class Model:
     def correct(self, indication: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def correct(self, indication: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the true distance [m] of an indication [m]; NaN where there is none."""
+        if expressions.among(indication, conditions):
+            return expressions.over(self.correct, indication, conditions, "distance")  # type: ignore[no-any-return]
         if self.shape is None:
             return self._map(self._core.correct, indication, conditions)
         own = arguments.numeric("the first argument", indication)
@@ -288,6 +296,8 @@ class Model:
     def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
     def distance(self, time: ArrayLike, **conditions: ArrayLike | None) -> float | Values:
         """Return the true distance [m] of a recorded echo time [s]; NaN where there is none."""
+        if expressions.among(time, conditions):
+            return expressions.over(self.distance, time, conditions, "distance")  # type: ignore[no-any-return]
         self.refuse_shape("the distance of an echo time")
         return self._map(self._core.distance, time, conditions, times=True)
 
