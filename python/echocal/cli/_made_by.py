@@ -11,7 +11,8 @@ from typing import Any
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.model import Model, document
 
-__all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result", "sign", "table"]
+__all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result"]
+__all__ += ["sensor_model", "sign", "table", "verdicts"]
 
 Recognize = Callable[[Path], bool]
 """Tells of an existing file whether it is a former output of the same kind."""
@@ -19,6 +20,7 @@ Recognize = Callable[[Path], bool]
 _CORRECTED = {"corrected_distance_m", "unusable"}
 _SWEPT = {"speed_of_sound_m_s", "echo_s", "reading_m", "error_m"}
 _FATES = {"row", "fate", "error_before_mm", "error_after_mm"}
+_VERDICTS = {"sensor", "verdict", "fleet_verdict", "fleet_class_probability"}
 _COLUMNS = {"correct": _CORRECTED, "sweep": _SWEPT, "diagnose": _FATES}
 """Columns by which the tables of a command are known."""
 
@@ -75,6 +77,24 @@ def model(command: str, source: Path) -> Recognize:
         return made_here and content["hash"] == document.digest(content) and data[_SEAL] == _seal(data)
 
     return _tried(recognize)
+
+
+def sensor_model() -> Recognize:
+    """A model of a fleet that was not edited since, or the index of such models."""
+
+    def recognize(file: Path) -> bool:
+        content = _json(file)
+        if content["schema"] == "echocal.models/1":
+            return True
+        made = content["data"]["made_by"] == "echocal diagnose" and "sensor" in content["data"]
+        return made and content["hash"] == document.digest(content)
+
+    return _tried(recognize)
+
+
+def verdicts() -> Recognize:
+    """A table of verdicts of a fleet."""
+    return _tried(lambda file: _columns(file) >= _VERDICTS)
 
 
 def table(command: str) -> Recognize:

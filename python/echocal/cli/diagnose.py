@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from echocal.cli import _made_by, _pool
+from echocal.cli import _fleet, _made_by, _pool
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import (
     Columns,
@@ -33,7 +33,10 @@ from echocal.report import print_diagnosis
 
 
 def command(
-    data: Annotated[Path, typer.Argument(help="Table of echoes: CSV, TSV, Parquet.")],
+    data: Annotated[
+        Path,
+        typer.Argument(help="Table of echoes: CSV, TSV, Parquet; of a fleet also a folder or a pattern."),
+    ],
     more: Annotated[
         list[str] | None,
         typer.Argument(
@@ -95,7 +98,36 @@ def command(
     ] = None,
     models: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Of several tables: write shared.json and the model of each table."),
+        typer.Option(
+            metavar="DIR",
+            help="Of several tables: write shared.json and the model of each table. Of a fleet: the model of "
+            "each sensor.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="A fleet: give each sensor a verdict of its own, and write them as .parquet or .csv.",
+        ),
+    ] = None,
+    results: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Of a fleet: write the diagnosis of each sensor.")
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COLUMN",
+            help="Of a fleet: the kind of a sensor. Sensors of a kind share how common each cause is.",
+        ),
+    ] = None,
+    memory: Annotated[
+        str, typer.Option(metavar="SIZE", help="Of a fleet: memory for the rows that a process holds.")
+    ] = "512MB",
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Of a fleet: processes; default: all processors.")
     ] = None,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
@@ -106,29 +138,44 @@ def command(
     tables, ranges = _pool.told_apart(more)
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
     reading = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout)
-    if tables or by is not None:
-        _pool.refuse_options(
-            {
-                "--model": model,
-                "--with-shape": with_shape,
-                "--with-smooth": with_smooth,
-                "--rows": rows,
-                "--hold-out-after": hold_out_after,
-                "--can-vary": can_vary or ranges,
-            }
-        )
+    is_fleet = _fleet.is_fleet([data, *tables], output)
+    _refuse_fleet_options(is_fleet, {"--results": results, "--kind": kind, "--workers": workers})
+    if is_fleet or tables or by is not None:
+        alone = {
+            "--model": model,
+            "--with-shape": with_shape,
+            "--with-smooth": with_smooth,
+            "--rows": rows,
+            "--can-vary": can_vary or ranges,
+        }
+        used = [base if base.endswith(".json") else None, *toml_files(column)]
+        request = {
+            "reference_distance": reference_distance,
+            "constant_distance": constant_distance,
+            "since": since,
+            "until": until,
+            "seed": seed,
+        }
+        if is_fleet:
+            _fleet.refuse_options(alone)
+            _fleet.diagnose_sensors(
+                [data, *tables],
+                by,
+                used,
+                {**request, "base": base, "hold_out_after": _time(hold_out_after)},
+                reading,
+                _fleet.Outputs(output, models, results, plots, json),
+                _fleet.How(kind, memory, workers),
+                force=force,
+                quiet=quiet,
+            )
+            return
+        _pool.refuse_options({**alone, "--hold-out-after": hold_out_after})
         _pool.diagnose_tables(
             [data, *tables],
             by,
-            [base if base.endswith(".json") else None, *toml_files(column)],
-            {
-                "base": Model.load(base) if base.endswith(".json") else base,
-                "reference_distance": reference_distance,
-                "constant_distance": constant_distance,
-                "since": since,
-                "until": until,
-                "seed": seed,
-            },
+            used,
+            {**request, "base": Model.load(base) if base.endswith(".json") else base},
             reading,
             _pool.Outputs(models, plots, json),
             force=force,
@@ -180,6 +227,13 @@ def command(
         replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
+
+
+def _refuse_fleet_options(is_fleet: bool, given: dict[str, object]) -> None:
+    option = next((option for option, value in given.items() if value is not None), None)
+    if option is not None and not is_fleet:
+        message = f"{option} is for a fleet: give -o FILE, or a folder of logs"
+        raise UsageError(message)
 
 
 def _pictures(folder: Path | None) -> list[Output]:

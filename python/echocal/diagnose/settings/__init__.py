@@ -15,6 +15,7 @@ from typing import Any
 from echocal.diagnose.settings.causes import listed_thresholds
 from echocal.diagnose.settings.claims import ClaimSettings
 from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.fleet import FleetSettings
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.pooling import PoolingSettings
@@ -28,6 +29,7 @@ from echocal.errors import UsageError
 __all__ = [
     "ClaimSettings",
     "FaultSettings",
+    "FleetSettings",
     "NoiseModelSettings",
     "NoiseSettings",
     "PoolingSettings",
@@ -65,6 +67,7 @@ class Settings:
     noises: NoiseSettings = field(default_factory=NoiseSettings)
     faults: FaultSettings = field(default_factory=FaultSettings)
     pooling: PoolingSettings = field(default_factory=PoolingSettings)
+    fleet: FleetSettings = field(default_factory=FleetSettings)
 
     @classmethod
     def of(cls, given: Settings | Mapping[str, Mapping[str, Any]] | None) -> Settings:

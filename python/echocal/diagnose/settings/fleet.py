@@ -1,0 +1,35 @@
+"""Numbers of a fleet."""
+
+from dataclasses import dataclass
+
+from echocal.diagnose.settings.threshold import number
+
+__all__ = ["FleetSettings"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FleetSettings:
+    """Numbers of a fleet: how common each cause is among sensors of a kind."""
+
+    prior_sensors: float = number(
+        1.0,
+        "sensors",
+        "that the prior of a cause's prevalence weighs as much as",
+        "argument: the least that keeps a prevalence from being exactly zero, and one sensor among many "
+        "decides nothing",
+    )
+    rounds: int = number(
+        2000, "rounds", "of the expectation maximization at most", "judgement; it ends by `settled`"
+    )
+    settled: float = number(
+        1e-6,
+        "probability",
+        "the prevalences are settled if none changes by more in a round",
+        "argument: it changes the expected number of sensors in a million by one",
+    )
+    false_discovery_rate: float = number(
+        0.05,
+        "of the names",
+        "accepted part of false names, for the longest list of names that has no more",
+        "convention",
+    )

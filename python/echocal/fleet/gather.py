@@ -1,0 +1,180 @@
+"""Gather the log of each sensor of a task from its files, in the order of time."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DataError
+from echocal.fleet.files import partitions
+from echocal.fleet.labels import label
+from echocal.fleet.polar import Frame, polars
+from echocal.fleet.tables import opened
+from echocal.observations.plan import make
+from echocal.observations.text import Layout
+
+__all__ = ["Log", "logs"]
+
+_PLACE = "_echocal_file"
+_KEY = "_echocal_key"
+
+
+@dataclass(frozen=True)
+class Log:
+    """The rows of a sensor.
+
+    Attributes
+    ----------
+    columns : mapping of str to ndarray, or polars.DataFrame
+        The table, or nothing where it cannot be read.
+    repeated : int
+        Rows that stand in two files and are used once.
+    notes : tuple of str
+    error : str
+        Why there is no table; else empty.
+    """
+
+    columns: Any
+    repeated: int = 0
+    notes: tuple[str, ...] = ()
+    error: str = ""
+
+
+def logs(
+    sensors: Sequence[Mapping[str, Any]],
+    by: str | None,
+    kind: str | None,
+    requests: Mapping[str, str],
+    layout: Layout,
+    time_zone: str,
+) -> Iterator[tuple[Mapping[str, Any], Log]]:
+    """Read the files of some sensors once each, and yield the log of every sensor.
+
+    Parameters
+    ----------
+    sensors : sequence of mapping
+        ``key`` and ``files`` of each.
+    by, kind : str or None
+        Columns of the keys and of the kinds, which are no columns of a log.
+    requests : mapping of str to str
+        Meaning of columns.
+    """
+    wanted: dict[str, set[str]] = {}
+    for sensor in sensors:
+        for file in sensor["files"]:
+            wanted.setdefault(file, set()).add(sensor["key"])
+    parts: dict[tuple[str, str], Frame] = {}
+    broken: dict[str, str] = {}
+    for file, keys in wanted.items():
+        try:
+            for key, frame in _parts(Path(file), keys, by, kind, layout):
+                parts[file, key] = frame
+        except DataError as error:
+            broken[file] = str(error)
+    for sensor in sensors:
+        key = sensor["key"]
+        own = [(file, parts.pop((file, key))) for file in sensor["files"] if (file, key) in parts]
+        failed = [broken[file] for file in sensor["files"] if file in broken]
+        if failed:
+            yield sensor, Log({}, error=failed[0])
+            continue
+        try:
+            yield sensor, _joined([frame for _, frame in own], requests, time_zone)
+        except DataError as error:
+            yield sensor, Log({}, error=str(error))
+
+
+def _parts(
+    file: Path, keys: set[str], by: str | None, kind: str | None, layout: Layout
+) -> Iterator[tuple[str, Frame]]:
+    """Rows of each wanted sensor of a file."""
+    pl = polars()
+    table = opened(file, layout)
+    columns = [name for name in table.schema if name not in {by, kind}]
+    if by is None or by in partitions(file):
+        yield next(iter(keys)), table.read([pl.col(columns)])
+        return
+    key = label(by, table.schema[by])
+    frame = table.read([pl.col(columns), key.alias(_KEY)], key.is_in(sorted(keys)))
+    for (own,), part in frame.partition_by(_KEY, as_dict=True, maintain_order=True).items():
+        yield own, part.drop(_KEY)
+
+
+def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) -> Log:
+    """One table of several, in the order of time; a row that stands in two files is used once."""
+    pl = polars()
+    if len(frames) == 1:
+        return Log(_arrays(frames[0]))
+    try:
+        whole = pl.concat(
+            [frame.with_columns(pl.lit(place, pl.Int32).alias(_PLACE)) for place, frame in enumerate(frames)],
+            how="diagonal_relaxed",
+        )
+    except pl.exceptions.PolarsError as error:
+        message = f"its files have columns of different types: {str(error).splitlines()[0]}"
+        raise DataError(message) from None
+    notes = []
+    columns = [name for name in whole.columns if name != _PLACE]
+    lacking = [name for name in columns if any(name not in frame.columns for frame in frames)]
+    if lacking:
+        notes.append(f"some of its {len(frames)} files have no column {', '.join(map(repr, lacking))}")
+    once = whole.unique(columns, keep="first", maintain_order=True)
+    repeated = 0
+    if len(once) < len(whole):
+        # rows that are alike within one file stay: a log may have two readings in one second
+        again = whole.with_columns(pl.int_range(pl.len()).over(*columns, _PLACE).alias("_nth"))
+        kept = again.unique([*columns, "_nth"], keep="first", maintain_order=True).drop("_nth")
+        repeated, whole = len(whole) - len(kept), kept
+        if repeated:
+            notes.append(f"{repeated} rows stand in two of its files and are used once")
+    order, overlapping = _order(whole, columns, requests, time_zone)
+    if order is not None:
+        whole = whole[order]
+    else:
+        notes.append(f"there is no time, so its {len(frames)} files are joined in the order of their paths")
+    if overlapping:
+        notes.append(f"its files overlap in time: {overlapping} rows were put in the order of time")
+    return Log(_arrays(whole.drop(_PLACE)), repeated, tuple(notes))
+
+
+def _order(
+    whole: Frame, columns: Sequence[str], requests: Mapping[str, str], time_zone: str
+) -> tuple[NDArray[np.intp] | None, int]:
+    """Order of the rows by time, and how many rows of overlapping files it moves."""
+    planned = make(list(columns), {name: r for name, r in requests.items() if name in columns})
+    held = planned.assignments.get("elapsed_time")
+    if held is None:
+        return None, 0
+    time = whole[held.column]
+    if not time.dtype.is_numeric():
+        from echocal.observations.clock import instants
+
+        times = instants(time.to_pandas(), held.column, time_zone)[0].astype(np.float64)
+        times[times < -9.2e18] = np.nan
+    else:
+        times = time.to_numpy().astype(np.float64)
+    place = whole[_PLACE].to_numpy()
+    # whole files first: rows of one file keep their order unless files overlap
+    first = np.full(int(place.max()) + 1, np.inf)
+    last = np.full(len(first), -np.inf)
+    known = np.isfinite(times)
+    np.minimum.at(first, place[known], times[known])
+    np.maximum.at(last, place[known], times[known])
+    rank = np.argsort(first, kind="stable")
+    overlap = bool(np.any(np.maximum.accumulate(last[rank])[:-1] > first[rank][1:]))
+    if not overlap:
+        back = np.empty(len(rank), np.intp)
+        back[rank] = np.arange(len(rank))
+        return np.argsort(back[place], kind="stable"), 0
+    order = np.argsort(np.where(known, times, np.inf), kind="stable")
+    return order, int(np.sum(np.diff(place[order]) != 0))
+
+
+def _arrays(frame: Frame) -> Any:
+    """Columns as arrays, which are read soonest; NumPy has no times with a zone."""
+    if any(getattr(kind, "time_zone", None) for kind in frame.dtypes):
+        return frame
+    return {name: frame[name].to_numpy() for name in frame.columns}

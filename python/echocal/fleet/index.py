@@ -1,0 +1,167 @@
+"""The first pass: which sensor has how many rows in which file. Only the columns of the keys are read."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import DataError
+from echocal.fleet.files import partitions
+from echocal.fleet.labels import label
+from echocal.fleet.polar import polars
+from echocal.fleet.tables import Opened, opened
+from echocal.observations.source import is_parquet
+from echocal.observations.text import Layout
+
+__all__ = ["Index", "Sensor", "indexed"]
+
+
+@dataclass
+class Sensor:
+    """Where the rows of a sensor are.
+
+    Attributes
+    ----------
+    key : str
+    kind : str
+        Empty: all sensors are of one kind.
+    files : list of (Path, int)
+        Each file with rows of the sensor, and their number.
+    """
+
+    key: str
+    kind: str = ""
+    files: list[tuple[Path, int]] = field(default_factory=list)
+
+    @property
+    def rows(self) -> int:
+        """Its rows in all files."""
+        return sum(rows for _, rows in self.files)
+
+
+@dataclass(frozen=True)
+class Index:
+    """All sensors of a fleet.
+
+    Attributes
+    ----------
+    sensors : list of Sensor
+        In the order of their keys.
+    notes : tuple of str
+    unlabeled : int
+        Rows without a key.
+    broken : mapping of str to str
+        Files that cannot be read, with the reasons.
+    """
+
+    sensors: list[Sensor]
+    notes: tuple[str, ...]
+    unlabeled: int
+    broken: Mapping[str, str]
+
+
+def indexed(files: Sequence[Path], by: str | None, kind: str | None, layout: Layout) -> Index:
+    """Look where the rows of each sensor are.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    by : str or None
+        Column or level of the folders that has the key; None: each file is the log of one sensor.
+    kind : str or None
+        Column or level of the folders that has the kind of a sensor.
+
+    Raises
+    ------
+    DataError
+        If no file has a sensor, or the files of a sensor have different kinds.
+    """
+    sensors: dict[str, Sensor] = {}
+    kinds: dict[str, set[str]] = {}
+    broken: dict[str, str] = {}
+    unlabeled = 0
+    names = _names(files) if by is None else {}
+    for file in files:
+        try:
+            counted = _counted(file, by, kind, names.get(file), layout)
+        except DataError as error:
+            broken[str(file)] = str(error)
+            continue
+        for key, own, rows in counted:
+            if key is None:
+                unlabeled += rows
+                continue
+            sensor = sensors.setdefault(key, Sensor(key))
+            kinds.setdefault(key, set()).add(own or "")
+            if sensor.files and sensor.files[-1][0] == file:  # two kinds in one file
+                sensor.files[-1] = (file, sensor.files[-1][1] + rows)
+            else:
+                sensor.files.append((file, rows))
+    if not sensors:
+        first = next(iter(broken.values()), f"column '{by}' is empty in every row of {len(files)} files")
+        raise DataError(first)
+    notes = []
+    for key, found in kinds.items():
+        if len(found - {""}) > 1:
+            message = f"sensor {key} has several kinds in '{kind}': {', '.join(sorted(found))}; give it one"
+            raise DataError(message)
+        sensors[key].kind = max(found)
+    if unlabeled:
+        notes.append(f"{unlabeled} rows have no '{by}' and belong to no sensor")
+    notes += [f"set aside: {text}" for text in broken.values()]
+    return Index([sensors[key] for key in sorted(sensors, key=_order)], tuple(notes), unlabeled, broken)
+
+
+def _counted(
+    file: Path, by: str | None, kind: str | None, name: str | None, layout: Layout
+) -> list[tuple[str | None, str | None, int]]:
+    """Key, kind and rows of each sensor of a file."""
+    pl = polars()
+    path = partitions(file)
+    if by is None or by in path:
+        own = name if by is None else path[by].strip() or None
+        if kind is None or kind in path:
+            return [(own, path.get(kind or ""), _rows(file, layout))]
+        table = opened(file, layout)
+        found = table.read([_label(table, kind).alias("kind")])
+        counts = found.group_by("kind").len().sort("kind", nulls_last=True)
+        return [(own, value, rows) for value, rows in counts.iter_rows()]
+    table = opened(file, layout)
+    wanted = [_label(table, by).alias("key")]
+    wanted.append(
+        _label(table, kind).alias("kind") if kind and kind not in path else pl.lit(None).alias("kind")
+    )
+    counts = table.read(wanted).group_by("key", "kind").len().sort("key", "kind", nulls_last=True)
+    return [(key, path.get(kind or "", own), rows) for key, own, rows in counts.iter_rows()]
+
+
+def _label(table: Opened, column: str) -> Any:
+    if column not in table.schema:
+        message = (
+            f"{table.path} has no column '{column}', and no folder of its path is named {column}=...; "
+            f"it has {', '.join(table.schema)}"
+        )
+        raise DataError(message)
+    return label(column, table.schema[column])
+
+
+def _rows(file: Path, layout: Layout) -> int:
+    """Rows of a file whose path has the key: of text it is only known that there are some."""
+    if not is_parquet(file):
+        return max(file.stat().st_size // 40, 1)  # a guess of the size of a row, which divides the work only
+    pl = polars()
+    return int(opened(file, layout).read([pl.len()]).item())
+
+
+def _names(files: Sequence[Path]) -> dict[Path, str]:
+    """Stems of files, or as much of their paths as makes them differ."""
+    stems = {file: file.name.partition(".")[0] for file in files}
+    if len(set(stems.values())) < len(stems):
+        return {file: file.as_posix() for file in files}
+    return stems
+
+
+def _order(key: str) -> tuple[int, int, str]:
+    """Numbers in their order, before other keys."""
+    number = key.isascii() and key.isdigit() and len(key) < 19
+    return (0, int(key), key) if number else (1, 0, key)

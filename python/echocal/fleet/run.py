@@ -1,0 +1,268 @@
+"""The diagnosis of a fleet: index, tasks, prevalence of causes, table."""
+
+import hashlib
+import json
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from echocal._core import __version__
+from echocal.diagnose.request import Request
+from echocal.diagnose.settings import Settings
+from echocal.errors import UsageError, writing
+from echocal.fleet import verdicts
+from echocal.fleet.files import expanded
+from echocal.fleet.index import Sensor, indexed
+from echocal.fleet.judge import judged
+from echocal.fleet.names import INDEX, index_text, named
+from echocal.fleet.plan import digest, tasks_of
+from echocal.fleet.pool import processors, run_all
+from echocal.fleet.record import FAILED, failure
+from echocal.fleet.store import Store
+from echocal.fleet.summary import summary
+from echocal.fleet.task import run_task
+from echocal.model import Model, document
+from echocal.observations.text import Layout
+from echocal.outputs import replace_text
+
+__all__ = ["Fleet", "Progress", "diagnose_fleet"]
+
+Records = list[dict[str, Any]]
+Progress = Callable[[int, int, int], object]
+"""Called with the sensors that are done, those of all, and those that were done in an earlier run."""
+
+_MEMORY = 512 << 20
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """The verdicts of a fleet.
+
+    Attributes
+    ----------
+    rows : list of dict
+        One for each sensor, as in the table.
+    summary : dict
+        Schema ``echocal.fleet/1``.
+    """
+
+    rows: list[dict[str, Any]]
+    summary: dict[str, Any]
+
+    @property
+    def failed(self) -> int:
+        """Sensors that could not be diagnosed."""
+        return sum(row["verdict"] == FAILED for row in self.rows)
+
+
+def diagnose_fleet(
+    inputs: Sequence[str | Path] | str | Path,
+    by: str | None = None,
+    *,
+    out: str | Path | None = None,
+    models: str | Path | None = None,
+    results: str | Path | None = None,
+    kind: str | None = None,
+    base: str | float | Path = "linear",
+    reading: Mapping[str, Any] | None = None,
+    layout: Layout | None = None,
+    settings: Settings | Mapping[str, Mapping[str, Any]] | None = None,
+    workers: int | None = None,
+    memory: int = _MEMORY,
+    force: bool = False,
+    progress: Progress | None = None,
+    seed: int = 0,
+    **request: Any,
+) -> Fleet:
+    """Diagnose every sensor of a fleet by itself, and estimate how common each cause is.
+
+    Parameters
+    ----------
+    inputs : path or sequence of paths
+        Files, folders or patterns. A log may lie in several files.
+    by : str, optional
+        Column, or level of the folders (``sensor_id=17``), with the key of a sensor. Default: each file is
+        the log of one sensor.
+    out : path, optional
+        Table of verdicts to write, ``.parquet`` or ``.csv``. A run that was killed is continued if its
+        request is repeated.
+    models, results : path, optional
+        Folders for the model and for the whole diagnosis of each sensor.
+    kind : str, optional
+        Column or level of the folders with the kind of a sensor. Sensors of a kind share how common each
+        cause is. Default: all are of one kind.
+    base : str, float or path
+        As for `echocal.diagnose`; a model by its file.
+    reading : mapping, optional
+        Arguments of `echocal.read_observations`.
+    layout : Layout, optional
+        How text files are written.
+    settings, seed
+        As for `echocal.diagnose`.
+    workers : int, optional
+        Processes; default: as many as processors.
+    memory : int
+        Bytes of rows that a process holds at a time.
+    force : bool
+        Whether an unfinished run of another request is thrown away.
+    progress : callable, optional
+    **request
+        ``reference_distance``, ``constant_distance``, ``since``, ``until`` and ``hold_out_after`` as for
+        `echocal.diagnose`.
+
+    Returns
+    -------
+    Fleet
+
+    Raises
+    ------
+    DataError
+        If there is no sensor.
+    UsageError
+        If a request contradicts itself, or an output cannot be written.
+    """
+    begun = time.perf_counter()
+    given = [inputs] if isinstance(inputs, str | Path) else list(inputs)
+    files, notes = expanded([Path(path) for path in given])
+    layout = layout or Layout()
+    index = indexed(files, by, kind, layout)
+    folders = {"models": _folder(models), "results": _folder(results)}
+    asked = {
+        **_request(base, request, settings, seed),
+        "reading": _reading(reading),
+        "layout": {"skip_lines": layout.skip_lines, "decimal": layout.decimal, "encoding": layout.encoding},
+        "by": by,
+        "kind": kind,
+        "models": folders["models"],
+        "results": folders["results"],
+    }
+    checked = Settings.of(settings)
+    with tempfile.TemporaryDirectory(prefix="echocal-") as scratch:
+        store = Store(Path(scratch) if out is None else _beside(Path(out)))
+        job = {**asked, "store": str(store.folder.resolve())}
+        tasks = tasks_of(index.sensors, named(index.sensors), job, memory)
+        with store.locked():
+            store.begin(_state(asked, files, index.sensors, tasks), force)
+            for folder in (path for path in folders.values() if path):
+                with writing(folder):
+                    Path(folder).mkdir(parents=True, exist_ok=True)
+            records = _records(store, tasks, job, workers or processors(), progress)
+            found = judged(records, checked)
+            rows = [verdicts.row(one, own) for one, own in zip(records, found.sensors, strict=True)]
+            whole = [*notes, *index.notes]
+            told = summary(rows, found, checked, whole, time.perf_counter() - begun)
+            if folders["models"]:
+                made = {one["sensor"]: one["model"] for one in records if one["model"]}
+                replace_text(Path(folders["models"]) / INDEX, index_text(made))
+            if out is not None:
+                verdicts.write(rows, Path(out))
+            store.remove()
+    return Fleet(rows, told)
+
+
+def _records(
+    store: Store,
+    tasks: Sequence[Mapping[str, Any]],
+    job: Mapping[str, Any],
+    workers: int,
+    progress: Progress | None,
+) -> list[dict[str, Any]]:
+    """Run what is not finished, and return the records of all sensors in the order of the tasks."""
+    total = sum(len(task["sensors"]) for task in tasks)
+    kept: dict[int, Records] = {}
+    left = []
+    for task in tasks:
+        before = store.finished(task["number"])
+        if before is not None and _whole(before, job):
+            kept[task["number"]] = before
+        else:
+            left.append(task)
+    done = earlier = sum(len(records) for records in kept.values())
+    if progress is not None:
+        progress(done, total, earlier)
+    for task, result in run_all(run_task, left, workers):
+        if result is None:
+            kept[task["number"]] = [_lost(sensor) for sensor in task["sensors"]]
+        done += len(task["sensors"])
+        if progress is not None:
+            progress(done, total, earlier)
+    records: Records = []
+    for task in tasks:
+        own = kept.get(task["number"]) or store.finished(task["number"])
+        if own is None:
+            message = f"{store.path(task['number'])} is missing or damaged; run again"
+            raise UsageError(message)
+        records += own
+    return records
+
+
+def _whole(records: Sequence[Mapping[str, Any]], job: Mapping[str, Any]) -> bool:
+    """Whether the files that the records name are there as they were written."""
+    for one in records:
+        for what, sum_ in one["sha256"].items():
+            try:
+                content = (Path(job[what]) / one["file"]).read_bytes()
+            except OSError:
+                return False
+            if hashlib.sha256(content).hexdigest() != sum_:
+                return False
+    return True
+
+
+def _lost(sensor: Mapping[str, Any]) -> dict[str, Any]:
+    reason = "the process that diagnosed it was killed twice, perhaps for want of memory; give --memory less"
+    own = {"sensor": sensor["key"], "kind": sensor["kind"], "files": len(sensor["files"]), "repeated": 0}
+    named = {"model": None, "model_hash": None, "file": sensor["file"], "sha256": {}, "seconds": None}
+    return {**failure(reason), **own, **named}
+
+
+def _request(
+    base: str | float | Path, request: Mapping[str, Any], settings: Any, seed: int
+) -> dict[str, Any]:
+    """The request as plain data, checked before any file is read."""
+    usual = {"reference_distance": None, "constant_distance": False, "since": None, "until": None}
+    whole = {**usual, "hold_out_after": None, **request}
+    law: str | float = base if isinstance(base, float | int) else str(base)
+    model = Model.load(law) if isinstance(law, str) and law.endswith(".json") else None
+    Request.of(law if model is None else model, seed, settings, can_vary=None, **whole)
+    hash_ = None if model is None else document.digest(document.content(model))
+    path = law if model is None else str(Path(str(law)).resolve())
+    plain = None if settings is None else Settings.of(settings).to_dict()
+    return {"request": {"base": path, "base_hash": hash_, "seed": seed, "settings": plain, **whole}}
+
+
+def _reading(given: Mapping[str, Any] | None) -> dict[str, Any]:
+    usual: dict[str, Any] = {
+        "columns": {},
+        "missing": {},
+        "trust": [],
+        "reading_speed": None,
+        "time_zone": "UTC",
+    }
+    plain: dict[str, Any] = json.loads(json.dumps({**usual, **(given or {})}))  # tuples become lists
+    return plain
+
+
+def _state(
+    asked: Mapping[str, Any], files: Sequence[Path], sensors: Sequence[Sensor], tasks: Sequence[Any]
+) -> dict[str, Any]:
+    """What makes a run the same: a change of any of it would mix two runs."""
+    stamps = [(str(file.resolve()), file.stat().st_size, file.stat().st_mtime_ns) for file in files]
+    return {
+        "version": __version__,
+        **{name: asked[name] for name in sorted(asked)},
+        "files": digest(stamps),
+        "sensors": len(sensors),
+        "tasks": len(tasks),
+    }
+
+
+def _folder(path: str | Path | None) -> str | None:
+    return None if path is None else str(Path(path).resolve())
+
+
+def _beside(out: Path) -> Path:
+    return out.with_name(f"{out.name}.parts")

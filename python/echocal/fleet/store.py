@@ -1,0 +1,136 @@
+"""Files of a run: complete or absent, in a folder that only one run writes to."""
+
+import gzip
+import hashlib
+import json
+import os
+import secrets
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import UsageError, writing
+
+__all__ = ["Store", "put"]
+
+_JOB = "job.json"
+_LOCK = "lock"
+
+
+def put(path: Path, data: bytes) -> str:
+    """Write a file, complete or not at all, and return its SHA-256.
+
+    It does not wait for the disk: who trusts the file later compares the SHA-256.
+    """
+    unfinished = path.with_name(f".{path.name[:50]}.{secrets.token_hex(8)}.unfinished")
+    with writing(path):
+        try:
+            unfinished.write_bytes(data)
+            unfinished.replace(path)
+        finally:
+            unfinished.unlink(missing_ok=True)
+    return hashlib.sha256(data).hexdigest()
+
+
+class Store:
+    """The folder with what a run has finished.
+
+    Parameters
+    ----------
+    folder : Path
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other runs out; the lock ends with the process, however it ends.
+
+        Raises
+        ------
+        UsageError
+            If another run has the folder.
+        """
+        with writing(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            file = (self.folder / _LOCK).open("a+")
+        with file:
+            if not _lock(file):
+                message = f"{self.folder} is in use by another run; wait for it, or choose another output"
+                raise UsageError(message)
+            yield
+
+    def begin(self, job: Mapping[str, Any], force: bool) -> None:
+        """Record what the run is, or find that it is the one that was begun.
+
+        Raises
+        ------
+        UsageError
+            If the folder has another run.
+        """
+        file = self.folder / _JOB
+        if file.exists():
+            before = _json(file)
+            if before == job:
+                return
+            if not force:
+                differing = ", ".join(sorted(k for k in {*before, *job} if before.get(k) != job.get(k)))
+                message = (
+                    f"{self.folder} has the unfinished run of another request (it differs in: {differing}); "
+                    "repeat that request to finish it, or start anew with --force"
+                )
+                raise UsageError(message)
+            self.clear()
+        put(file, json.dumps(job, indent=1, sort_keys=True).encode())
+
+    def finished(self, number: int) -> list[dict[str, Any]] | None:
+        """What a task has left, None if it is not finished or damaged."""
+        try:
+            content: list[dict[str, Any]] = json.loads(gzip.decompress(self.path(number).read_bytes()))
+        except (OSError, EOFError, ValueError):
+            return None
+        return content
+
+    def path(self, number: int) -> Path:
+        """File of a task's results."""
+        return self.folder / f"{number:07d}.json.gz"
+
+    def clear(self) -> None:
+        """Remove what the run has finished, and unfinished files of killed processes."""
+        for file in self.folder.iterdir():
+            if file.name.endswith((".json.gz", ".unfinished")) or file.name == _JOB:
+                file.unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        """Remove the folder, if nothing else is in it."""
+        self.clear()
+        (self.folder / _LOCK).unlink(missing_ok=True)
+        try:
+            self.folder.rmdir()
+        except OSError:
+            return
+
+
+def _json(file: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def _lock(file: Any) -> bool:
+    try:
+        import fcntl
+    except ImportError:  # Windows keeps an open file from being removed
+        return True
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    os.truncate(file.fileno(), 0)
+    file.write(f"{os.getpid()}\n")
+    file.flush()
+    return True

@@ -1,0 +1,64 @@
+"""One file as a polars table: Parquet lazily, text as echocal reads it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import DataError
+from echocal.fleet.polar import Frame, polars
+from echocal.observations.source import is_parquet, load
+from echocal.observations.text import Layout
+
+__all__ = ["Opened", "opened"]
+
+
+class Opened:
+    """A file whose columns are known, and can be read.
+
+    Attributes
+    ----------
+    path : Path
+    schema : mapping of str to polars.DataType
+    """
+
+    def __init__(self, path: Path, lazy: Any, schema: Any) -> None:
+        self.path, self._lazy, self.schema = path, lazy, schema
+
+    def read(self, columns: Sequence[Any], where: Any = None) -> Frame:
+        """Read expressions of columns, of the rows for which an expression holds.
+
+        Raises
+        ------
+        DataError
+            If the file cannot be read.
+        """
+        lazy = self._lazy if where is None else self._lazy.filter(where)
+        return _tried(self.path, lambda: lazy.select(columns).collect())
+
+
+def opened(path: Path, layout: Layout) -> Opened:
+    """Open a file.
+
+    Raises
+    ------
+    DataError
+        If it cannot be read.
+    """
+    pl = polars()
+    if is_parquet(path):
+        # hive levels are read from the path by the caller; here a column is a column of the file
+        lazy = _tried(path, lambda: pl.scan_parquet(str(path), hive_partitioning=False, glob=False))
+        schema = _tried(path, lazy.collect_schema)
+        return Opened(path, lazy, schema)
+    frame = pl.from_pandas(load(path, layout))
+    return Opened(path, frame.lazy(), frame.schema)
+
+
+def _tried(path: Path, work: Any) -> Any:
+    pl = polars()
+    try:
+        return work()
+    except (OSError, pl.exceptions.PolarsError) as error:
+        reason = next(iter(str(error).splitlines()), type(error).__name__)
+        message = f"{path} cannot be read: {reason}"
+        raise DataError(message) from None

@@ -1,0 +1,150 @@
+"""One task: the diagnoses of some sensors. Plain data in, plain data out; any ``map`` can run it.
+
+A task writes the model and the diagnosis of each sensor, then its record. Each file has a temporary name
+until it is complete, so a task can be run twice, at the same time too, or be killed at any moment. The same
+task makes the same verdicts.
+"""
+
+import gzip
+import json
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from echocal._core import __version__
+from echocal.diagnose.pipeline import Examined, examined
+from echocal.diagnose.preprocess.reading import read
+from echocal.diagnose.progress import Steps
+from echocal.diagnose.request import Request
+from echocal.errors import EchocalError, UsageError
+from echocal.fleet.gather import Log, logs
+from echocal.fleet.plan import SCHEMA
+from echocal.fleet.record import FAILED, failure, record
+from echocal.fleet.store import Store, put
+from echocal.model import Model, document
+from echocal.observations.text import Layout
+
+__all__ = ["run_task"]
+
+
+def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Diagnose the sensors of a task.
+
+    Parameters
+    ----------
+    task : mapping
+        Plain data, as `echocal.fleet.plan.tasks_of` makes it.
+
+    Returns
+    -------
+    dict
+        Plain data: number, sensors, how many failed, and seconds. A mistake in the data of a sensor never
+        raises; it is in the record of the sensor.
+    """
+    begun = time.perf_counter()
+    if task["schema"] != SCHEMA or task["version"] != __version__:
+        message = (
+            f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
+            f"{__version__} ({SCHEMA}); install the same version everywhere"
+        )
+        raise UsageError(message)
+    job = task["job"]
+    reading = job["reading"]
+    found = logs(
+        task["sensors"],
+        job["by"],
+        job["kind"],
+        reading["columns"],
+        Layout(**job["layout"]),
+        reading["time_zone"],
+    )
+    records = [_record(sensor, log, job) for sensor, log in found]
+    store = Store(Path(job["store"]))
+    put(store.path(task["number"]), gzip.compress(json.dumps(records).encode(), 1, mtime=0))
+    return {
+        "number": task["number"],
+        "sensors": len(records),
+        "failed": sum(one["verdict"] == FAILED for one in records),
+        "seconds": time.perf_counter() - begun,
+    }
+
+
+def _record(sensor: Mapping[str, Any], log: Log, job: Mapping[str, Any]) -> dict[str, Any]:
+    begun = time.perf_counter()
+    own: dict[str, Any] = {
+        "sensor": sensor["key"],
+        "kind": sensor["kind"],
+        "files": len(sensor["files"]),
+        "file": sensor["file"],
+        "repeated": log.repeated,
+        "model": None,
+        "model_hash": None,
+        "sha256": {},
+    }
+    done = None
+    if log.error:
+        found = failure(log.error)
+    else:
+        try:
+            done = _diagnosed(log, job)
+            found = record(done)
+        except (EchocalError, MemoryError) as error:
+            found = failure(str(error) or type(error).__name__)
+        except Exception as error:  # of one sensor: the others go on, and the table tells
+            found = failure(f"unexpected {type(error).__name__}: {error}")
+    found["notes"] = [*log.notes, *found["notes"]]
+    seconds = time.perf_counter() - begun
+    if done is not None:
+        own |= _written(done, sensor, job, seconds)  # what cannot be written ends the run
+    return {**found, **own, "seconds": seconds}
+
+
+def _diagnosed(log: Log, job: Mapping[str, Any]) -> Examined:
+    request = _request(json.dumps(job["request"], sort_keys=True))
+    how = dict(job["reading"])
+    how["reading_speed"] = how["reading_speed"] or request.base.reading_speed
+    with warnings.catch_warnings(action="ignore"):  # the record has the notes
+        return examined(read(log.columns, how), request, Steps(None))
+
+
+@lru_cache(maxsize=4)
+def _request(text: str) -> Request:
+    plain = json.loads(text)
+    base = plain.pop("base")
+    made_with = plain.pop("base_hash")
+    if made_with is not None:
+        base = Model.load(base)
+        if document.digest(document.content(base)) != made_with:
+            message = "the base model was changed since the run began; start anew with --force"
+            raise UsageError(message)
+    return Request.of(base, plain.pop("seed"), plain.pop("settings"), can_vary=None, **plain)
+
+
+def _written(
+    done: Examined, sensor: Mapping[str, Any], job: Mapping[str, Any], seconds: float
+) -> dict[str, Any]:
+    """Write the model and the diagnosis where they are asked for."""
+    diagnosis = done.diagnosis
+    model = diagnosis.model
+    content = document.content(model)
+    hash_ = document.digest(content)
+    named: dict[str, Any] = {"model_hash": hash_}
+    made: dict[str, str] = {}
+    if job["models"] is not None:
+        known = {**model.provenance, "made_by": "echocal diagnose", "sensor": sensor["key"]}
+        made["models"] = put(
+            Path(job["models"]) / sensor["file"], _text({**content, "hash": hash_, "data": known})
+        )
+        named["model"] = sensor["file"]
+    if job["results"] is not None:
+        whole = replace(diagnosis, seconds=seconds).to_dict()
+        made["results"] = put(Path(job["results"]) / sensor["file"], _text(whole))
+    return {**named, "sha256": made}
+
+
+def _text(data: Mapping[str, Any]) -> bytes:
+    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()

@@ -1,0 +1,127 @@
+"""The diagnosis of a fleet on the terminal."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from echocal.report.diagnosis import STYLE
+
+__all__ = ["print_fleet"]
+
+_MOST = 12  # causes, and failed sensors, that are listed
+_ORDER = ("named", "ambiguous", "unknown", "nothing", "failed")
+
+
+def print_fleet(summary: Mapping[str, Any], console: Console) -> None:
+    """Print the summary of a fleet for a person.
+
+    Parameters
+    ----------
+    summary : mapping
+        Schema ``echocal.fleet/1``.
+    console : rich.console.Console
+    """
+    console.print(_head(summary))
+    if summary["causes"]:
+        console.print(_causes(summary))
+    for kind, found in summary["kinds"].items():
+        console.print(_prevalence(kind, found))
+    for line in false_names(summary["false_discoveries"]):
+        console.print(Text(line))
+    if summary["worst"]:
+        console.print(_worst(summary))
+    failed = summary["failed"]
+    for one in failed[:_MOST]:
+        console.print(Text.assemble(("failed  ", "red"), f"{one['sensor']}: {one['reason']}"))
+    if len(failed) > _MOST:
+        console.print(Text(f"and {len(failed) - _MOST} more; the table has all reasons", style="dim"))
+    for note in summary["notes"]:
+        console.print(Text.assemble(("note  ", "dim"), note))
+
+
+def false_names(found: Mapping[str, Any]) -> list[str]:
+    """Sentences on the names that are expected to be false."""
+    lines = []
+    for what, text in (("own", "from each sensor alone"), ("fleet", "given the fleet")):
+        one = found[what]
+        if one["names"]:
+            lines.append(
+                f"{one['names']} causes have a probability of {found['named_from']:g} or more {text}; "
+                f"{one['expected_false']:.1f} of these names are expected to be false "
+                f"({100 * one['rate']:.1f} %)."
+            )
+    longest = found["at_rate"]
+    if longest["names"]:
+        lines.append(
+            f"A list of {longest['names']} names, from a probability of {longest['probability_from']:.3f} "
+            f"on, is expected to have {100 * longest['rate']:g} % false ones."
+        )
+    return lines
+
+
+def _head(summary: Mapping[str, Any]) -> Panel:
+    counts = summary["verdicts"]
+    words = []
+    for verdict in (name for name in _ORDER if name in counts):
+        style = STYLE.get(verdict, "red")
+        words += [(f"{counts[verdict]} {verdict}", style), (", ", "")]
+    rows = summary["rows"]
+    text = Text.assemble(*words[:-1])
+    text.append(f"\n{summary['sensors']} sensors, {rows['used']} of {rows['total']} rows used; ")
+    text.append(f"{summary['seconds']:.1f} s")
+    rms = summary["rms_mm"]
+    if rms["before"] is not None:
+        text.append(
+            f"\nmedian RMS error: {rms['before']:.2f} mm with the base, {rms['after']:.2f} mm with the model"
+        )
+    return Panel(text, title="fleet", title_align="left", expand=False)
+
+
+def _causes(summary: Mapping[str, Any]) -> Table:
+    table = Table(title="causes (medians of the sensors in which it comes first)", title_justify="left")
+    table.add_column("cause")
+    for text in ("sensors", "named", "given the fleet", "error [mm]", "gained [mm]", "size"):
+        table.add_column(Text(text), justify="right")  # a unit is no markup
+    for one in summary["causes"][:_MOST]:
+        size = "" if one["size"] is None else f"{one['size']:.3g} {one['unit'] if one['unit'] != '1' else ''}"
+        table.add_row(
+            one["id"],
+            str(one["sensors"]),
+            str(one["named"]),
+            str(one["named_in_fleet"]),
+            _mm(one["rms_before_mm"]),
+            _mm(one["gained_mm"]),
+            size.strip(),
+        )
+    return table
+
+
+def _prevalence(kind: str, found: Mapping[str, Any]) -> Table:
+    title = f"how common causes are among {found['sensors']} sensors" + (f" of kind {kind}" if kind else "")
+    table = Table(title=title, title_justify="left")
+    table.add_column("cause")
+    for text in ("part of the sensors [%]", "standard uncertainty [%]"):
+        table.add_column(Text(text), justify="right")
+    for one in found["causes"][:_MOST]:
+        table.add_row(one["id"], f"{100 * one['share']:.1f}", f"{100 * one['standard_uncertainty']:.1f}")
+    return table
+
+
+def _worst(summary: Mapping[str, Any]) -> Table:
+    table = Table(title="largest errors", title_justify="left")
+    for text in ("sensor", "verdict", "cause"):
+        table.add_column(text)
+    for text in ("base [mm]", "model [mm]"):
+        table.add_column(Text(text), justify="right")
+    for one in summary["worst"]:
+        errors = (_mm(one["rms_before_mm"]), _mm(one["rms_after_mm"]))
+        table.add_row(str(one["sensor"]), one["verdict"], one["cause"] or "", *errors)
+    return table
+
+
+def _mm(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"
