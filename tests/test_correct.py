@@ -42,11 +42,13 @@ def test_readings_of_a_device_with_errors_of_indication(speed: str | None) -> No
 
 
 def test_every_row_comes_out_in_order_with_its_reason() -> None:
-    table = echoes(DEVICE, [1.0, 1.0, 1.0, 1.0], [20.0, 20.0, 20.0, 20.0])
+    device = echocal.Model("cramer", DEVICE.effects)
+    table = echoes(device, [1.0, 1.0, 1.0, 1.0], [20.0, 20.0, 20.0, 20.0])
     table["humidity_percent"] = [40.0, 143.0, 40.0, np.nan]
+    table["supply_V"] = np.nan  # no part of the model reads it
     table.loc[2, "echo_s"] = 0.0
     table.index = pd.Index([7, 7, 3, 1])
-    corrected = correct_table(table, DEVICE)
+    corrected = correct_table(table, device)
     assert corrected.table.index.tolist() == [7, 7, 3, 1]
     reasons = ["", "humidity_percent out of range", "echo_s out of range", "humidity_percent missing"]
     assert corrected.table["unusable"].tolist() == reasons
@@ -84,9 +86,11 @@ def test_text_stays_letter_for_letter(tmp_path: Path) -> None:
     source.write_text('# logger 7\necho_us,temperature_C,remark\n11660.50,20.10,"a, b"\n-9999,20,NA\n')
     corrected = correct_file(source, out, DEVICE, missing=[-9999])
     lines = out.read_text().splitlines()
-    assert lines[0] == "echo_us,temperature_C,remark,corrected_distance_m,unusable"
-    assert lines[1].startswith('11660.50,20.10,"a, b",1.99')
-    assert lines[2] == "-9999,20,NA,,echo_us missing"
+    assert lines[0] == "# logger 7"
+    appended = "corrected_distance_m,distance_standard_uncertainty_m,status,unusable"
+    assert lines[1] == f"echo_us,temperature_C,remark,{appended}"
+    assert lines[2].startswith('11660.50,20.10,"a, b",1.99')
+    assert lines[3] == "-9999,20,NA,,,echo_us missing,echo_us missing"
     assert corrected.rows == 2
     assert set(tmp_path.iterdir()) == {source, out}
 

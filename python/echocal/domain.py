@@ -1,6 +1,9 @@
 """Domains of the laws: a code for each row, or one warning; values are never clamped."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,10 +13,31 @@ from echocal.conditions import numbers
 from echocal.errors import DomainWarning, UsageError
 from echocal.quantities import AIR, DEFAULTS
 
-__all__ = ["DOMAIN_VIOLATIONS", "describe", "domain_violations", "warn_outside"]
+__all__ = ["DOMAIN_VIOLATIONS", "counting", "describe", "domain_violations", "warn_outside"]
 
 DOMAIN_VIOLATIONS: tuple[str, ...] = tuple(_core.departure_names())
 """The quantity outside its range, by code of `domain_violations`; empty for a row inside the domain."""
+
+
+_COUNTS: ContextVar[dict[str, tuple[int, int, float]] | None] = ContextVar("counts", default=None)
+
+
+@contextmanager
+def counting() -> Iterator[dict[str, tuple[int, int, float]]]:
+    """Count rows outside of domains, in place of a warning, in this thread.
+
+    Yields
+    ------
+    dict of str to (int, int, float)
+        By domain in words, ``law 'cramer' holds for temperature 0 .. 30 degC``: rows outside, place of the
+        first one, and its value.
+    """
+    counts: dict[str, tuple[int, int, float]] = {}
+    token = _COUNTS.set(counts)
+    try:
+        yield counts
+    finally:
+        _COUNTS.reset(token)
 
 
 _NAMES = (*AIR, "frequency")
@@ -110,7 +134,8 @@ def warn_outside(
     >>> from echocal.domain import warn_outside
     >>> warn_outside([10.0, 20.0], 0.5)
     """
-    if _unheard():
+    counts = _COUNTS.get()
+    if counts is None and _unheard():
         return
     values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
     if min(value.size for value in values) == 0:
@@ -129,6 +154,10 @@ def warn_outside(
         return
     first = int(outside[0])
     row = [float(value.flat[first]) for value in np.broadcast_arrays(*values)]
+    if counts is not None:
+        domain, _, value = describe(law, row, "").partition(": : ")
+        counts.setdefault(domain, (outside.size, first, float(value.partition(";")[0])))
+        return
     where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
     message = f"{describe(law, row, where)} (echocal.domain_violations gives every row)"
     warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
