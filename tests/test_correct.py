@@ -130,14 +130,15 @@ def test_a_folder_goes_file_by_file(tmp_path: Path) -> None:
     assert all(len(pd.read_parquet(path)) == 2 for path in done)
 
 
-def test_a_bad_file_of_a_folder_leaves_nothing_half(tmp_path: Path) -> None:
+def test_a_bad_file_of_a_folder_is_set_aside_and_the_rest_is_done(tmp_path: Path) -> None:
     source, out = tmp_path / "logs", tmp_path / "out"
     source.mkdir()
     echoes(DEVICE, [1.0], [20.0]).to_parquet(source / "a.parquet")
     (source / "b.parquet").write_bytes(b"PAR1 broken")
-    with pytest.raises(echocal.DataError, match=r"b.parquet.*\(1 of 2 files are done\)"):
+    echoes(DEVICE, [1.0], [20.0]).to_parquet(source / "c.parquet")
+    with pytest.raises(echocal.DataError, match=r"b.parquet.*\(2 of 3 files are done\)"):
         correct_folder(source, out, DEVICE)
-    assert [path.name for path in out.iterdir()] == ["a.parquet"]
+    assert sorted(path.name for path in out.iterdir()) == ["_echocal", "a.parquet", "c.parquet"]
 
 
 def test_outputs_that_are_refused(tmp_path: Path) -> None:
@@ -147,5 +148,6 @@ def test_outputs_that_are_refused(tmp_path: Path) -> None:
         correct_file(path, path, DEVICE)
     with pytest.raises(echocal.UsageError, match=r"cannot write .*out.xls; endings: .csv, .tsv,"):
         correct_file(path, tmp_path / "out.xls", DEVICE)
-    with pytest.raises(echocal.DataError, match=r"has no .parquet file"):
+    path.unlink()
+    with pytest.raises(echocal.DataError, match=r"has no file that can be corrected"):
         correct_folder(tmp_path, tmp_path / "out", DEVICE)

@@ -19,12 +19,13 @@ DOMAIN_VIOLATIONS: tuple[str, ...] = tuple(_core.departure_names())
 """The quantity outside its range, by code of `domain_violations`; empty for a row inside the domain."""
 
 
-_COUNTS: ContextVar[dict[str, tuple[int, int, float]] | None] = ContextVar("counts", default=None)
+_Counts = dict[str, tuple[int, int, float]]
+_COUNTS: ContextVar[tuple[_Counts, set[str | None]] | None] = ContextVar("counts", default=None)
 
 
 @contextmanager
-def counting() -> Iterator[dict[str, tuple[int, int, float]]]:
-    """Count rows outside of domains, in place of a warning, in this thread.
+def counting() -> Iterator[_Counts]:
+    """Count rows outside of domains, in place of a warning, in this thread; each law is looked at once.
 
     Yields
     ------
@@ -32,8 +33,8 @@ def counting() -> Iterator[dict[str, tuple[int, int, float]]]:
         By domain in words, ``law 'cramer' holds for temperature 0 .. 30 degC``: rows outside, place of the
         first one, and its value.
     """
-    counts: dict[str, tuple[int, int, float]] = {}
-    token = _COUNTS.set(counts)
+    counts: _Counts = {}
+    token = _COUNTS.set((counts, set()))
     try:
         yield counts
     finally:
@@ -134,9 +135,11 @@ def warn_outside(
     >>> from echocal.domain import warn_outside
     >>> warn_outside([10.0, 20.0], 0.5)
     """
-    counts = _COUNTS.get()
-    if counts is None and _unheard():
+    counted = _COUNTS.get()
+    if _unheard() if counted is None else law in counted[1]:
         return
+    if counted is not None:
+        counted[1].add(law)
     values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
     if min(value.size for value in values) == 0:
         return
@@ -154,9 +157,9 @@ def warn_outside(
         return
     first = int(outside[0])
     row = [float(value.flat[first]) for value in np.broadcast_arrays(*values)]
-    if counts is not None:
+    if counted is not None:
         domain, _, value = describe(law, row, "").partition(": : ")
-        counts.setdefault(domain, (outside.size, first, float(value.partition(";")[0])))
+        counted[0].setdefault(domain, (outside.size, first, float(value.partition(";")[0])))
         return
     where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
     message = f"{describe(law, row, where)} (echocal.domain_violations gives every row)"

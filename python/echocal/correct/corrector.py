@@ -41,6 +41,7 @@ class Tally:
     """What was counted in the parts of a file."""
 
     rows: int = 0
+    columns: list[str] = field(default_factory=list)
     unusable: dict[str, int] = field(default_factory=dict)
     marked: dict[str, int] = field(default_factory=dict)
     first: dict[str, int] = field(default_factory=dict)
@@ -205,6 +206,7 @@ class Corrector:
             f"{QUANTITIES[name].unit} is assumed".replace(" 1 is", " is")
             + (" (dry air)" if name == "relative_humidity" else "")
             for name in self._needed[key].assumed
+            if name != "co2_mole_fraction"  # 0.04 % in any air outdoors
         ]
         readings = {"reading"} & {*self._read(key)} and "echo_time" not in self._read(key)
         if readings and self._job.reading.reading_speed is None:

@@ -6,7 +6,7 @@ time too, or be killed at any moment. The same task makes the same file, byte fo
 
 import hashlib
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +23,16 @@ SCHEMA = "echocal.task/1"
 RESULT = "echocal.task_result/1"
 
 
-def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
+def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda rows: None) -> dict[str, Any]:
     """Correct one file.
 
     Parameters
     ----------
     task : mapping
-        Plain data, as `echocal.correct.plan` makes it: schema, version, source, target, key, log and job.
+        Plain data, as `echocal.correct.driver.task_of` makes it: schema, version, source, target, key, log
+        and job.
+    progress : callable
+        Told the rows of each piece that is done.
 
     Returns
     -------
@@ -57,7 +60,7 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
         with writing(target.parent):
             target.parent.mkdir(parents=True, exist_ok=True)
         with replacing(target) as unfinished:
-            tally = _correct(source, unfinished, target, job, task)
+            tally = _correct(source, unfinished, target, job, task, progress)
             digest = file_digest(source)
             if stamp(source) != before:
                 message = f"{source} was written while it was read; run again when it is complete"
@@ -69,7 +72,8 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
             "unusable": tally.unusable,
             "marked": tally.marked,
             "first": tally.first,
-            "outside": tally.outside,
+            "outside": {domain: list(own) for domain, own in tally.outside.items()},
+            "columns": tally.columns,
             "notes": list(tally.notes),
         }
     except EchocalError as error:
@@ -83,13 +87,20 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _correct(source: Path, unfinished: Path, target: Path, job: Job, task: Mapping[str, Any]) -> Tally:
+def _correct(
+    source: Path,
+    unfinished: Path,
+    target: Path,
+    job: Job,
+    task: Mapping[str, Any],
+    progress: Callable[[int], None],
+) -> Tally:
     """Correct a file by its kind: what it begins with, and the ending of the output."""
     log = [Path(path) for path in task["log"]]
     if is_parquet(source) and target.name.lower().endswith((".parquet", ".pq")):
         from echocal.correct.parquet.file import correct_parquet
 
-        return correct_parquet(source, unfinished, job, task["key"], log)
+        return correct_parquet(source, unfinished, job, task["key"], log, progress)
     raise UsageError(f"{source}: cannot be corrected into {target.name}")
 
 

@@ -1,6 +1,6 @@
 """Correct one Parquet file: its columns are copied byte by byte, and the results are appended."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,14 @@ class _Open:
     pieces: list[Piece]
 
 
-def correct_parquet(source: Path, out: Path, job: Job, key: str | None, log: Sequence[Path]) -> Tally:
+def correct_parquet(
+    source: Path,
+    out: Path,
+    job: Job,
+    key: str | None,
+    log: Sequence[Path],
+    progress: Callable[[int], None],
+) -> Tally:
     """Correct a Parquet file into a new one.
 
     Parameters
@@ -56,6 +63,8 @@ def correct_parquet(source: Path, out: Path, job: Job, key: str | None, log: Seq
         Key of all rows; None: each row has its own.
     log : sequence of Path
         Files of the log that the file belongs to, in the order of time.
+    progress : callable
+        Told the rows of each row group that is done.
 
     Raises
     ------
@@ -71,7 +80,7 @@ def correct_parquet(source: Path, out: Path, job: Job, key: str | None, log: Seq
             if corrector.by:
                 corrector.prepare(_keys(opened, corrector.by))
             around = _surroundings(opened, corrector, job, log)
-            tally = Tally()
+            tally = Tally(columns=[f"{own.name} ({own.type})" for own in opened.file.schema_arrow])
             codec = _codec(footer)
 
             def encoded(rows: Rows, place: int) -> list[Encoded]:
@@ -85,6 +94,7 @@ def correct_parquet(source: Path, out: Path, job: Job, key: str | None, log: Seq
                 groups = footer.row_groups
                 for place, results in enumerate(_groups(made, opened.pieces, footer)):
                     splice.add(groups[place], results)
+                    progress(results.rows)
                 metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
                 splice.finish(metadata)
             if tally.doubtful:
