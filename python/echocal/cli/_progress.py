@@ -30,7 +30,6 @@ def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
         begun = monotonic()
 
         def tell(state: State) -> None:
-            several = state.of_files > 1
             speed = state.rows / max(monotonic() - begun, 1e-3)
             shown.update(
                 task,

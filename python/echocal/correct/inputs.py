@@ -12,7 +12,7 @@ __all__ = ["ENDINGS", "PARQUETS", "TEXTS", "Inputs", "Source", "find_inputs"]
 
 PARQUETS = (".parquet", ".pq")
 TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
-ENDINGS = (*PARQUETS, *TEXTS)
+ENDINGS = (*TEXTS, *PARQUETS)
 
 _NOTHING = "__HIVE_DEFAULT_PARTITION__"
 _GLOB = frozenset("*?[")

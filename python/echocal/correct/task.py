@@ -12,9 +12,10 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal.correct.corrector import Tally
+from echocal.correct.inputs import PARQUETS, TEXTS
 from echocal.correct.job import Job
 from echocal.errors import DataError, EchocalError, UsageError, writing
-from echocal.observations.source import is_parquet
+from echocal.observations.source import is_parquet, refuse_other_kinds
 from echocal.outputs import replacing
 
 __all__ = ["SCHEMA", "file_digest", "run_task", "stamp"]
@@ -97,11 +98,21 @@ def _correct(
 ) -> Tally:
     """Correct a file by its kind: what it begins with, and the ending of the output."""
     log = [Path(path) for path in task["log"]]
-    if is_parquet(source) and target.name.lower().endswith((".parquet", ".pq")):
+    ending = next((own for own in (*TEXTS, *PARQUETS) if target.name.lower().endswith(own)), "")
+    parquet = is_parquet(source)
+    if parquet and ending in PARQUETS:
         from echocal.correct.parquet.file import correct_parquet
 
         return correct_parquet(source, unfinished, job, task["key"], log, progress)
-    raise UsageError(f"{source}: cannot be corrected into {target.name}")
+    refuse_other_kinds(source)
+    if not parquet and ending in TEXTS:
+        from echocal.correct.text.file import correct_text
+
+        zipped = ending.endswith(".gz")
+        return correct_text(source, unfinished, job, task["key"], log, progress, zipped=zipped)
+    from echocal.correct.convert import convert
+
+    return convert(source, unfinished, ending, job, task["key"])
 
 
 def stamp(path: Path) -> dict[str, int]:

@@ -4,6 +4,7 @@ import base64
 from collections.abc import Mapping, Sequence
 from typing import Any, BinaryIO
 
+from echocal.correct.columns import labels_as_text
 from echocal.correct.parquet import footer as f
 from echocal.correct.parquet import thrift
 from echocal.correct.parquet.encode import Encoded, result_elements, result_fields
@@ -133,7 +134,7 @@ class Splice:
             own[_STORED] = _with_results(own[_STORED], [field.name for field in self._kept], self._all)
         if not self._all:
             own.pop(_PANDAS, None)  # names columns that are left out
-        return own
+        return labels_as_text(own) or {}
 
 
 def _moved(chunk: Struct, shift: int) -> Struct:
