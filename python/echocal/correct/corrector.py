@@ -15,6 +15,7 @@ from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.model.folder import label
+from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
 from echocal.quantities import QUANTITIES
 
@@ -97,6 +98,7 @@ class Corrector:
     def __init__(self, names: Collection[str], job: Job, key: str | None = None) -> None:
         refuse_repeated(names)
         refuse_corrected(names)
+        Missing(job.reading.missing).refuse_unknown(names)
         self._names, self._job = list(names), job
         self.key = "" if job.models.folder is None else key
         self.by = job.models.by if self.key is None else ""

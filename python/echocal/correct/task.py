@@ -125,6 +125,9 @@ def stamp(path: Path) -> dict[str, int]:
     """
     try:
         facts = path.stat()
+    except FileNotFoundError:
+        message = f"no file {path}"
+        raise DataError(message) from None
     except OSError as error:
         message = f"{path} cannot be read: {error.strerror or error}"
         raise DataError(message) from None

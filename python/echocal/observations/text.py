@@ -191,6 +191,7 @@ def _no_encoding(name: object) -> str:
 
 
 def no_text(path: Path, layout: Layout) -> str:
+    """Say that a file is not text in its encoding."""
     encoding = layout.encoding.removesuffix("-sig")
     with path.open("rb") as file:
         wide = file.read(2) in {b"\xff\xfe", b"\xfe\xff"}
@@ -203,6 +204,7 @@ def _names(fields: list[str]) -> list[str]:
 
 
 def is_zipped(path: Path) -> bool:
+    """Whether a file begins as gzip does."""
     with path.open("rb") as file:
         return file.read(2) == b"\x1f\x8b"
 

@@ -69,7 +69,7 @@ class Splice:
         root = {**root, f.CHILDREN: (thrift.I32, fields)}
         struct[f.SCHEMA] = f.structs([root, *elements, *result_elements()])
         struct[f.ROW_GROUPS] = f.structs(self._groups)
-        pairs = {**self._metadata(), **key_values}
+        pairs = {**self._metadata(key_values), **key_values}
         struct[f.KEY_VALUES] = f.structs([f.key_value(key, value) for key, value in pairs.items()])
         if f.COLUMN_ORDERS in struct:
             orders = struct[f.COLUMN_ORDERS][1][1]
@@ -127,11 +127,12 @@ class Splice:
         chunk[place], chunk[place + 1] = f.whole(self._at), (thrift.I32, len(data))
         self._at += self._out.write(data)
 
-    def _metadata(self) -> dict[bytes, bytes]:
-        """Metadata of the source that fit the new columns."""
+    def _metadata(self, more: Mapping[bytes, bytes]) -> dict[bytes, bytes]:
+        """Metadata of the source that fit the new columns; Arrow keeps a copy of all."""
         own = dict(self._footer.key_values)
         if _STORED in own:
-            own[_STORED] = _with_results(own[_STORED], [field.name for field in self._kept], self._all)
+            names = None if self._all else [field.name for field in self._kept]
+            own[_STORED] = _with_results(own[_STORED], names, more)
         if not self._all:
             own.pop(_PANDAS, None)  # names columns that are left out
         return labels_as_text(own) or {}
@@ -148,13 +149,16 @@ def _moved(chunk: Struct, shift: int) -> Struct:
     return {**kept, f.FILE_OFFSET: f.whole(0), f.META: (chunk[f.META][0], meta)}
 
 
-def _with_results(stored: bytes, names: Sequence[str], everything: bool) -> bytes:
-    """The schema that Arrow keeps, with the results."""
+def _with_results(stored: bytes, names: Sequence[str] | None, more: Mapping[bytes, bytes]) -> bytes:
+    """The schema that Arrow keeps, with the results; of its columns only some, if they are named."""
     pa = arrow()
     try:
         schema: Any = pa.ipc.read_schema(pa.py_buffer(base64.b64decode(stored)))
     except (pa.ArrowException, ValueError, OSError):
         return stored
-    fields = list(schema) if everything else [schema.field(name) for name in names]
-    new = pa.schema([*fields, *result_fields()], metadata=schema.metadata)
+    fields = list(schema) if names is None else [schema.field(name) for name in names]
+    kept = labels_as_text({**(schema.metadata or {}), **more}) or {}
+    if names is not None:
+        kept.pop(_PANDAS, None)
+    new = pa.schema([*fields, *result_fields()], metadata=kept)
     return base64.b64encode(new.serialize().to_pybytes())

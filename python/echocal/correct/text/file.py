@@ -184,7 +184,7 @@ def _kinds(names: Sequence[str], job: Job) -> dict[str, str]:
 
 
 def _absent(job: Job) -> frozenset[str] | None:
-    """Texts of error codes, where these are the same for every column; codes that are numbers are no texts."""
+    """Error codes that are texts, where these are the same for every column."""
     missing = job.reading.missing
     by_column = missing if isinstance(missing, dict) else {"": missing}
     texts = {name: [code for code in codes if not _is_number(code)] for name, codes in by_column.items()}

@@ -16,7 +16,7 @@ import pandas as pd
 
 from echocal.correct.text.blocks import Block
 from echocal.errors import DataError
-from echocal.observations.arrow import arrow, to_pandas
+from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.numbers import EMPTY
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
@@ -80,7 +80,7 @@ class Parser:
     def lines(self, block: Block) -> Lines:
         """The lines of a block, without a look into them."""
         data = block.data
-        if self._is_plain(data):
+        if has_arrow() and self._is_plain(data):
             return _plain_lines(data)
         return self._records(block)
 

@@ -7,11 +7,12 @@ import numpy as np
 from echocal.correct.results import RESULTS
 from echocal.correct.rows import Rows
 from echocal.correct.text.parse import Lines
-from echocal.observations.arrow import arrow
+from echocal.observations.arrow import arrow, has_arrow
 
 __all__ = ["header_with_results", "with_results"]
 
 _DIGITS = 9  # of a distance [m]: to a nanometer
+_SMALL = 1e-6  # below, numbers have an exponent
 
 
 def header_with_results(header: str, separator: str) -> str:
@@ -23,7 +24,7 @@ def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> byte
     """The lines of a block, each row with its results."""
     suffixes = _suffixes(rows, separator, decimal)
     if lines.records is not None:
-        made = suffixes.to_pylist()
+        made = suffixes if isinstance(suffixes, list) else suffixes.to_pylist()
         places = {place: number for number, place in enumerate(lines.rows)}
         return "".join(
             f"{text}{separator}{made[places[place]]}{ended[len(text) :]}" if place in places else ended
@@ -38,13 +39,18 @@ def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> byte
 
 
 def _suffixes(rows: Rows, separator: str, decimal: str) -> Any:
-    pa = arrow()
-    pc = pa.compute
+    """Results of each row as text, in an Arrow array; in a list where Arrow is not installed."""
     reasons = [_quoted(reason, separator) for reason in rows.reasons]
-    status = pa.array([f"{reason}{separator}{reason}" for reason in reasons])
-    distance = _texts(np.round(rows.distance, _DIGITS), decimal)
-    uncertainty = _texts(rows.uncertainty, decimal)
-    return pc.binary_join_element_wise(distance, uncertainty, status.take(pa.array(rows.codes)), separator)
+    status = [f"{reason}{separator}{reason}" for reason in reasons]
+    numbers = (np.round(rows.distance, _DIGITS), rows.uncertainty)
+    if not has_arrow():
+        texts = [[_shortest(value).replace(".", decimal) for value in own] for own in numbers]
+        own_status = [status[code] for code in rows.codes.tolist()]
+        return [separator.join(fields) for fields in zip(*texts, own_status, strict=True)]
+    pa = arrow()
+    distance, uncertainty = (_texts(own, decimal) for own in numbers)
+    taken = pa.array(status).take(pa.array(rows.codes))
+    return pa.compute.binary_join_element_wise(distance, uncertainty, taken, separator)
 
 
 def _texts(numbers: Any, decimal: str) -> Any:
@@ -57,6 +63,16 @@ def _texts(numbers: Any, decimal: str) -> Any:
     texts = pc.cast(pa.array(numbers, mask=absent if absent.any() else None), pa.string())
     texts = pc.fill_null(texts, "")
     return texts if decimal == "." else pc.replace_substring(texts, ".", decimal)
+
+
+def _shortest(number: Any) -> str:
+    """The same as Arrow writes."""
+    if np.isnan(number):
+        return ""
+    if 0.0 < abs(number) < _SMALL:
+        digits, exponent = np.format_float_scientific(number, trim="-").split("e")
+        return f"{digits}e{int(exponent)}"
+    return np.format_float_positional(number, trim="-")
 
 
 def _quoted(reason: str, separator: str) -> str:
