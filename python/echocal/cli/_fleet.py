@@ -1,6 +1,5 @@
 """``echocal diagnose`` of a fleet: every sensor has a verdict of its own."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +11,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from echocal.cli import _made_by
 from echocal.cli._outputs import Output, check_outputs, made_in
 from echocal.cli._tables import write_json
+from echocal.correct.inputs import find_inputs
+from echocal.correct.memory import in_bytes
 from echocal.errors import DataError, UsageError
 
-__all__ = ["How", "Outputs", "diagnose_sensors", "is_fleet", "memory_of", "refuse_options"]
+__all__ = ["How", "Outputs", "diagnose_sensors", "is_fleet", "refuse_options"]
 
-_SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*([kMGT]?)i?B?", re.IGNORECASE)
-_FACTORS = {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}
-_LEAST = 64 << 20  # bytes: less holds no process
 _INSTEAD = {
     "--model": "give --models DIR, one file for each sensor",
     "--with-shape": "an unexplained term belongs to its table: diagnose this sensor alone",
@@ -52,9 +50,7 @@ def is_fleet(inputs: Sequence[Path], table: Path | None) -> bool:
     """Whether each sensor is to have a verdict of its own."""
     if table is not None:
         return True
-    from echocal.fleet.files import is_many
-
-    return any(is_many(path) for path in inputs)
+    return any(not find_inputs(path).single for path in inputs)
 
 
 def refuse_options(given: Mapping[str, object]) -> None:
@@ -63,30 +59,6 @@ def refuse_options(given: Mapping[str, object]) -> None:
         if value:
             message = f"{option} is for one table, and this is a fleet; {_INSTEAD[option]}"
             raise UsageError(message)
-
-
-def memory_of(text: str) -> int:
-    """Bytes of a size such as 512MB or 2GB.
-
-    Raises
-    ------
-    UsageError
-        If it is no size, or too small for a process.
-
-    Examples
-    --------
-    >>> memory_of("512MB") == 512 << 20
-    True
-    """
-    found = _SIZE.fullmatch(text.strip())
-    if found is None:
-        message = f'--memory "{text}" is no size; give one like 512MB or 2GB'
-        raise UsageError(message)
-    size = int(float(found[1]) * (1 << _FACTORS[found[2].upper()]))
-    if size < _LEAST:
-        message = f"--memory {text} is less than the 64MB that a process needs for itself"
-        raise UsageError(message)
-    return size
 
 
 def diagnose_sensors(
@@ -135,7 +107,7 @@ def diagnose_sensors(
             reading=reading,
             layout=layout,
             workers=how.workers,
-            memory=memory_of(how.memory),
+            memory=in_bytes(how.memory),
             force=force,
             progress=progress,
             **request,

@@ -148,7 +148,7 @@ def command(
             "--rows": rows,
             "--can-vary": can_vary or ranges,
         }
-        used = [base if base.endswith(".json") else None, *toml_files(column)]
+        used = [*_file(base), *toml_files(column)]
         request = {
             "reference_distance": reference_distance,
             "constant_distance": constant_distance,
@@ -175,27 +175,20 @@ def command(
             [data, *tables],
             by,
             used,
-            {**request, "base": Model.load(base) if base.endswith(".json") else base},
+            {**request, "base": _base(base)},
             reading,
             _pool.Outputs(models, plots, json),
             force=force,
             quiet=quiet,
         )
         return
-    if models is not None:
-        raise UsageError("--models writes the models of several tables; for one table give --model OUT.json")
-    if with_shape and model is None:
-        raise UsageError("--with-shape adds a term to the model that is written: give --model OUT.json, too")
-    if with_smooth and model is None:
-        raise UsageError("--with-smooth adds terms to the model that is written: give --model OUT.json, too")
-    if with_smooth and with_shape:
-        raise UsageError("--with-shape and --with-smooth describe the same errors: give one of them")
+    _refuse_alone(models, model, with_shape, with_smooth)
     check_outputs(
         Output("--model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
         Output("--rows", rows, _made_by.table("diagnose")),
         *_pictures(plots),
-        inputs=[data, base if base.endswith(".json") else None, *toml_files(column)],
+        inputs=[data, *_file(base), *toml_files(column)],
         folder=plots,
         force=force,
     )
@@ -203,7 +196,7 @@ def command(
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
-            base=Model.load(base) if base.endswith(".json") else base,
+            base=_base(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
             since=since,
@@ -227,6 +220,27 @@ def command(
         replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
+
+
+def _refuse_alone(models: Path | None, model: Path | None, with_shape: bool, with_smooth: bool) -> None:
+    """Raise `UsageError` for options that one table has no use for."""
+    if models is not None:
+        raise UsageError("--models writes the models of several tables; for one table give --model OUT.json")
+    if with_shape and model is None:
+        raise UsageError("--with-shape adds a term to the model that is written: give --model OUT.json, too")
+    if with_smooth and model is None:
+        raise UsageError("--with-smooth adds terms to the model that is written: give --model OUT.json, too")
+    if with_smooth and with_shape:
+        raise UsageError("--with-shape and --with-smooth describe the same errors: give one of them")
+
+
+def _file(base: str) -> list[str]:
+    """The model file of a base, which is an input."""
+    return [base] if base.endswith(".json") else []
+
+
+def _base(base: str) -> str | Model:
+    return Model.load(base) if _file(base) else base
 
 
 def _refuse_fleet_options(is_fleet: bool, given: dict[str, object]) -> None:

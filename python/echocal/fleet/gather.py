@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.fleet.files import partitions
 from echocal.fleet.labels import label
 from echocal.fleet.polar import Frame, polars
 from echocal.fleet.tables import opened
@@ -56,33 +55,36 @@ def logs(
     Parameters
     ----------
     sensors : sequence of mapping
-        ``key`` and ``files`` of each.
+        ``key`` and ``files`` of each; a file is its path, and whether this has the key.
     by, kind : str or None
         Columns of the keys and of the kinds, which are no columns of a log.
     requests : mapping of str to str
         Meaning of columns.
     """
     wanted: dict[str, set[str]] = {}
+    whole: dict[str, bool] = {}
     for sensor in sensors:
-        for file in sensor["files"]:
+        for file, in_path in sensor["files"]:
             wanted.setdefault(file, set()).add(sensor["key"])
+            whole[file] = in_path or by is None
     parts: dict[tuple[str, str], Frame] = {}
     broken: dict[str, str] = {}
     for file, keys in wanted.items():
         try:
-            for key, frame in _parts(Path(file), keys, by, kind, layout):
+            for key, frame in _parts(Path(file), keys, None if whole[file] else by, kind, layout):
                 parts[file, key] = frame
         except DataError as error:
             broken[file] = str(error)
     for sensor in sensors:
         key = sensor["key"]
-        own = [(file, parts.pop((file, key))) for file in sensor["files"] if (file, key) in parts]
-        failed = [broken[file] for file in sensor["files"] if file in broken]
+        files = [file for file, _ in sensor["files"]]
+        own = [parts.pop((file, key)) for file in files if (file, key) in parts]
+        failed = [broken[file] for file in files if file in broken]
         if failed:
             yield sensor, Log({}, error=failed[0])
             continue
         try:
-            yield sensor, _joined([frame for _, frame in own], requests, time_zone)
+            yield sensor, _joined(own, requests, time_zone)
         except DataError as error:
             yield sensor, Log({}, error=str(error))
 
@@ -94,7 +96,7 @@ def _parts(
     pl = polars()
     table = opened(file, layout)
     columns = [name for name in table.schema if name not in {by, kind}]
-    if by is None or by in partitions(file):
+    if by is None:
         yield next(iter(keys)), table.read([pl.col(columns)])
         return
     key = label(by, table.schema[by])

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from echocal.correct.inputs import Source
 from echocal.errors import DataError
-from echocal.fleet.files import partitions
 from echocal.fleet.labels import label
 from echocal.fleet.polar import polars
 from echocal.fleet.tables import Opened, opened
@@ -25,13 +25,13 @@ class Sensor:
     key : str
     kind : str
         Empty: all sensors are of one kind.
-    files : list of (Path, int)
+    files : list of (Source, int)
         Each file with rows of the sensor, and their number.
     """
 
     key: str
     kind: str = ""
-    files: list[tuple[Path, int]] = field(default_factory=list)
+    files: list[tuple[Source, int]] = field(default_factory=list)
 
     @property
     def rows(self) -> int:
@@ -60,12 +60,12 @@ class Index:
     broken: Mapping[str, str]
 
 
-def indexed(files: Sequence[Path], by: str | None, kind: str | None, layout: Layout) -> Index:
+def indexed(files: Sequence[Source], by: str | None, kind: str | None, layout: Layout) -> Index:
     """Look where the rows of each sensor are.
 
     Parameters
     ----------
-    files : sequence of Path
+    files : sequence of Source
     by : str or None
         Column or level of the folders that has the key; None: each file is the log of one sensor.
     kind : str or None
@@ -83,9 +83,9 @@ def indexed(files: Sequence[Path], by: str | None, kind: str | None, layout: Lay
     names = _names(files) if by is None else {}
     for file in files:
         try:
-            counted = _counted(file, by, kind, names.get(file), layout)
+            counted = _counted(file, by, kind, names.get(file.path), layout)
         except DataError as error:
-            broken[str(file)] = str(error)
+            broken[str(file.path)] = str(error)
             continue
         for key, own, rows in counted:
             if key is None:
@@ -113,20 +113,20 @@ def indexed(files: Sequence[Path], by: str | None, kind: str | None, layout: Lay
 
 
 def _counted(
-    file: Path, by: str | None, kind: str | None, name: str | None, layout: Layout
+    file: Source, by: str | None, kind: str | None, name: str | None, layout: Layout
 ) -> list[tuple[str | None, str | None, int]]:
     """Key, kind and rows of each sensor of a file."""
     pl = polars()
-    path = partitions(file)
+    path = file.partition
     if by is None or by in path:
         own = name if by is None else path[by].strip() or None
         if kind is None or kind in path:
-            return [(own, path.get(kind or ""), _rows(file, layout))]
-        table = opened(file, layout)
+            return [(own, path.get(kind or ""), _rows(file.path, layout))]
+        table = opened(file.path, layout)
         found = table.read([_label(table, kind).alias("kind")])
         counts = found.group_by("kind").len().sort("kind", nulls_last=True)
         return [(own, value, rows) for value, rows in counts.iter_rows()]
-    table = opened(file, layout)
+    table = opened(file.path, layout)
     wanted = [_label(table, by).alias("key")]
     wanted.append(
         _label(table, kind).alias("kind") if kind and kind not in path else pl.lit(None).alias("kind")
@@ -153,11 +153,11 @@ def _rows(file: Path, layout: Layout) -> int:
     return int(opened(file, layout).read([pl.len()]).item())
 
 
-def _names(files: Sequence[Path]) -> dict[Path, str]:
+def _names(files: Sequence[Source]) -> dict[Path, str]:
     """Stems of files, or as much of their paths as makes them differ."""
-    stems = {file: file.name.partition(".")[0] for file in files}
+    stems = {file.path: file.path.name.partition(".")[0] for file in files}
     if len(set(stems.values())) < len(stems):
-        return {file: file.as_posix() for file in files}
+        return {file.path: file.place.as_posix() for file in files}
     return stems
 
 

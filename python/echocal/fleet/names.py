@@ -2,16 +2,14 @@
 
 import hashlib
 import json
-import re
 from collections.abc import Mapping, Sequence
 
 from echocal.fleet.index import Sensor
+from echocal.model.folder import INDEX, file_name
 
-__all__ = ["INDEX", "index_text", "named"]
+__all__ = ["index_text", "named"]
 
-INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
-_UNSAFE = re.compile(r"[^\w.-]+")
 _LONGEST = 100  # characters of a key that its file shows
 
 
@@ -27,7 +25,7 @@ def named(sensors: Sequence[Sensor]) -> dict[str, str]:
     files: dict[str, str] = {}
     taken = {INDEX}
     for sensor in sensors:
-        stem = _UNSAFE.sub("_", sensor.key).strip(".")[:_LONGEST] or "_"
+        stem = file_name(sensor.key[:_LONGEST]).removesuffix(".json")
         name = f"{stem}.json"
         if name.lower() in taken:
             name = f"{stem}-{hashlib.sha256(sensor.key.encode()).hexdigest()[:8]}.json"

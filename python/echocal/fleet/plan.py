@@ -20,7 +20,7 @@ _BYTES_A_ROW = 400
 
 
 def tasks_of(
-    sensors: Sequence[Sensor], names: Mapping[str, str], job: Mapping[str, Any], memory: int
+    sensors: Sequence[Sensor], names: Mapping[str, str], by: str | None, job: Mapping[str, Any], memory: int
 ) -> list[dict[str, Any]]:
     """Tasks as plain data. The same sensors and the same job make the same tasks.
 
@@ -29,6 +29,8 @@ def tasks_of(
     sensors : sequence of Sensor
     names : mapping of str to str
         File of each sensor.
+    by : str or None
+        Column or level of the folders that has the key.
     job : mapping
         What all tasks share, as plain data.
     memory : int
@@ -53,7 +55,7 @@ def tasks_of(
                     "key": s.key,
                     "kind": s.kind,
                     "file": names[s.key],
-                    "files": [str(file) for file, _ in s.files],
+                    "files": [[str(file.path), by in file.partition] for file, _ in s.files],
                 }
                 for s in group
             ],

@@ -10,21 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal.correct.inputs import Source
+from echocal.correct.task import stamp
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
 from echocal.errors import UsageError, writing
 from echocal.fleet import verdicts
-from echocal.fleet.files import expanded
 from echocal.fleet.index import Sensor, indexed
 from echocal.fleet.judge import judged
-from echocal.fleet.names import INDEX, index_text, named
+from echocal.fleet.names import index_text, named
 from echocal.fleet.plan import digest, tasks_of
 from echocal.fleet.pool import processors, run_all
 from echocal.fleet.record import FAILED, failure
+from echocal.fleet.source import files_of
 from echocal.fleet.store import Store
 from echocal.fleet.summary import summary
 from echocal.fleet.task import run_task
-from echocal.model import Model, document
+from echocal.model import Model
+from echocal.model.folder import INDEX
+from echocal.model.plain import to_plain
 from echocal.observations.text import Layout
 from echocal.outputs import replace_text
 
@@ -126,9 +130,9 @@ def diagnose_fleet(
     """
     begun = time.perf_counter()
     given = [inputs] if isinstance(inputs, str | Path) else list(inputs)
-    files, notes = expanded([Path(path) for path in given])
+    files = files_of(given)
     layout = layout or Layout()
-    index = indexed(files, by, kind, layout)
+    index = indexed(files.sources, by, kind, layout)
     folders = {"models": _folder(models), "results": _folder(results)}
     asked = {
         **_request(base, request, settings, seed),
@@ -143,16 +147,16 @@ def diagnose_fleet(
     with tempfile.TemporaryDirectory(prefix="echocal-") as scratch:
         store = Store(Path(scratch) if out is None else _beside(Path(out)))
         job = {**asked, "store": str(store.folder.resolve())}
-        tasks = tasks_of(index.sensors, named(index.sensors), job, memory)
+        tasks = tasks_of(index.sensors, named(index.sensors), by, job, memory)
         with store.locked():
-            store.begin(_state(asked, files, index.sensors, tasks), force)
+            store.begin(_state(asked, files.sources, index.sensors, tasks), force)
             for folder in (path for path in folders.values() if path):
                 with writing(folder):
                     Path(folder).mkdir(parents=True, exist_ok=True)
             records = _records(store, tasks, job, workers or processors(), progress)
             found = judged(records, checked)
             rows = [verdicts.row(one, own) for one, own in zip(records, found.sensors, strict=True)]
-            whole = [*notes, *index.notes]
+            whole = [*files.notes, *index.notes]
             told = summary(rows, found, checked, whole, time.perf_counter() - begun)
             if folders["models"]:
                 made = {one["sensor"]: one["model"] for one in records if one["model"]}
@@ -228,10 +232,9 @@ def _request(
     law: str | float = base if isinstance(base, float | int) else str(base)
     model = Model.load(law) if isinstance(law, str) and law.endswith(".json") else None
     Request.of(law if model is None else model, seed, settings, can_vary=None, **whole)
-    hash_ = None if model is None else document.digest(document.content(model))
-    path = law if model is None else str(Path(str(law)).resolve())
+    plain_base = law if model is None else to_plain(model)
     plain = None if settings is None else Settings.of(settings).to_dict()
-    return {"request": {"base": path, "base_hash": hash_, "seed": seed, "settings": plain, **whole}}
+    return {"request": {"base": plain_base, "seed": seed, "settings": plain, **whole}}
 
 
 def _reading(given: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -247,10 +250,10 @@ def _reading(given: Mapping[str, Any] | None) -> dict[str, Any]:
 
 
 def _state(
-    asked: Mapping[str, Any], files: Sequence[Path], sensors: Sequence[Sensor], tasks: Sequence[Any]
+    asked: Mapping[str, Any], files: Sequence[Source], sensors: Sequence[Sensor], tasks: Sequence[Any]
 ) -> dict[str, Any]:
     """What makes a run the same: a change of any of it would mix two runs."""
-    stamps = [(str(file.resolve()), file.stat().st_size, file.stat().st_mtime_ns) for file in files]
+    stamps = [(str(file.path.resolve()), *stamp(file.path).values()) for file in files]
     return {
         "version": __version__,
         **{name: asked[name] for name in sorted(asked)},

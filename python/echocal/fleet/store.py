@@ -3,19 +3,19 @@
 import gzip
 import hashlib
 import json
-import os
 import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from echocal.correct.lock import locked
+from echocal.correct.manifest import FOLDER
 from echocal.errors import UsageError, writing
 
 __all__ = ["Store", "put"]
 
 _JOB = "job.json"
-_LOCK = "lock"
 
 
 def put(path: Path, data: bytes) -> str:
@@ -53,13 +53,7 @@ class Store:
         UsageError
             If another run has the folder.
         """
-        with writing(self.folder):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            file = (self.folder / _LOCK).open("a+")
-        with file:
-            if not _lock(file):
-                message = f"{self.folder} is in use by another run; wait for it, or choose another output"
-                raise UsageError(message)
+        with locked(self.folder / FOLDER / "lock"):
             yield
 
     def begin(self, job: Mapping[str, Any], force: bool) -> None:
@@ -106,8 +100,9 @@ class Store:
     def remove(self) -> None:
         """Remove the folder, if nothing else is in it."""
         self.clear()
-        (self.folder / _LOCK).unlink(missing_ok=True)
+        (self.folder / FOLDER / "lock").unlink(missing_ok=True)
         try:
+            (self.folder / FOLDER).rmdir()
             self.folder.rmdir()
         except OSError:
             return
@@ -119,18 +114,3 @@ def _json(file: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return content if isinstance(content, dict) else {}
-
-
-def _lock(file: Any) -> bool:
-    try:
-        import fcntl
-    except ImportError:  # Windows keeps an open file from being removed
-        return True
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    os.truncate(file.fileno(), 0)
-    file.write(f"{os.getpid()}\n")
-    file.flush()
-    return True

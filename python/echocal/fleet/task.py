@@ -25,7 +25,8 @@ from echocal.fleet.gather import Log, logs
 from echocal.fleet.plan import SCHEMA
 from echocal.fleet.record import FAILED, failure, record
 from echocal.fleet.store import Store, put
-from echocal.model import Model, document
+from echocal.model import document
+from echocal.model.plain import from_plain
 from echocal.observations.text import Layout
 
 __all__ = ["run_task"]
@@ -115,12 +116,7 @@ def _diagnosed(log: Log, job: Mapping[str, Any]) -> Examined:
 def _request(text: str) -> Request:
     plain = json.loads(text)
     base = plain.pop("base")
-    made_with = plain.pop("base_hash")
-    if made_with is not None:
-        base = Model.load(base)
-        if document.digest(document.content(base)) != made_with:
-            message = "the base model was changed since the run began; start anew with --force"
-            raise UsageError(message)
+    base = from_plain(base, "the base") if isinstance(base, dict) else base
     return Request.of(base, plain.pop("seed"), plain.pop("settings"), can_vary=None, **plain)
 
 

@@ -78,7 +78,7 @@ def plot_counts(causes: list[Mapping[str, Any]], ax: Axes) -> None:
     ax.set_yticks(places, [one["id"] for one in causes])
     ax.invert_yaxis()
     ax.set_xlabel("sensors")
-    ax.legend(loc="lower right", frameon=False, fontsize=8)
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False, fontsize=8)
 
 
 def plot_errors(causes: list[Mapping[str, Any]], ax: Axes) -> None:
@@ -100,6 +100,6 @@ def plot_errors(causes: list[Mapping[str, Any]], ax: Axes) -> None:
         ax.plot(after, place, "o", color=_AFTER, label="model" if first else "_nolegend_")
         first = False
     ax.set_xlim(left=0.0)
-    ax.set_xlabel("RMS error [mm], median of the sensors where the cause comes first")
+    ax.set_xlabel("RMS error [mm], median where the cause comes first")
     if ax.get_legend_handles_labels()[0]:
-        ax.legend(loc="lower right", frameon=False, fontsize=8)
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False, fontsize=8)
