@@ -211,7 +211,7 @@ def test_a_key_without_a_value_is_refused(tmp_path: Path, table: pl.DataFrame) -
 
 
 def test_a_path_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match="no file .*absent"):
+    with pytest.raises(DataError, match=r"no file .*absent"):
         files_of([tmp_path / "absent"])
 
 
