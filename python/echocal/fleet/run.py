@@ -149,7 +149,7 @@ def diagnose_fleet(
         job = {**asked, "store": str(store.folder.resolve())}
         tasks = tasks_of(index.sensors, named(index.sensors), by, job, memory)
         with store.locked():
-            store.begin(_state(asked, files.sources, index.sensors, tasks), force)
+            store.begin(_state(asked, files.sources, index.sensors, memory), force)
             for folder in (path for path in folders.values() if path):
                 with writing(folder):
                     Path(folder).mkdir(parents=True, exist_ok=True)
@@ -250,7 +250,7 @@ def _reading(given: Mapping[str, Any] | None) -> dict[str, Any]:
 
 
 def _state(
-    asked: Mapping[str, Any], files: Sequence[Source], sensors: Sequence[Sensor], tasks: Sequence[Any]
+    asked: Mapping[str, Any], files: Sequence[Source], sensors: Sequence[Sensor], memory: int
 ) -> dict[str, Any]:
     """What makes a run the same: a change of any of it would mix two runs."""
     stamps = [(str(file.path.resolve()), *stamp(file.path).values()) for file in files]
@@ -259,7 +259,7 @@ def _state(
         **{name: asked[name] for name in sorted(asked)},
         "files": digest(stamps),
         "sensors": len(sensors),
-        "tasks": len(tasks),
+        "memory": memory,
     }
 
 
