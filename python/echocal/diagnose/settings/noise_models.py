@@ -31,6 +31,12 @@ class NoiseModelSettings:
         "ratio of the variance of the station errors to that of the innovations",
         "chosen by hand",
     )
+    level_ratios: tuple[float, ...] = number(
+        (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0),
+        "1",
+        "the same of errors by the levels of a column: targets may differ by centimeters",
+        "chosen by hand",
+    )
     convection_rhos: tuple[float, ...] = number(
         (0.6, 0.8, 0.9, 0.95, 0.98),
         "1 per row",
