@@ -220,9 +220,9 @@ def _rivals(name: str, levels: Labels, table: Table) -> tuple[str, ...]:
 
 def draw(table: Columns, random: np.random.Generator) -> None:
     """Look at five targets in turn, each with an offset of its own of about a centimeter."""
-    target = random.integers(0, 5, len(table["reading_m"]))
-    table["target"] = target + 1.0
-    table["reading_m"] = table["reading_m"] + random.normal(0.0, 1e-2, 5)[target]
+    target = random.integers(0, 5, len(table["reading_m"])).astype(np.int64)
+    table["target"] = target.astype(np.float64)
+    table["reading_m"] += random.normal(0.0, 1e-2, 5)[target]
 
 
 NOISE = OffsetNoise(facts=FACTS, draw=draw, find=find, thresholds=Thresholds())
