@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from echocal.diagnose.settings.priors import WIDEST
 from echocal.diagnose.settings.threshold import number
 
 __all__ = ["AUTOREGRESSIONS", "NoiseModelSettings"]
@@ -72,7 +73,7 @@ class NoiseModelSettings:
         "argument: few columns cannot compensate more; the same test",
     )
     ridge_width: float = number(
-        3.0,
+        WIDEST,
         "prior sd",
         "width of the prior when all columns are fitted at once",
         "the widest of the prior widths",
