@@ -36,7 +36,7 @@ Labels = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 _MAD_TO_SD = 1.4826  # of a normal distribution
-_BLOCKS = 2000  # stretches that are enough for a quantile
+_BLOCKS = 400  # stretches that are enough for a quantile
 _TIME_CONSTANTS = (
     60  # tried for an exponential approach: neighbors differ by 8 % where 1 % of the rows is off
 )
