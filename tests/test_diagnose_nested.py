@@ -203,6 +203,21 @@ def test_a_target_that_is_placed_anew_has_a_new_level(random: np.random.Generato
     assert diagnosis.gain.rms_after_m < 0.3 * diagnosis.gain.rms_before_m < 0.02
 
 
+def test_held_out_rows_of_a_new_placement_do_not_have_the_level_of_the_last_one(
+    random: np.random.Generator,
+) -> None:
+    table = logged(random)
+    del table["distance_m"]
+    anew = table["time_s"] >= 24_000.0
+    table["reading_m"] = table["reading_m"] * np.where(anew, 1.2, 1.0)
+    table["stand"] = np.where(anew, 2, 1)
+    told, untold = (
+        echocal.diagnose(one, constant_distance=True, hold_out_after=24_000.0).gain.rms_before_m
+        for one in (table, {name: column for name, column in table.items() if name != "stand"})
+    )
+    assert told < 0.05 < untold
+
+
 def test_errors_are_compared_on_the_rows_that_both_models_know() -> None:
     from echocal.diagnose.validation.gain import HeldOut, on_common_rows
 

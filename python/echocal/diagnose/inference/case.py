@@ -80,19 +80,24 @@ class Case:
         found = [one for one in self.sums.correlations if isinstance(one, Convection)]
         return tuple(
             noise
-            for noise in noises(self.settings.noise_models, self.at_stations, found)
+            for noise in noises(self.settings.noise_models, self.at_stations, found, self.at_levels)
             if self.sums.has(noise)
         )
 
     @property
     def usual_noises(self) -> tuple[Noise, ...]:
         """Those that do not depend on the distance, whether summed or not: each kind with all its prior."""
-        return noises(self.settings.noise_models, self.at_stations)
+        return noises(self.settings.noise_models, self.at_stations, levels=self.at_levels)
 
     @property
     def at_stations(self) -> bool:
         """Whether rows are at several stations, each of which may err by itself."""
         return not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
+
+    @property
+    def at_levels(self) -> bool:
+        """Whether these are no stations, but the levels of a column."""
+        return bool(self.table.grouped_by)
 
     @property
     def at_distances(self) -> bool:

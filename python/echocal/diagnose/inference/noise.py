@@ -85,7 +85,10 @@ def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
 
 
 def noises(
-    settings: NoiseModelSettings, stations: bool, convections: Collection[Convection] = ()
+    settings: NoiseModelSettings,
+    stations: bool,
+    convections: Collection[Convection] = (),
+    levels: bool = False,
 ) -> tuple[Noise, ...]:
     """List the noise models considered: the grid of docs/method.md, section 2.
 
@@ -96,6 +99,8 @@ def noises(
         Whether stations may err, each by itself.
     convections : collection of Convection
         Those that are considered. If there are any, the other convections lose their prior.
+    levels : bool
+        Whether the stations are the levels of a column, whose errors may be larger.
 
     Returns
     -------
@@ -106,7 +111,8 @@ def noises(
     half = correlated / 2 if convections else correlated
     rows = [(0.0, 0.0, 0.0, settings.white), *((m, r, 0.0, half / len(alike)) for m, r in alike)]
     rows += [(0.0, c.rho, c.growth, half / len(all_convections(settings))) for c in convections]
-    grid, none = settings.station_ratios, settings.no_station_error
+    grid = settings.level_ratios if levels else settings.station_ratios
+    none = settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
     return tuple(Noise(m, r, s, p * q, growth) for m, r, growth, p in rows for s, q in each)

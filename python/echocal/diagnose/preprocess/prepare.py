@@ -93,5 +93,6 @@ def prepare(
         left_out=left_out,
         total=len(observations),
         echoes=observations.reading is None or "echo_time" in observations.source_names,
+        labels={name: codes[rows] for name, codes in observations.labels.items() if name != "order"},
         stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
     )

@@ -49,6 +49,10 @@ class Table:
     stated_speed : str
         Speed of the device that the user states, as a law or in m/s: its arithmetic is known. Empty where
         the speed is that of the base.
+    labels : mapping of str to ndarray of int, shape (n,)
+        Codes of ``stand``, ``group`` and columns of text; -1 where empty.
+    grouped_by : str
+        Column whose levels the groups are, where they are not segments or stations.
     """
 
     row: Labels
@@ -64,6 +68,8 @@ class Table:
     echoes: bool = False
     thermometers: Mapping[str, Column] = field(default_factory=dict)
     stated_speed: str = ""
+    labels: Mapping[str, Labels] = field(default_factory=dict)
+    grouped_by: str = ""
 
     def __len__(self) -> int:
         return len(self.row)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from echocal.diagnose.settings.priors import WIDEST
 from echocal.diagnose.settings.threshold import number
 
 __all__ = ["AUTOREGRESSIONS", "NoiseModelSettings"]
@@ -29,6 +30,12 @@ class NoiseModelSettings:
         (0.0, 0.1, 1.0, 10.0),
         "1",
         "ratio of the variance of the station errors to that of the innovations",
+        "chosen by hand",
+    )
+    level_ratios: tuple[float, ...] = number(
+        (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0),
+        "1",
+        "the same of errors by the levels of a column: targets may differ by centimeters",
         "chosen by hand",
     )
     convection_rhos: tuple[float, ...] = number(
@@ -66,7 +73,7 @@ class NoiseModelSettings:
         "argument: few columns cannot compensate more; the same test",
     )
     ridge_width: float = number(
-        3.0,
+        WIDEST,
         "prior sd",
         "width of the prior when all columns are fitted at once",
         "the widest of the prior widths",

@@ -175,8 +175,8 @@ class HeldOutRows:
     def _less_the_distance(self, values: Column, seen: Callable[[], Column]) -> Column:
         """Less the reference; else less the level.
 
-        The first held-out segment in time continues the last one of the other rows, and has its level. A
-        segment that begins later has a level of its own.
+        The first held-out segment in time continues the last one of the other rows, and has its level, unless
+        the target was put up anew. A segment that begins later has a level of its own.
         """
         if self.held.reference is not None:
             return values - self.held.reference
@@ -184,7 +184,8 @@ class HeldOutRows:
         level = levels(values, groups, np.ones(len(values), dtype=bool), np.mean)
         first = int(self.held.conditions["elapsed_time"].argmin())
         last = int(self.case.table.conditions["elapsed_time"].argmax())
-        level[groups == groups[first]] = seen()[others == others[last]].mean()
+        if _stand(self.held, first) == _stand(self.case.table, last):
+            level[groups == groups[first]] = seen()[others == others[last]].mean()
         return values - level
 
 
@@ -199,6 +200,11 @@ def judge_of(
     if held is not None and after is not None:
         return HeldOutRows(case, held, after)
     return Nested(case, noises, tried)
+
+
+def _stand(table: Table, row: int) -> int:
+    """Placement of the target in a row; the same for all rows where it is not recorded."""
+    return int(table.labels["stand"][row]) if "stand" in table.labels else -1
 
 
 def _speed(base: Base, table: Table) -> NDArray[np.float64]:

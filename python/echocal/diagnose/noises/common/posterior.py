@@ -105,7 +105,8 @@ def infer_noises(
     order = list(dict.fromkeys(w.hypothesis.ids for w in shares.fits))
     shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
     shares.likelihoods = {ids: shares.likelihoods[ids] for ids in order if ids in shares.likelihoods}
-    nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in registry.nuisances()]
+    there = [noise for noise in registry.nuisances() if not (noise.of_stations and case.at_levels)]
+    nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in there]
     for ids in order:
         shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
     _doubt(shares, nuisances)
