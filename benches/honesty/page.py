@@ -34,6 +34,13 @@ level. A window without an effect in its model has a share of 0 and is not worse
 which the level jumps; `all` is without it.
 
 Goals: worse than the base in at most 0.10 of the pairs; mean share above 0; a name recurs in at least 0.7.
+
+*A window that can know.* A window is asked whether it names what another one names. It can know if the cause,
+with the size that the other window found, raises the expected log likelihood there by at least 8 (the limit of
+Eq. 39 in [method](method.md)): $\\frac12 x' V^{-1} x / \\sigma^2 \\ge 8$, with $x$ what the cause adds, $V$ and
+$\\sigma$ the noise that the asked window reports, and a free level of each segment. This was written before the
+figure was computed. A cause that agrees there is within 3 standard uncertainties (of both windows) of the size of
+the other window, in a fit of this cause alone.
 """
 
 _ROTATION = """## Residuals turned by whole days
