@@ -58,7 +58,8 @@ def test_air_that_errs_alike_along_the_path_is_no_effect(random: np.random.Gener
     distance = np.repeat(np.sort(random.uniform(0.3, 3.9, 5)), rows // 5)
     sweep = np.tile(np.concatenate([np.linspace(5, 40, 40), np.linspace(40, 5, 40)]), 5)
     reading = distance + 1.5e-3 * remembering(rows, 0.8, random) * distance / 2.0
-    table = {"distance_m": distance, "temperature_C": sweep, "reading_m": reading, "time_s": 20.0 * np.arange(rows)}
+    table = {"distance_m": distance, "temperature_C": sweep, "reading_m": reading}
+    table["time_s"] = 20.0 * np.arange(rows)
     diagnosis = echocal.diagnose(table, base="linear")
     (found,) = (c for c in diagnosis.causes if c.id == "correlated_noise")
     assert "coherent_growth" in {p.name for p in found.parameters}

@@ -39,8 +39,8 @@ def questions(table: Any, name: str, giver: Asked, own: Asked, before: Column) -
     Returns
     -------
     list of Record
-        For each name: `expected` log likelihood ratio; `ratio`, the size there over the size of the other window,
-        with its standard uncertainty; `said`, what the window says.
+        For each name: `expected` log likelihood ratio; `ratio`, the size there over the size of the other
+        window, with its standard uncertainty; `said`, what the window says.
     """
     found = []
     for cause in told(giver.said["causes"]):

@@ -123,4 +123,6 @@ def noises(
     grid, none = settings.station_ratios, settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
-    return tuple(Noise(m, r, s, p * q, growth, coherent) for m, r, growth, coherent, p in rows for s, q in each)
+    return tuple(
+        Noise(m, r, s, p * q, growth, coherent) for m, r, growth, coherent, p in rows for s, q in each
+    )

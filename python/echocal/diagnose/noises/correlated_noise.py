@@ -47,7 +47,10 @@ FACTS = CauseFacts(
     ),
     check="repeat the rows in a random order",
     prior=0.05,
-    formula="e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d, or by coherent_growth d^2",
+    formula=(
+        "e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d, or by "
+        "coherent_growth d^2"
+    ),
 )
 
 
