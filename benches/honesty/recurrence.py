@@ -50,7 +50,7 @@ def questions(table: Any, name: str, giver: Asked, own: Asked, before: Column) -
         alone = echocal.Model(base.law, effects, air=base.air, columns=bound)
         added = before - records.corrected(table, alone, name)[own.rows]
         known = np.isfinite(added) & np.isfinite(before)
-        square, ratio = _gls(added[known], before[known], own.groups[known], own.said["noise"])
+        square, ratio = _gls(added[known], before[known], own.groups[known], own.said["noise_model"])
         found.append(
             {
                 "id": cause["id"],
