@@ -51,10 +51,11 @@ impl CoreNoiseModel {
     }
 }
 
-/// A moving-average coefficient, or autoregression and growth of a convection; None is white.
+/// A moving-average coefficient, or autoregression and growth of a convection and whether it is
+/// coherent; None is white.
 #[derive(FromPyObject)]
 pub enum GivenCorrelation {
-    Convection((f64, f64)),
+    Convection((f64, f64, bool)),
     MovingAverage(f64),
 }
 
@@ -62,10 +63,14 @@ pub enum GivenCorrelation {
 pub fn correlation(given: Option<GivenCorrelation>) -> PyResult<NoiseCorrelation> {
     Ok(match given {
         None => NoiseCorrelation::White(White),
-        Some(GivenCorrelation::Convection((rho, growth))) => {
+        Some(GivenCorrelation::Convection((rho, growth, coherent))) => {
             coefficient("the autoregression of a convection", rho)?;
             not_negative("the growth of a convection", growth)?;
-            NoiseCorrelation::Convection(Convection { rho, growth })
+            NoiseCorrelation::Convection(Convection {
+                rho,
+                growth,
+                coherent,
+            })
         }
         Some(GivenCorrelation::MovingAverage(theta)) => {
             coefficient("a moving average", theta)?;
