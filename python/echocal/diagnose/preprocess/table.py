@@ -49,6 +49,10 @@ class Table:
     stated_speed : str
         Speed of the device that the user states, as a law or in m/s: its arithmetic is known. Empty where
         the speed is that of the base.
+    placements : ndarray of int, shape (n,), or None
+        Placement of the target of each row where the distance is unknown: `groups` before the level steps.
+    step_probability : mapping of int to float
+        Probability of the steps that were weighed beside causes, by source row.
     """
 
     row: Labels
@@ -64,6 +68,8 @@ class Table:
     echoes: bool = False
     thermometers: Mapping[str, Column] = field(default_factory=dict)
     stated_speed: str = ""
+    placements: Labels | None = None
+    step_probability: Mapping[int, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.row)
