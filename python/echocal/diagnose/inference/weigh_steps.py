@@ -52,8 +52,6 @@ class StepPosterior:
         Nested sets, from none to all.
     beside : tuple of Hypothesis
         Probable causes beside some of these sets.
-    variance : float
-        Of the noise, which scales the prior of a height [m^2].
     """
 
     table: Table
@@ -62,11 +60,10 @@ class StepPosterior:
     certain: Labels
     sets: tuple[Set, ...]
     beside: tuple[Hypothesis, ...]
-    variance: float
 
     def probability(self, blocks: Mask) -> Matrix:
         """Probability of each step, from the rows of some blocks: Eq. 42."""
-        tried = _Tried.of(self.case, blocks, self.variance)
+        tried = _Tried.of(self.case, blocks, self.rows)
         logs = np.array([[tried.log(one, steps) for steps in self.sets] for one in self.beside])
         weight = np.exp(logs - logsumexp(logs)).sum(axis=0)
         return np.array(
@@ -123,7 +120,7 @@ def weigh_steps(
     case = examine(coarse, base, folds, seed, settings, steps=at)
     own = [v for v in case.found.variants if v.cause != _STEP_OF_THE_SENSOR]
     case = replace(case, found=replace(case.found, variants=own))
-    tried = _Tried.of(case, folds.fit, _variance(case, at))
+    tried = _Tried.of(case, folds.fit, rows)
     every = tuple(range(len(rows)))
     beside = tried.likely([(), every])
     sets = tried.nested(beside, every)
@@ -131,7 +128,7 @@ def weigh_steps(
     if best not in ((), every):
         beside = tried.joined(beside, tried.likely([best]))
         sets = tried.nested(beside, every)
-    return StepPosterior(table, case, rows, known, sets, beside, tried.variance)
+    return StepPosterior(table, case, rows, known, sets, beside)
 
 
 def _beyond_air(table: Table, share: float) -> Labels:
@@ -142,10 +139,11 @@ def _beyond_air(table: Table, share: float) -> Labels:
     return np.asarray(table.steps[np.abs(new - old) > share * np.minimum(np.abs(new), np.abs(old))])
 
 
-def _variance(case: Case, steps: Labels) -> float:
+def _variance(case: Case, blocks: Mask, steps: Labels) -> float:
     """Half the mean square difference of neighboring rows [m^2], but for those at a proposed step."""
-    follows = ~case.table.starts[1:]
-    follows[steps - 1] = False
+    seen = blocks[case.folds.blocks]
+    follows = ~case.table.starts[1:] & seen[1:] & seen[:-1]
+    follows[np.searchsorted(case.table.row, steps) - 1] = False
     squares = np.diff(case.residual)[follows] ** 2
     return max(float(squares.mean()) / 2 if len(squares) else 0.0, VARIANCE_FLOOR**2)
 
@@ -163,10 +161,12 @@ class _Tried:
     known: dict[tuple[Form, Set], float]
 
     @classmethod
-    def of(cls, case: Case, blocks: Mask, variance: float) -> "_Tried":
+    def of(cls, case: Case, blocks: Mask, steps: Labels) -> "_Tried":
         products, log_weight = case.sums.whiten_all(case.noises, blocks)
         rows = int(case.sums.rows[blocks].sum())
-        return cls(case, products, log_weight, case.sums.degrees(blocks), rows, variance, {})
+        return cls(
+            case, products, log_weight, case.sums.degrees(blocks), rows, _variance(case, blocks, steps), {}
+        )
 
     def stack(self, steps: Set, columns: Sequence[int] | None = None) -> Stack:
         """Products of some columns, or of all, whose rows have these steps: Eq. 41."""
