@@ -66,12 +66,8 @@ class StepPosterior:
         tried = _Tried.of(self.case, blocks, self.rows)
         logs = np.array([[tried.log(one, steps) for steps in self.sets] for one in self.beside])
         weight = np.exp(logs - logsumexp(logs)).sum(axis=0)
-        return np.array(
-            [
-                sum(w for w, steps in zip(weight, self.sets, strict=True) if at in steps)
-                for at in range(len(self.rows))
-            ]
-        )
+        among = np.array([[at in steps for steps in self.sets] for at in range(len(self.rows))])
+        return np.asarray(np.minimum(among @ weight, 1.0))
 
     def kept(self, blocks: Mask) -> Table:
         """The table with the steps that are probable in the rows of some blocks."""
@@ -168,7 +164,7 @@ class _Tried:
             case, products, log_weight, case.sums.degrees(blocks), rows, _variance(case, blocks, steps), {}
         )
 
-    def stack(self, steps: Set, columns: Sequence[int] | None = None) -> Stack:
+    def averaged(self, steps: Set, columns: Sequence[int] | None = None) -> Stack:
         """Products of some columns, or of all, whose rows have these steps: Eq. 41."""
         own = [self.case.found.steps[place] for place in steps]
         last = self.products.shape[-1] - 1
@@ -194,13 +190,13 @@ class _Tried:
         if key not in self.known:
             columns = sorted(set(beside.columns))
             moved = tuple(_moved(v, columns) for v in beside.variants)
-            fit = fit_hypothesis(Hypothesis(moved, beside.prior), self.stack(steps, columns))
+            fit = fit_hypothesis(Hypothesis(moved, beside.prior), self.averaged(steps, columns))
             self.known[key] = fit.log_posterior
         return self.known[key]
 
     def likely(self, sets: Sequence[Set]) -> tuple[Hypothesis, ...]:
         """The most probable sets of causes, each in its best form, where the level has one of some sets."""
-        stacks = [self.stack(steps) for steps in sets]
+        stacks = [self.averaged(steps) for steps in sets]
         joined = Stack(
             np.concatenate([one.products for one in stacks]),
             np.concatenate([one.log_weight for one in stacks]),
