@@ -18,6 +18,7 @@ from echocal.observations import read_observations
 
 Columns = dict[str, np.ndarray]
 ROWS = 800
+MOVED = 410  # at ten in the morning, hours after the air has warmed: the size is that of the readings
 
 
 def slow(random: np.random.Generator, rho: float) -> np.ndarray:
@@ -35,7 +36,7 @@ def log(random: np.random.Generator, slope: float, bump: float = 0.0, rho: float
     day = (hour > random.uniform(6, 8)) & (hour < random.uniform(17, 19))
     temperature = 15 + 1.5 * np.sin(2 * np.pi * (hour - 9) / 24) + 7 * day + random.normal(0, 0.03, ROWS)
     reading = (2.0 + slow(random, rho)) * (1 + slope * (temperature - 15))
-    reading[ROWS // 2 - 40 :] += bump
+    reading[MOVED:] += bump
     return {"time_s": time, "temperature_C": temperature, "reading_m": reading}
 
 
@@ -65,7 +66,7 @@ def test_a_target_that_moved_is_a_step_beside_a_cause_or_alone(
     random: np.random.Generator, slope: float
 ) -> None:
     rows = echocal.diagnose(log(random, slope, bump=0.006, rho=0.6), constant_distance=True).rows
-    assert [abs(row - 1 - (ROWS // 2 - 40)) <= 2 for row in rows["level_steps_at_rows"]] == [True]
+    assert [abs(row - 1 - MOVED) <= 2 for row in rows["level_steps_at_rows"]] == [True]
     (step,) = rows["level_steps"]
     assert step.size_m == pytest.approx(0.006, abs=0.003)
     assert 0.5 <= step.probability <= 1.0
