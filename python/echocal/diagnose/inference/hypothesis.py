@@ -150,7 +150,7 @@ class HypothesisFit:
             self.hypothesis, self.log_evidence + by, self.mean, self.covariance, self.noise, self.variance
         )
 
-    @property
+    @cached_property
     def log_posterior(self) -> float:
         """Up to the constant that normalizes: docs/method.md, Eq. 18."""
         prior = self.hypothesis.prior

@@ -106,8 +106,10 @@ def infer_noises(
     shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
     shares.likelihoods = {ids: shares.likelihoods[ids] for ids in order if ids in shares.likelihoods}
     nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in registry.nuisances()]
+    mixed = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
     for ids in order:
-        shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
+        fitted = shares.fitted_of(ids)  # of these, some compete with the nuisance noises
+        shares.nuisances[ids] = _nuisances(best[ids], nuisances, sum(fitted.get(id_, 0.0) for id_ in mixed))
     _doubt(shares, nuisances)
     return shares
 
@@ -216,7 +218,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
         id_, before, concerned = nuisance.id, nuisance.assumed, nuisance.concerned
         if not concerned.any() or before >= 1.0:
             continue
-        part = np.array([w.noise[concerned].sum() for w in shares.fits])
+        part = np.array([w.noise for w in shares.fits])[:, concerned].sum(axis=1)
         with_it = float(total @ part) / before * nuisance.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
         as_a_cause = with_it / max(with_it + without, 1e-300)
@@ -229,11 +231,12 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
 
 
 def _nuisances(
-    fit: HypothesisFit, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
+    fit: HypothesisFit, nuisances: Collection[_NuisancePrior], mixed: float
 ) -> dict[str, float]:
-    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26."""
-    without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
-    mixed = sum(fitted.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
+    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26.
+
+    `mixed` is the probability of the fitted noises that compete with them.
+    """
     found = {}
     for nuisance in nuisances:
         before, prior = nuisance.assumed, nuisance.prior
