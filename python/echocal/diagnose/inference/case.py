@@ -37,6 +37,8 @@ class Case:
     settings : Settings
     signals : dict
         What was made before, by columns and sizes.
+    fits : dict
+        Fits to some blocks under one noise that were made before, by noise, blocks and hypothesis.
     probable : tuple of Noise, or None
         Noises that are considered; None for all that the table allows.
     offsets : ndarray, shape (n,), or None
@@ -53,6 +55,7 @@ class Case:
     seed: int
     settings: Settings
     signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
+    fits: dict[tuple[Any, ...], HypothesisFit] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
 
