@@ -1,7 +1,7 @@
 """Noise models that compete: autocorrelated noise, and an error that the rows of a station share."""
 
-from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
@@ -84,8 +84,9 @@ def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
     return tuple(Convection(rho, growth) for rho in settings.convection_rhos for growth in growths)
 
 
+@lru_cache(maxsize=8)
 def noises(
-    settings: NoiseModelSettings, stations: bool, convections: Collection[Convection] = ()
+    settings: NoiseModelSettings, stations: bool, convections: tuple[Convection, ...] = ()
 ) -> tuple[Noise, ...]:
     """List the noise models considered: the grid of docs/method.md, section 2.
 
@@ -94,7 +95,7 @@ def noises(
     settings : NoiseModelSettings
     stations : bool
         Whether stations may err, each by itself.
-    convections : collection of Convection
+    convections : tuple of Convection
         Those that are considered. If there are any, the other convections lose their prior.
 
     Returns

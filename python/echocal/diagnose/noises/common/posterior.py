@@ -14,6 +14,7 @@ from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NoisePosterior", "infer_noises"]
@@ -93,9 +94,9 @@ def infer_noises(
     chosen += [ids for ids in [()] if ids not in chosen]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
-    rows = _sample(case, settings)
+    traced = _Traced.of(case, _sample(case, settings))
     for ids in chosen:
-        trace = _trace(case, best[ids], reduced.likeliest(best[ids])[0], rows)
+        trace = traced.left_by(best[ids], reduced.likeliest(best[ids])[0])
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
     least = min(gains.values())
     shares.fits = sorted(
@@ -148,22 +149,36 @@ def _beside(
     return total, {id_: float(np.exp(log - total)) for id_, log in logs.items() if id_}, likelihoods
 
 
-def _trace(case: Case, fit: HypothesisFit, noise: Noise, rows: NDArray[np.int64]) -> Trace:
-    left = case.left(fit, rows)
-    order = case.sums.order.at(rows)
-    groups = order.groups
-    flat = case.sums.flat_level
-    if flat:  # each segment has a level of its own
-        left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
-    conditions = {name: column[rows] for name, column in case.table.conditions.items()}
-    return Trace(
-        left=left,
-        innovation=innovation(left, order, noise),
-        distance=order.distance,
-        speed=case.base.indication(np.full(len(rows), 2.0), conditions),
-        segment=_segments(case, rows),
-        free_mean=flat or bool(fit.hypothesis.variants),
-    )
+@dataclass(frozen=True)
+class _Traced:
+    """Rows whose residuals are traced, and what is the same beside each hypothesis."""
+
+    case: Case
+    rows: NDArray[np.int64]
+    order: Order
+    speed: NDArray[np.float64]
+    segment: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, case: Case, rows: NDArray[np.int64]) -> "_Traced":
+        conditions = {name: column[rows] for name, column in case.table.conditions.items()}
+        speed = case.base.indication(np.full(len(rows), 2.0), conditions)
+        return cls(case, rows, case.sums.order.at(rows), speed, _segments(case, rows))
+
+    def left_by(self, fit: HypothesisFit, noise: Noise) -> Trace:
+        """What a hypothesis leaves."""
+        left, groups = self.case.left(fit, self.rows), self.order.groups
+        flat = self.case.sums.flat_level
+        if flat:  # each segment has a level of its own
+            left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
+        return Trace(
+            left=left,
+            innovation=innovation(left, self.order, noise),
+            distance=self.order.distance,
+            speed=self.speed,
+            segment=self.segment,
+            free_mean=flat or bool(fit.hypothesis.variants),
+        )
 
 
 def _segments(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
