@@ -273,9 +273,7 @@ class NoiseModel:
 class Sums:
     @property
     def width(self) -> int: ...
-    def whiten(
-        self, noises: list[NoiseModel], used: list[bool]
-    ) -> tuple[NDArray[np.float64], _Column]: ...
+    def whiten(self, noises: list[NoiseModel], used: list[bool]) -> tuple[NDArray[np.float64], _Column]: ...
     def fit(
         self,
         noise: NoiseModel,

@@ -245,9 +245,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
                 found[id_] *= factor
 
 
-def _nuisances(
-    fit: HypothesisFit, nuisances: Collection[_NuisancePrior], mixed: float
-) -> dict[str, float]:
+def _nuisances(fit: HypothesisFit, nuisances: Collection[_NuisancePrior], mixed: float) -> dict[str, float]:
     """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26.
 
     `mixed` is the probability of the fitted noises that compete with them.
