@@ -40,10 +40,15 @@ class Trials:
 
     def base(self) -> HeldOut:
         """Errors of the base."""
-        return self._measured(lambda _: self.case.base.plain)
+        key: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
+        if key not in self.known:
+            self.known[key] = self._measured(lambda _: self.case.base.plain)
+        return self.known[key]
 
     def of(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> HeldOut:
         """Errors with the kept causes, fitted beside all of a hypothesis, part of the best one."""
+        if not kept:
+            return self.base()  # whatever else is fitted
         key = frozenset(hypothesis.causes), frozenset(claim.cause for claim in kept)
         if key not in self.known:
             self.known[key] = self._measured(self.fitted(hypothesis, kept))
