@@ -86,7 +86,8 @@ def timed(rows: int, seeds: range) -> Iterator[str]:
     each = [seconds for _, seconds in found]
     yield f"{len(seeds):,} sensors of {rows:,} rows: {whole:.1f} s, {1e3 * whole / len(seeds):.0f} ms each"
     yield (
-        f"  goal {ROWS[rows] * len(seeds) / 1000:.1f} s; processor time of a diagnosis {1e3 * np.mean(each):.0f} ms "
+        f"  goal {ROWS[rows] * len(seeds) / 1000:.1f} s; "
+        f"processor time of a diagnosis {1e3 * np.mean(each):.0f} ms "
         f"(median {1e3 * np.median(each):.0f} ms, 95 % in {1e3 * np.quantile(each, 0.95):.0f} ms)"
     )
     words = [word for word, _ in found]
