@@ -1,7 +1,7 @@
 """Noise models that compete: autocorrelated noise, and an error that the rows of a station share."""
 
-from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
@@ -96,10 +96,11 @@ def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
     )
 
 
+@lru_cache(maxsize=8)
 def noises(
     settings: NoiseModelSettings,
     stations: bool,
-    convections: Collection[Convection] = (),
+    convections: tuple[Convection, ...] = (),
     levels: bool = False,
 ) -> tuple[Noise, ...]:
     """List the noise models considered: the grid of docs/method.md, section 2.
@@ -109,7 +110,7 @@ def noises(
     settings : NoiseModelSettings
     stations : bool
         Whether stations may err, each by itself.
-    convections : collection of Convection
+    convections : tuple of Convection
         Those that are considered. If there are any, the other convections lose their prior.
     levels : bool
         Whether the stations are the levels of a column, whose errors may be larger.
