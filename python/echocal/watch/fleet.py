@@ -1,0 +1,388 @@
+"""Correct and test the rows of many sensors as they come."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DataError, EchocalError, UsageError
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.observations.units import FORMS
+from echocal.watch import verdict
+from echocal.watch.events import Event
+from echocal.watch.rows import Block, Reader, Row
+from echocal.watch.sensor import Sensor
+from echocal.watch.settings import WatchSettings
+from echocal.watch.state import State
+
+__all__ = ["RESULTS", "Fleet", "Reference", "models_of"]
+
+RESULTS = ("corrected_distance_m", "status")
+"""Names of the two columns that are appended."""
+
+Column = NDArray[np.float64]
+Models = Callable[[str], Model | None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """What the corrected distance is compared with: exactly one of these, or a column of the rows.
+
+    Attributes
+    ----------
+    distance : float or None
+        Distance of the target in every row [m].
+    constant : bool
+        The target does not move; its distance is not known.
+    target : str or None
+        Column that names the target: the other sensors of the same target are the reference.
+    within : float
+        Age at which a row of another sensor is no reference any more [s].
+    later : bool
+        Rows may have no column for it at first.
+    none : bool
+        Nothing is tested.
+    """
+
+    distance: float | None = None
+    constant: bool = False
+    target: str | None = None
+    within: float = 900.0
+    later: bool = False
+    none: bool = False
+
+    def __post_init__(self) -> None:
+        given = [
+            name
+            for name, value in (
+                ("--reference-distance", self.distance is not None),
+                ("--constant-distance", self.constant),
+                ("--same-target", self.target is not None),
+                ("--reference-later", self.later),
+                ("--correct-only", self.none),
+            )
+            if value
+        ]
+        if len(given) > 1:
+            message = f"{' and '.join(given)} contradict each other: give one of them"
+            raise UsageError(message)
+        if self.distance is not None and not self.distance > 0.0:
+            message = f"--reference-distance is {self.distance!r}; give a distance above 0 m"
+            raise UsageError(message)
+
+    @property
+    def kind(self) -> str:
+        """Where the reference comes from, in a word."""
+        if self.none:
+            return "none"
+        if self.constant:
+            return "constant"
+        if self.target is not None:
+            return "others"
+        return "column" if self.distance is None else "distance"
+
+
+def models_of(model: Model | None, folder: Path | None) -> Models:
+    """Model by sensor: one for all, or ``folder/ID.json``; None where a sensor has none.
+
+    Raises
+    ------
+    UsageError
+        If the folder does not exist.
+    """
+    if folder is None:
+        return lambda _: model
+    if not folder.is_dir():
+        message = f"--models {folder} is no folder; `echocal diagnose --by COLUMN --models DIR` writes one"
+        raise UsageError(message)
+    files = {file.stem: file for file in folder.glob("*.json")}
+    return lambda id_: Model.load(files[id_]) if id_ in files else None
+
+
+@dataclass
+class Fleet:
+    """The sensors that are watched.
+
+    Attributes
+    ----------
+    models : callable
+        Model of a sensor.
+    by : str or None
+        Column with the id of the sensor; None for one sensor.
+    reference : Reference
+    settings : WatchSettings
+    state : State
+    options : dict
+        Arguments of `echocal.read_observations`.
+    interval : float or None
+        Time between rows of a sensor [s].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import echocal
+    >>> from echocal.watch import Fleet, Reference, State, WatchSettings
+    >>> fleet = Fleet(lambda id_: echocal.Model("linear"), None, Reference(distance=1.0), WatchSettings(), State(None))
+    >>> rows = [{"time_s": 600 * i, "reading_m": 1.0 + 0.001 * (i % 3), "temperature_C": 20.0} for i in range(600)]
+    >>> corrected, events = fleet.take(rows)
+    >>> corrected[1]["corrected_distance_m"], [event.kind for event in events]
+    (1.001, ['learned', 'verdict'])
+    """
+
+    models: Models
+    by: str | None
+    reference: Reference
+    settings: WatchSettings
+    state: State
+    options: dict[str, Any] = field(default_factory=dict)
+    interval: float | None = None
+    rows: int = 0
+    corrected: int = 0
+    _sensors: dict[str, Sensor | None] = field(default_factory=dict)
+    _readers: dict[str, Reader] = field(default_factory=dict)
+    _targets: dict[str, dict[str, list[float]]] = field(default_factory=dict)
+    _checked: bool = False
+
+    def take(self, rows: Sequence[Row]) -> tuple[list[Row], list[Event]]:
+        """Correct rows, and test them: the same rows with two columns more, and what there is to tell.
+
+        Raises
+        ------
+        DataError
+            If the rows lack what every row needs: a sensor's id, a time, something to be compared with.
+        """
+        if not rows:
+            return [], []
+        self._check(rows)
+        ids = [self._id(row) for row in rows]
+        events = [event for id_ in dict.fromkeys(ids) for event in self._known(id_)]
+        status = ["" if self._sensors[id_] else f"no model for sensor {id_}" for id_ in ids]
+        distance = np.full(len(rows), np.nan)
+        times = np.full(len(rows), np.nan)
+        reference = np.full(len(rows), np.nan)
+        parts: dict[str, list[tuple[NDArray[np.intp], Observations]]] = {}
+        numbers = self._numbers(ids)
+        for law in dict.fromkeys(s.model.law for id_ in ids if (s := self._sensors[id_])):
+            places = [p for p, id_ in enumerate(ids) if (s := self._sensors[id_]) and s.model.law == law]
+            blocks, unread = self._reader(law).read([rows[p] for p in places])
+            for place, why in zip(places, unread, strict=True):
+                status[place] = why
+            for block in blocks:
+                block = replace(block, index=np.array(places, dtype=np.intp)[block.index])
+                for id_, where, at in _runs(block.index, ids):
+                    sensor = self._sensors[id_]
+                    assert sensor is not None
+                    block_times = block.time[where]
+                    if self.interval is not None and np.isnan(block_times).all():
+                        block_times = self.interval * np.array([numbers[p] for p in at.tolist()], dtype=float)
+                    own = replace(block, time=_put(block.time, where, block_times))
+                    found, why, seen = sensor.correct(own, where)
+                    distance[at], times[at], reference[at] = found, block_times, block.reference[where]
+                    for place, reason in zip(at.tolist(), why, strict=True):
+                        status[place] = reason
+                    parts.setdefault(id_, []).append((at, seen))
+        reference = self._references(rows, ids, distance, times, reference)
+        events += self._tests(rows, parts, distance, reference, times, numbers)
+        self.rows += len(rows)
+        self.corrected += int(np.isfinite(distance).sum())
+        for id_ in dict.fromkeys(ids):
+            if sensor := self._sensors[id_]:
+                self.state.keep(id_, sensor.to_dict())
+        self.state.set_fact("counts", [self.rows, self.corrected])
+        done = [
+            {**row, RESULTS[0]: None if math.isnan(d) else round(d, 9), RESULTS[1]: why}
+            for row, d, why in zip(rows, distance.tolist(), status, strict=True)
+        ]
+        return done, events
+
+    def _tests(
+        self,
+        rows: Sequence[Row],
+        parts: Mapping[str, list[tuple[NDArray[np.intp], Observations]]],
+        distance: Column,
+        reference: Column,
+        times: Column,
+        numbers: list[int],
+    ) -> list[Event]:
+        events: list[Event] = []
+        for id_, own in parts.items():
+            sensor = self._sensors[id_]
+            assert sensor is not None
+            for at, seen in sorted(own, key=lambda part: int(part[0][0])):
+                places = at.tolist()
+                kept = [
+                    (numbers[p], times[p], self._with_reference(rows[p], reference[p]))
+                    for p in places
+                    if np.isfinite(distance[p]) and np.isfinite(reference[p]) and np.isfinite(times[p])
+                ]
+                self.state.add_rows(id_, kept)
+                of_rows = [numbers[p] for p in places]
+                events += sensor.test(distance[at], reference[at], times[at], seen, of_rows, self._diagnosed)
+            self.state.forget_rows(id_, sensor.rows - self.settings.kept)
+        return events
+
+    def _with_reference(self, row: Row, reference: float) -> Row:
+        return {**row, "distance_m": reference} if self.reference.kind == "others" else row
+
+    def _references(
+        self, rows: Sequence[Row], ids: list[str], distance: Column, times: Column, given: Column
+    ) -> Column:
+        """Reference distance of each row [m]; NaN where there is none."""
+        if self.reference.kind == "distance":
+            return np.full(len(rows), float(self.reference.distance or 0.0))
+        if self.reference.kind == "constant":
+            return distance
+        if self.reference.kind != "others":
+            return given
+        found = np.full(len(rows), np.nan)
+        for place, row in enumerate(rows):
+            now, name = float(times[place]), str(row.get(str(self.reference.target), ""))
+            if math.isnan(distance[place]) or math.isnan(now) or not name:
+                continue
+            latest = self._targets.setdefault(name, self.state.fact(f"target {name}") or {})
+            fresh = [
+                value
+                for id_, (when, value) in latest.items()
+                if id_ != ids[place] and 0.0 <= now - when <= self.reference.within
+            ]
+            if fresh:
+                found[place] = float(np.median(fresh))
+            latest[ids[place]] = [now, float(distance[place])]
+        for name in {str(row.get(str(self.reference.target), "")) for row in rows} & set(self._targets):
+            self.state.set_fact(f"target {name}", self._targets[name])
+        return found
+
+    def _diagnosed(self, sensor: Sensor, time: float, number: int) -> Event | None:
+        assert sensor.follow is not None
+        after = number - self.settings.kept
+        rows = self.state.rows_between(sensor.id, sensor.follow["from"], after, number)
+        names = {name for row in rows for name in row}
+        options = dict(self.options)
+        asked = options.get("columns") or {}
+        columns = {name: said for name, said in asked.items() if name in names}
+        away = [name for name in (self.by, self.reference.target, "topic") if name in names and name]
+        options["columns"] = columns | dict.fromkeys(away, "ignore")
+        if self.reference.kind == "distance":
+            options["reference_distance"] = self.reference.distance
+        options["constant_distance"] = self.reference.kind == "constant"
+        return verdict.told(sensor, rows, time, number, options)
+
+    def _id(self, row: Row) -> str:
+        if self.by is None:
+            return ""
+        if self.by not in row or row[self.by] in {None, ""}:
+            message = f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(row)}"
+            raise DataError(message)
+        return str(row[self.by])
+
+    def _known(self, id_: str) -> list[Event]:
+        """A sensor's state, on its first row: that of a former watch, or a new one."""
+        if id_ in self._sensors:
+            return []
+        model = self.models(id_)
+        if model is None:
+            self._sensors[id_] = None
+            sentence = "no model: its rows are passed on without correction; --models needs a file NAME.json"
+            return [Event("note", id_, None, 0, sentence)]
+        notes = []
+        if model.campaign_effects:
+            named = ", ".join(model.campaign_effects)
+            sentence = f"the model has {named}, of the campaign that it was found in; the watch leaves it out"
+            notes.append(Event("note", id_, None, 0, sentence))
+            model = model.transferable()
+        sensor = Sensor(id_, model, self.settings, self.reference.kind, self.interval)
+        kept = self.state.sensor(id_)
+        if kept is not None:
+            sensor.restore(kept)
+            notes = []
+        self._sensors[id_] = sensor
+        return notes
+
+    def _numbers(self, ids: list[str]) -> list[int]:
+        found = []
+        for id_ in ids:
+            sensor = self._sensors[id_]
+            if sensor is not None:
+                sensor.rows += 1
+            found.append(0 if sensor is None else sensor.rows)
+        return found
+
+    def _reader(self, law: str) -> Reader:
+        if law not in self._readers:
+            ignored = [name for name in (self.by, self.reference.target, "topic") if name]
+            own = {name: value for name, value in self.options.items() if value not in (None, "")}
+            own["reading_speed"] = own.get("reading_speed") or law
+            self._readers[law] = Reader(own.pop("columns", None), ignored=ignored, **own)
+        return self._readers[law]
+
+    def _check(self, rows: Sequence[Row]) -> None:
+        """Refuse, on the first rows, what no test is possible with."""
+        if self._checked:
+            return
+        self._checked = True
+        counts = self.state.fact("counts")
+        if counts is not None:
+            self.rows, self.corrected = counts
+            return
+        names = dict.fromkeys(name for row in rows for name in row)
+        asked = dict(self.options.get("columns") or {})
+        absent = [name for name in asked if name not in names]
+        if absent:
+            message = f"--column: no row has a column '{absent[0]}'; the first rows have {', '.join(names)}"
+            raise UsageError(message)
+        taken = [name for name in RESULTS if name in names]
+        if taken:
+            message = f"the rows already have a column '{taken[0]}': they were corrected before; rename it"
+            raise DataError(message)
+        if self.reference.kind == "none":
+            return
+        known = {form.quantity for name in names for form in _forms(name, asked.get(name))}
+        if "time" not in known and "elapsed_time" not in known and self.interval is None:
+            message = (
+                f"no row has a time, which dates a change and gives the false alarms per year; the rows have "
+                f"{', '.join(names)}: add a column time (ISO 8601) or time_s, or give --interval SECONDS"
+            )
+            raise DataError(message)
+        target = self.reference.target
+        if target is not None and target not in names:
+            message = f"--same-target: no row has a column '{target}'; the first rows have {', '.join(names)}"
+            raise UsageError(message)
+        if self.reference.kind == "column" and not self.reference.later and "reference_distance" not in known:
+            message = (
+                "no row has a reference distance, so nothing tells an error from a target that moves; say what "
+                "the corrected distance can be compared with: --reference-distance M, --constant-distance, "
+                "--same-target COLUMN (other sensors of one target), --reference-later (a column distance_m "
+                "comes now and then), or --correct-only"
+            )
+            raise DataError(message)
+
+
+def _forms(name: str, request: str | None) -> list[Any]:
+    from echocal.observations.names import by_name, by_request
+
+    try:
+        found = by_name(name) if request is None else by_request(name, request)
+    except EchocalError:
+        return []
+    return [found[0]] if found and found[0] in FORMS else []
+
+
+def _runs(
+    index: NDArray[np.intp], ids: list[str]
+) -> list[tuple[str, NDArray[np.intp], NDArray[np.intp]]]:
+    """Rows of a block by sensor: id, places in the block, places among all rows."""
+    own: dict[str, list[int]] = {}
+    for where, place in enumerate(index.tolist()):
+        own.setdefault(ids[place], []).append(where)
+    return [(id_, np.array(where, dtype=np.intp), index[where]) for id_, where in own.items()]
+
+
+def _put(values: Column, where: NDArray[np.intp], new: Column) -> Column:
+    changed = values.copy()
+    changed[where] = new
+    return changed
