@@ -1,107 +1,29 @@
 """Correct and test the rows of many sensors as they come."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError, EchocalError, UsageError
-from echocal.model import Model
+from echocal.errors import DataError
 from echocal.observations import Observations
-from echocal.observations.units import FORMS
 from echocal.watch import verdict
 from echocal.watch.events import Event
-from echocal.watch.rows import Block, Reader, Row
+from echocal.watch.reference import Models, Reference, refuse_columns
+from echocal.watch.rows import Reader, Row
 from echocal.watch.sensor import Sensor
 from echocal.watch.settings import WatchSettings
 from echocal.watch.state import State
 
-__all__ = ["RESULTS", "Fleet", "Reference", "models_of"]
+__all__ = ["RESULTS", "Fleet"]
 
 RESULTS = ("corrected_distance_m", "status")
 """Names of the two columns that are appended."""
 
 Column = NDArray[np.float64]
-Models = Callable[[str], Model | None]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Reference:
-    """What the corrected distance is compared with: exactly one of these, or a column of the rows.
-
-    Attributes
-    ----------
-    distance : float or None
-        Distance of the target in every row [m].
-    constant : bool
-        The target does not move; its distance is not known.
-    target : str or None
-        Column that names the target: the other sensors of the same target are the reference.
-    within : float
-        Age at which a row of another sensor is no reference any more [s].
-    later : bool
-        Rows may have no column for it at first.
-    none : bool
-        Nothing is tested.
-    """
-
-    distance: float | None = None
-    constant: bool = False
-    target: str | None = None
-    within: float = 900.0
-    later: bool = False
-    none: bool = False
-
-    def __post_init__(self) -> None:
-        given = [
-            name
-            for name, value in (
-                ("--reference-distance", self.distance is not None),
-                ("--constant-distance", self.constant),
-                ("--same-target", self.target is not None),
-                ("--reference-later", self.later),
-                ("--correct-only", self.none),
-            )
-            if value
-        ]
-        if len(given) > 1:
-            message = f"{' and '.join(given)} contradict each other: give one of them"
-            raise UsageError(message)
-        if self.distance is not None and not self.distance > 0.0:
-            message = f"--reference-distance is {self.distance!r}; give a distance above 0 m"
-            raise UsageError(message)
-
-    @property
-    def kind(self) -> str:
-        """Where the reference comes from, in a word."""
-        if self.none:
-            return "none"
-        if self.constant:
-            return "constant"
-        if self.target is not None:
-            return "others"
-        return "column" if self.distance is None else "distance"
-
-
-def models_of(model: Model | None, folder: Path | None) -> Models:
-    """Model by sensor: one for all, or ``folder/ID.json``; None where a sensor has none.
-
-    Raises
-    ------
-    UsageError
-        If the folder does not exist.
-    """
-    if folder is None:
-        return lambda _: model
-    if not folder.is_dir():
-        message = f"--models {folder} is no folder; `echocal diagnose --by COLUMN --models DIR` writes one"
-        raise UsageError(message)
-    files = {file.stem: file for file in folder.glob("*.json")}
-    return lambda id_: Model.load(files[id_]) if id_ in files else None
 
 
 @dataclass
@@ -127,9 +49,10 @@ class Fleet:
     >>> import numpy as np
     >>> import echocal
     >>> from echocal.watch import Fleet, Reference, State, WatchSettings
-    >>> fleet = Fleet(lambda id_: echocal.Model("linear"), None, Reference(distance=1.0), WatchSettings(), State(None))
-    >>> rows = [{"time_s": 600 * i, "reading_m": 1.0 + 0.001 * (i % 3), "temperature_C": 20.0} for i in range(600)]
-    >>> corrected, events = fleet.take(rows)
+    >>> device = echocal.Model("linear")
+    >>> fleet = Fleet(lambda id_: device, None, Reference(distance=1.0), WatchSettings(), State(None))
+    >>> row = {"reading_m": 1.001, "temperature_C": 20.0}
+    >>> corrected, events = fleet.take([{"time_s": 600 * i, **row} for i in range(600)])
     >>> corrected[1]["corrected_distance_m"], [event.kind for event in events]
     (1.001, ['learned', 'verdict'])
     """
@@ -181,9 +104,9 @@ class Fleet:
                     if self.interval is not None and np.isnan(block_times).all():
                         block_times = self.interval * np.array([numbers[p] for p in at.tolist()], dtype=float)
                     own = replace(block, time=_put(block.time, where, block_times))
-                    found, why, seen = sensor.correct(own, where)
+                    found, reasons, seen = sensor.correct(own, where)
                     distance[at], times[at], reference[at] = found, block_times, block.reference[where]
-                    for place, reason in zip(at.tolist(), why, strict=True):
+                    for place, reason in zip(at.tolist(), reasons, strict=True):
                         status[place] = reason
                     parts.setdefault(id_, []).append((at, seen))
         reference = self._references(rows, ids, distance, times, reference)
@@ -193,8 +116,7 @@ class Fleet:
         for id_ in dict.fromkeys(ids):
             if sensor := self._sensors[id_]:
                 self.state.keep(id_, sensor.to_dict())
-        self.state.set_fact("counts", [self.rows, self.corrected])
-        done = [
+        done: list[Row] = [
             {**row, RESULTS[0]: None if math.isnan(d) else round(d, 9), RESULTS[1]: why}
             for row, d, why in zip(rows, distance.tolist(), status, strict=True)
         ]
@@ -325,56 +247,15 @@ class Fleet:
         if self._checked:
             return
         self._checked = True
-        counts = self.state.fact("counts")
-        if counts is not None:
-            self.rows, self.corrected = counts
+        if self.state.fact("begun"):
             return
-        names = dict.fromkeys(name for row in rows for name in row)
+        names = list(dict.fromkeys(name for row in rows for name in row))
         asked = dict(self.options.get("columns") or {})
-        absent = [name for name in asked if name not in names]
-        if absent:
-            message = f"--column: no row has a column '{absent[0]}'; the first rows have {', '.join(names)}"
-            raise UsageError(message)
-        taken = [name for name in RESULTS if name in names]
-        if taken:
-            message = f"the rows already have a column '{taken[0]}': they were corrected before; rename it"
-            raise DataError(message)
-        if self.reference.kind == "none":
-            return
-        known = {form.quantity for name in names for form in _forms(name, asked.get(name))}
-        if "time" not in known and "elapsed_time" not in known and self.interval is None:
-            message = (
-                f"no row has a time, which dates a change and gives the false alarms per year; the rows have "
-                f"{', '.join(names)}: add a column time (ISO 8601) or time_s, or give --interval SECONDS"
-            )
-            raise DataError(message)
-        target = self.reference.target
-        if target is not None and target not in names:
-            message = f"--same-target: no row has a column '{target}'; the first rows have {', '.join(names)}"
-            raise UsageError(message)
-        if self.reference.kind == "column" and not self.reference.later and "reference_distance" not in known:
-            message = (
-                "no row has a reference distance, so nothing tells an error from a target that moves; say what "
-                "the corrected distance can be compared with: --reference-distance M, --constant-distance, "
-                "--same-target COLUMN (other sensors of one target), --reference-later (a column distance_m "
-                "comes now and then), or --correct-only"
-            )
-            raise DataError(message)
+        refuse_columns(names, asked, RESULTS, self.reference, self.interval)
+        self.state.set_fact("begun", True)
 
 
-def _forms(name: str, request: str | None) -> list[Any]:
-    from echocal.observations.names import by_name, by_request
-
-    try:
-        found = by_name(name) if request is None else by_request(name, request)
-    except EchocalError:
-        return []
-    return [found[0]] if found and found[0] in FORMS else []
-
-
-def _runs(
-    index: NDArray[np.intp], ids: list[str]
-) -> list[tuple[str, NDArray[np.intp], NDArray[np.intp]]]:
+def _runs(index: NDArray[np.intp], ids: list[str]) -> list[tuple[str, NDArray[np.intp], NDArray[np.intp]]]:
     """Rows of a block by sensor: id, places in the block, places among all rows."""
     own: dict[str, list[int]] = {}
     for where, place in enumerate(index.tolist()):

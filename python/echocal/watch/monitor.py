@@ -1,11 +1,12 @@
 """One sensor's test: it learns what is usual, then tells when that changes."""
 
+import math
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from echocal.watch.noise import Noises, learn, whitened
 from echocal.watch.sequential import Onset, Onsets
@@ -123,8 +124,8 @@ class Monitor:
         self._set_height()
         self.memory = np.zeros(width + 1)
         self.onsets = Onsets(width, self.settings.onsets, self.settings.longest)
-        for time, value, row in self.waiting[int(starts[-1]) :]:  # what the filter remembers
-            self._remember(value, self._columns(time, np.array(row)))
+        for time, value, own in self.waiting[int(starts[-1]) :]:  # what the filter remembers
+            self._remember(value, self._columns(time, np.array(own)))
         self.waiting = []
 
     def _classes(self, rows: Column) -> None:
@@ -272,7 +273,9 @@ class Monitor:
         return own
 
 
+@cache
 def _clipped_variance(clip: float) -> float:
     """Variance of a standard normal value that is clipped."""
-    inside = 2.0 * norm.cdf(clip) - 1.0
-    return float(inside - 2.0 * clip * norm.pdf(clip) + clip * clip * 2.0 * norm.sf(clip))
+    outside = math.erfc(clip / math.sqrt(2.0))
+    density = math.exp(-0.5 * clip * clip) / math.sqrt(2.0 * math.pi)
+    return 1.0 - outside - 2.0 * clip * density + clip * clip * outside

@@ -5,13 +5,13 @@ import io
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from echocal.errors import DataError, writing
 from echocal.watch.rows import Row
 from echocal.watch.state import State
 
-__all__ = ["Growing", "Table"]
+__all__ = ["Growing", "Stream", "Table"]
 
 
 class Growing:
@@ -97,3 +97,18 @@ class Table:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+class Stream:
+    """Corrected rows as JSON lines on a stream, which keeps no position."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, rows: list[Row]) -> None:
+        """Write rows."""
+        self._stream.write("".join(json.dumps(dict(row), default=str) + "\n" for row in rows))
+
+    def done(self, state: State) -> None:
+        """Pass them on; there is nothing to keep."""
+        self._stream.flush()

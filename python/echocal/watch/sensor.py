@@ -97,24 +97,41 @@ class Sensor:
         conditions = {name: seen.conditions.get(name, blank) for name in self.recorded}
         found = signatures.at(np.where(usable, reference, np.nan), conditions)
         found = np.column_stack([np.full(len(time), 0.005), found])
-        events = []
+        against = (
+            np.full(len(time), self._level(distance, usable)) if self.reference == "constant" else reference
+        )
+        events: list[Event] = []
         for row in np.flatnonzero(usable).tolist():
             if time[row] <= self.monitor.last:
                 self.late += 1
                 continue
-            if self.level is None:
-                self.level = float(distance[row])
-            against = self.level if self.reference == "constant" else float(reference[row])
-            was_learning = self.monitor.learning
-            alarm = self.monitor.add(float(time[row]), float(distance[row]) - against, found[row])
-            if was_learning and not self.monitor.learning:
-                events.append(self._learned(float(time[row]), numbers[row]))
-            if alarm is not None:
-                events.append(self._change(alarm, numbers[row]))
-            verdict = ask(self, float(time[row]), numbers[row]) if self._is_due() else None
-            if verdict is not None:
-                events.append(verdict)
+            residual = float(distance[row] - against[row])
+            events += self._row(float(time[row]), residual, found[row], numbers[row], ask)
         return events
+
+    def _level(self, distance: Column, usable: NDArray[np.bool_]) -> float:
+        """The first distance, which stands in for one that is unknown but constant [m]."""
+        if self.level is None and usable.any():
+            self.level = float(distance[usable][0])
+        return 0.0 if self.level is None else self.level
+
+    def _row(
+        self,
+        time: float,
+        residual: float,
+        signature: Column,
+        number: int,
+        ask: Callable[["Sensor", float, int], Event | None],
+    ) -> list[Event]:
+        events = []
+        was_learning = self.monitor.learning
+        alarm = self.monitor.add(time, residual, signature)
+        if was_learning and not self.monitor.learning:
+            events.append(self._learned(time, number))
+        if alarm is not None:
+            events.append(self._change(alarm, number))
+        verdict = ask(self, time, number) if self._is_due() else None
+        return events if verdict is None else [*events, verdict]
 
     def _is_due(self) -> bool:
         """Whether the diagnosis runs: at the fewest rows after an onset, and whenever they have doubled."""
@@ -133,7 +150,9 @@ class Sensor:
         """Rates from this row and the rows before it; the rows after it have not come yet."""
         quantities = [(rate, of) for rate, of in _RATES.items() if of in seen.conditions]
         conditions = {
-            name: values for name, values in seen.conditions.items() if not name.startswith("temperature_later_")
+            name: values
+            for name, values in seen.conditions.items()
+            if not name.startswith("temperature_later_")
         }
         conditions.pop("elapsed_time", None)  # of the table that was read, which is no campaign
         conditions.pop("position_in_group", None)
@@ -208,13 +227,14 @@ class Sensor:
             )
         since, low, high = alarm.times
         first = candidates[0]
-        size = f"{first['parameter']} {first['value']:.3g} +- {first['standard_uncertainty']:.2g} {first['unit']}"
+        value, unsure = first["value"], first["standard_uncertainty"]
+        size = f"{first['parameter']} {value:.3g} +- {unsure:.2g} {first['unit']}"
         others = f", or {len(first['ids']) - 1} causes like it" if len(first["ids"]) > 1 else ""
         doubt = _doubt(self.reference)
         sentence = (
             f"CHANGED since {instant(since)} (between {instant(low)} and {instant(high)}), told after "
-            f"{alarm.onset.rows} rows, {(alarm.time - since) / DAY:.2g} days; most like {first['ids'][0]}{others} "
-            f"({first['probability']:.0%}; {size}){doubt}"
+            f"{alarm.onset.rows} rows, {(alarm.time - since) / DAY:.2g} days; most like "
+            f"{first['ids'][0]}{others} ({first['probability']:.0%}; {size}){doubt}"
         )
         details = {
             "since": instant(since),

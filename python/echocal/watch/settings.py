@@ -33,13 +33,13 @@ class WatchSettings:
         500,
         "rows",
         "with residual that the level, the sizes before a change and the noise are learned from",
-        "argument: the standard deviation of the noise is then known to 3 %, which raises the threshold by 3 %",
+        "argument: the noise is then known to 3 %, which raises the threshold by 4 %",
     )
     clip: float = number(
         3.0,
         "noise sd",
         "a row's residual counts at most this much",
-        "argument: a single outlier adds at most 4.5 to a log likelihood ratio that needs about 15 (Huber 1964)",
+        "argument: one outlier adds at most 4.5 to a log likelihood ratio that needs about 15 (Huber 1964)",
     )
     onsets: int = number(
         8,

@@ -169,8 +169,8 @@ class Files:
             size = file.stat().st_size
             if size < at["byte"]:
                 message = (
-                    f"{file} became shorter ({at['byte']} bytes were read, it has {size}): it was replaced or "
-                    "cut; give new rows a new file"
+                    f"{file} became shorter ({at['byte']} bytes were read, it has {size}): it was replaced "
+                    "or cut; give new rows a new file"
                 )
                 raise DataError(message)
             if size == at["byte"]:

@@ -13,12 +13,12 @@ __all__ = ["State"]
 
 SCHEMA = "echocal.watch/1"
 
-_TABLES = """
-create table if not exists facts (name text primary key, value text);
-create table if not exists sensors (id text primary key, value text);
-create table if not exists positions (source text primary key, value text);
-create table if not exists rows (sensor text, number integer, time real, value text, primary key (sensor, number));
-"""
+_TABLES = {
+    "facts": "name text primary key, value text",
+    "sensors": "id text primary key, value text",
+    "positions": "source text primary key, value text",
+    "rows": "sensor text, number integer, time real, value text, primary key (sensor, number)",
+}
 
 
 class State:
@@ -42,8 +42,8 @@ class State:
             if path is not None:
                 self._base.execute("pragma locking_mode = exclusive")
             self._base.execute("begin exclusive")
-            for command in _TABLES.strip().splitlines():
-                self._base.execute(command)
+            for name, columns in _TABLES.items():
+                self._base.execute(f"create table if not exists {name} ({columns})")
         except sqlite3.DatabaseError as error:
             busy = "another watch is using it" if "locked" in str(error) else str(error)
             message = f"--state {path} cannot be used: {busy}"
@@ -104,7 +104,8 @@ class State:
     def rows_between(self, sensor: str, time: float, after: int, until: int) -> list[Row]:
         """Rows of a sensor from a time on, of numbers above `after` and up to `until`."""
         found = self._base.execute(
-            "select value from rows where sensor = ? and time >= ? and number > ? and number <= ? order by number",
+            "select value from rows where sensor = ? and time >= ? and number > ? and number <= ? "
+            "order by number",
             (sensor, time, after, until),
         )
         return [json.loads(value) for (value,) in found]

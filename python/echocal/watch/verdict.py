@@ -25,16 +25,20 @@ def told(sensor: Sensor, rows: list[Row], time: float, number: int, options: dic
         with warnings.catch_warnings(action="ignore"):
             diagnosis = diagnose(pd.DataFrame(rows).fillna(""), base=sensor.model, **options)
     except (DataError, EchocalError) as error:
-        return _once(sensor, ["error", str(error)], Event("note", sensor.id, time, number, f"no verdict: {error}"))
-    named = [cause.id for cause in diagnosis.causes]
-    return _once(sensor, [diagnosis.verdict, since, *named], _event(sensor, diagnosis, since, time, number))
+        told = Event("note", sensor.id, time, number, f"no verdict: {error}")
+        return _once(sensor, ["error", str(error), []], told)
+    causes = [[cause.id, *cause.indistinguishable_from] for cause in diagnosis.causes]
+    return _once(sensor, [diagnosis.verdict, since, causes], _event(sensor, diagnosis, since, time, number))
 
 
 def _once(sensor: Sensor, verdict: list[Any], event: Event) -> Event | None:
-    if sensor.told == verdict:
-        return None
-    sensor.told = verdict
-    return event
+    """The event, unless the last one told the same: another member of a class is no news."""
+    last, sensor.told = sensor.told, verdict
+    if last is None or last[:2] != verdict[:2]:
+        return event
+    former, now = last[2], verdict[2]
+    same = len(former) == len(now) and all(any(set(old) & set(new) for old in former) for new in now)
+    return None if same else event
 
 
 def _event(sensor: Sensor, found: Diagnosis, since: float | None, time: float, number: int) -> Event:
@@ -45,7 +49,12 @@ def _event(sensor: Sensor, found: Diagnosis, since: float | None, time: float, n
             "probability": cause.probability,
             "indistinguishable_from": list(cause.indistinguishable_from),
             "parameters": [
-                {"name": p.name, "value": p.value, "standard_uncertainty": p.standard_uncertainty, "unit": p.unit}
+                {
+                    "name": p.name,
+                    "value": p.value,
+                    "standard_uncertainty": p.standard_uncertainty,
+                    "unit": p.unit,
+                }
                 for p in cause.parameters
             ],
         }
@@ -53,8 +62,12 @@ def _event(sensor: Sensor, found: Diagnosis, since: float | None, time: float, n
     ]
     period = "of the first rows" if since is None else f"since {instant(since)}"
     said = "; ".join(
-        f"{cause.id} ({cause.probability:.0%})"
-        + "".join(f" {p.name} {p.value:.3g} {p.unit}" for p in cause.parameters[:1])
+        " or ".join([cause.id, *cause.indistinguishable_from])
+        + f" ({cause.probability:.0%}"
+        + "".join(
+            f"; {p.name} {p.value:.3g} +- {p.standard_uncertainty:.2g} {p.unit}" for p in cause.parameters[:1]
+        )
+        + ")"
         for cause in found.causes[:3]
     )
     sentence = f"verdict {period}, {found.rows['used']} rows: {found.verdict}{': ' if said else ''}{said}"
