@@ -13,7 +13,7 @@ from echocal.observations import Observations
 from echocal.watch import verdict
 from echocal.watch.events import Event
 from echocal.watch.reference import Models, Reference, refuse_columns
-from echocal.watch.rows import Reader, Row
+from echocal.watch.rows import Block, Reader, Row
 from echocal.watch.sensor import Sensor
 from echocal.watch.settings import WatchSettings
 from echocal.watch.state import State
@@ -24,6 +24,17 @@ RESULTS = ("corrected_distance_m", "status")
 """Names of the two columns that are appended."""
 
 Column = NDArray[np.float64]
+
+
+@dataclass
+class _Found:
+    """Results of a batch, by row: reason code, distance, time, reference; and by sensor, what was read."""
+
+    status: list[str]
+    distance: Column
+    times: Column
+    reference: Column
+    parts: dict[str, list[tuple[NDArray[np.intp], Observations]]] = field(default_factory=dict)
 
 
 @dataclass
@@ -84,33 +95,20 @@ class Fleet:
         self._check(rows)
         ids = [self._id(row) for row in rows]
         events = [event for id_ in dict.fromkeys(ids) for event in self._known(id_)]
-        status = ["" if self._sensors[id_] else f"no model for sensor {id_}" for id_ in ids]
-        distance = np.full(len(rows), np.nan)
-        times = np.full(len(rows), np.nan)
-        reference = np.full(len(rows), np.nan)
-        parts: dict[str, list[tuple[NDArray[np.intp], Observations]]] = {}
+        unread = ["" if self._sensors[id_] else f"no model for sensor {id_}" for id_ in ids]
+        found = _Found(unread, *(np.full(len(rows), np.nan) for _ in range(3)))
         numbers = self._numbers(ids)
         for law in dict.fromkeys(s.model.law for id_ in ids if (s := self._sensors[id_])):
             places = [p for p, id_ in enumerate(ids) if (s := self._sensors[id_]) and s.model.law == law]
-            blocks, unread = self._reader(law).read([rows[p] for p in places])
-            for place, why in zip(places, unread, strict=True):
-                status[place] = why
+            blocks, reasons = self._reader(law).read([rows[p] for p in places])
+            for place, why in zip(places, reasons, strict=True):
+                found.status[place] = why
             for block in blocks:
-                block = replace(block, index=np.array(places, dtype=np.intp)[block.index])
-                for id_, where, at in _runs(block.index, ids):
-                    sensor = self._sensors[id_]
-                    assert sensor is not None
-                    block_times = block.time[where]
-                    if self.interval is not None and np.isnan(block_times).all():
-                        block_times = self.interval * np.array([numbers[p] for p in at.tolist()], dtype=float)
-                    own = replace(block, time=_put(block.time, where, block_times))
-                    found, reasons, seen = sensor.correct(own, where)
-                    distance[at], times[at], reference[at] = found, block_times, block.reference[where]
-                    for place, reason in zip(at.tolist(), reasons, strict=True):
-                        status[place] = reason
-                    parts.setdefault(id_, []).append((at, seen))
-        reference = self._references(rows, ids, distance, times, reference)
-        events += self._tests(rows, parts, distance, reference, times, numbers)
+                of_all = np.array(places, dtype=np.intp)[block.index]
+                events += self._correct(replace(block, index=of_all), ids, numbers, found)
+        distance, times = found.distance, found.times
+        reference = self._references(rows, ids, distance, times, found.reference)
+        events += self._tests(rows, found.parts, distance, reference, times, numbers)
         self.rows += len(rows)
         self.corrected += int(np.isfinite(distance).sum())
         for id_ in dict.fromkeys(ids):
@@ -118,9 +116,29 @@ class Fleet:
                 self.state.keep(id_, sensor.to_dict())
         done: list[Row] = [
             {**row, RESULTS[0]: None if math.isnan(d) else round(d, 9), RESULTS[1]: why}
-            for row, d, why in zip(rows, distance.tolist(), status, strict=True)
+            for row, d, why in zip(rows, distance.tolist(), found.status, strict=True)
         ]
-        return done, events
+        return done, sorted(events, key=lambda event: -math.inf if event.time is None else event.time)
+
+    def _correct(self, block: Block, ids: list[str], numbers: list[int], found: "_Found") -> list[Event]:
+        """Correct the rows of a block, sensor by sensor; notes on domains that they leave."""
+        events = []
+        for id_, where, at in _runs(block.index, ids):
+            sensor = self._sensors[id_]
+            assert sensor is not None
+            times = block.time[where]
+            if self.interval is not None and np.isnan(times).all():
+                times = self.interval * np.array([numbers[p] for p in at.tolist()], dtype=float)
+            outside = len(sensor.outside)
+            own = replace(block, time=_put(block.time, where, times))
+            found.distance[at], reasons, seen = sensor.correct(own, where)
+            found.times[at], found.reference[at] = times, block.reference[where]
+            for place, reason in zip(at.tolist(), reasons, strict=True):
+                found.status[place] = reason
+            found.parts.setdefault(id_, []).append((at, seen))
+            left = sensor.outside[outside:]
+            events += [Event("note", id_, None, 0, f"outside of a domain: {text}") for text in left]
+        return events
 
     def _tests(
         self,

@@ -163,7 +163,7 @@ class Monitor:
             self.scale = float(np.sqrt(self.noises.squares[best] / self.noises.rows))
 
     def _columns(self, time: float, signature: Column) -> Column:
-        """Columns that explain what is usual: a trend counts only after a drift was told."""
+        """Columns that explain what is usual: a trend counts only after a change."""
         trend = 0.0 if self.trend is None else 0.005 * (time - self.trend) / DAY
         return np.append(signature[list(self.tested)], trend)
 
@@ -223,8 +223,7 @@ class Monitor:
         low = self.marks[before[-1]] if before else self.marks[rows[0]]
         times = (self.marks[onset.row], low, self.marks[onset.high])
         told = Alarm(self.rows, time, onset, times, statistic, self.height)
-        drifts = onset.probabilities[-1] > 0.5
-        self.trend = time if drifts else None
+        self.trend = time  # what has begun may go on
         self._forget()
         return told
 

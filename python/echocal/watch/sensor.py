@@ -1,5 +1,6 @@
 """One sensor: its model corrects its rows, its monitor tests them, its changes are told."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
+from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.correction import corrected_distance
@@ -51,6 +52,7 @@ class Sensor:
     before: list[list[float]] = field(default_factory=list)
     follow: dict[str, Any] | None = None
     told: list[Any] | None = None
+    outside: list[str] = field(default_factory=list)
     late: int = 0
     rows: int = 0
     _signatures: Signatures | None = None
@@ -62,10 +64,14 @@ class Sensor:
     def correct(self, block: Block, places: NDArray[np.intp]) -> tuple[Column, list[str], Observations]:
         """Corrected distances [m] of some rows of a block, and why one has none."""
         seen = self._with_rates(taken(block.observations, places), block.time[places])
-        try:
-            distance = corrected_distance(seen, self.model)
-        except DataError as error:
-            return np.full(len(places), np.nan), [str(error)] * len(places), seen
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", DomainWarning)
+            try:
+                distance = corrected_distance(seen, self.model)
+            except DataError as error:
+                return np.full(len(places), np.nan), [str(error)] * len(places), seen
+        left = (str(warning.message).partition(":")[0] for warning in caught)
+        self.outside += [text for text in dict.fromkeys(left) if text not in self.outside]
         status = seen.unusable.astype(object)
         lost = seen.usable & np.isnan(distance)
         status[lost] = "no distance fits"
@@ -95,7 +101,8 @@ class Sensor:
         signatures = self._candidates()
         blank = np.full(len(time), np.nan)
         conditions = {name: seen.conditions.get(name, blank) for name in self.recorded}
-        found = signatures.at(np.where(usable, reference, np.nan), conditions)
+        with warnings.catch_warnings(action="ignore"):  # the correction has told it
+            found = signatures.at(np.where(usable, reference, np.nan), conditions)
         found = np.column_stack([np.full(len(time), 0.005), found])
         against = (
             np.full(len(time), self._level(distance, usable)) if self.reference == "constant" else reference
@@ -250,7 +257,7 @@ class Sensor:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, exactly."""
-        names = ("recorded", "level", "before", "follow", "told", "late", "rows")
+        names = ("recorded", "level", "before", "follow", "told", "outside", "late", "rows")
         return {name: getattr(self, name) for name in names} | {
             "monitor": self.monitor.to_dict(),
             "model": self.model.hash,
@@ -265,7 +272,7 @@ class Sensor:
                 "give that model, or begin with another --state"
             )
             raise DataError(message)
-        for name in ("recorded", "level", "before", "follow", "told", "late", "rows"):
+        for name in ("recorded", "level", "before", "follow", "told", "outside", "late", "rows"):
             setattr(self, name, kept[name])
         self.monitor = Monitor.restored(kept["monitor"], self.settings)
 

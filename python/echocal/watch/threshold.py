@@ -46,13 +46,13 @@ def slack(ratios: Column, weights: Column, rows: float, probability: float) -> f
 def overshoot(x: float) -> float:
     """Siegmund's function nu: how much less often a random walk crosses than a Brownian motion.
 
-    Siegmund 1985, Eq. 8.70; the closed form is that of Siegmund & Yakir 2007, good to 0.01.
+    2 x^-2 exp(-2 sum Phi(-x sqrt(n) / 2) / n) (Siegmund 1985, Eq. 4.37); below 0.3, where the sum is long,
+    exp(-0.5826 x) (there, Eq. 10.37), which differs by less than 0.001.
     """
-    if x < 1e-8:
-        return 1.0
-    half = 0.5 * x
-    density = math.exp(-0.5 * half * half) / math.sqrt(2.0 * math.pi)
-    return float((2.0 / x) * (ndtr(half) - 0.5) / (half * ndtr(half) + density))
+    if x < 0.3:
+        return math.exp(-0.5826 * x)
+    n = np.arange(1.0, 60.0 * 8.0 / x**2 + 2.0)
+    return float(2.0 / x**2 * math.exp(-2.0 * float((ndtr(-0.5 * x * np.sqrt(n)) / n).sum())))
 
 
 @cache
