@@ -96,7 +96,8 @@ class Fleet:
         ids = [self._id(row) for row in rows]
         events = [event for id_ in dict.fromkeys(ids) for event in self._known(id_)]
         unread = ["" if self._sensors[id_] else f"no model for sensor {id_}" for id_ in ids]
-        found = _Found(unread, *(np.full(len(rows), np.nan) for _ in range(3)))
+        blank = np.full(len(rows), np.nan)
+        found = _Found(unread, blank, blank.copy(), blank.copy())
         numbers = self._numbers(ids)
         for law in dict.fromkeys(s.model.law for id_ in ids if (s := self._sensors[id_])):
             places = [p for p, id_ in enumerate(ids) if (s := self._sensors[id_]) and s.model.law == law]

@@ -117,18 +117,18 @@ def refuse_columns(
     if reference.kind == "none":
         return
     known = {form.quantity for name in names for form in _forms(name, asked.get(name))}
-    if not known & {"time", "elapsed_time"} and interval is None:
-        message = (
-            "no row has a time, which dates a change and gives the false alarms per year; the rows have "
-            f"{listed}: add a column time (ISO 8601) or time_s, or give --interval SECONDS"
-        )
-        raise DataError(message)
     if reference.kind == "column" and not reference.later and "reference_distance" not in known:
         message = (
             "no row has a reference distance, so nothing tells an error from a target that moves; say what "
             "the corrected distance can be compared with: --reference-distance M, --constant-distance, "
             "--same-target COLUMN (other sensors of one target), --reference-later (a column distance_m "
             "comes now and then), or --correct-only"
+        )
+        raise DataError(message)
+    if not known & {"time", "elapsed_time"} and interval is None:
+        message = (
+            "no row has a time, which dates a change and gives the false alarms per year; the rows have "
+            f"{listed}: add a column time (ISO 8601) or time_s, or give --interval SECONDS"
         )
         raise DataError(message)
 
