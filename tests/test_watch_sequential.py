@@ -71,7 +71,7 @@ def test_slack_is_one_for_known_noise_and_grows_with_what_is_unknown() -> None:
 
 
 def test_pages_test_has_the_run_lengths_of_siegmund(random: np.random.Generator) -> None:
-    """Eq. 56a by simulation of Page's test itself: two means of 400 runs."""
+    """By simulation of Page's test itself: two means of 400 runs."""
     shift, height = 1.0, cusum_threshold(200.0, 1.0)
     for mean in (0.0, shift):
         runs = np.empty(400)

@@ -49,6 +49,8 @@ class Alarm:
 class Monitor:
     """The test of one sensor, row by row: the same for any division of the rows into batches.
 
+    The score of a row is that of docs/method.md, Eq. 50; Eq. 52 tells a change.
+
     Attributes
     ----------
     settings : WatchSettings

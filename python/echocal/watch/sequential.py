@@ -39,7 +39,7 @@ class Onset:
 
 
 class Onsets:
-    """For each possible onset and each signature, the sums of Eq. 50 and 51 of docs/method.md.
+    """For each possible onset and each signature, the sums of docs/method.md, Eq. 51.
 
     Parameters
     ----------

@@ -46,8 +46,8 @@ def slack(ratios: Column, weights: Column, rows: float, probability: float) -> f
 def overshoot(x: float) -> float:
     """Siegmund's function nu: how much less often a random walk crosses than a Brownian motion.
 
-    2 x^-2 exp(-2 sum Phi(-x sqrt(n) / 2) / n) (Siegmund 1985, Eq. 4.37); below 0.3, where the sum is long,
-    exp(-0.5826 x) (there, Eq. 10.37), which differs by less than 0.001.
+    2 x^-2 exp(-2 sum Phi(-x sqrt(n) / 2) / n) (Siegmund 1985, chapter 4); below 0.3, where the sum is long,
+    exp(-0.5826 x) (there, chapter 10), which differs by less than 0.001.
     """
     if x < 0.3:
         return math.exp(-0.5826 * x)
@@ -75,7 +75,7 @@ def false_alarm_rate(height: float, directions: int) -> float:
     --------
     >>> from echocal.watch.threshold import false_alarm_rate
     >>> round(1 / false_alarm_rate(4.0, 1))
-    2234
+    2175
     """
     return directions * height * math.exp(-0.5 * height**2) / math.sqrt(2.0 * math.pi) * _field()
 
@@ -90,7 +90,7 @@ def threshold(rate: float, directions: int) -> float:
 
 
 def cusum_run_length(shift: float, height: float, mean: float) -> float:
-    """Mean rows to an alarm of Page's cumulative sum for a known step (Siegmund 1985, Eq. 2.55).
+    """Mean rows to an alarm of Page's cumulative sum for a known step (Siegmund 1985, chapter 2).
 
     Parameters
     ----------
@@ -115,12 +115,12 @@ def cusum_threshold(run_length: float, shift: float) -> float:
 
 
 def cusum_delay(run_length: float, shift: float) -> float:
-    """Least worst mean delay [rows] of any test with that run length (Moustakides 1986).
+    """Least worst mean delay [rows] of any test with that run length (Moustakides 1986; Eq. 56).
 
     Examples
     --------
     >>> from echocal.watch.threshold import cusum_delay
     >>> round(cusum_delay(10_000.0, 1.0), 1)
-    14.4
+    15.0
     """
     return cusum_run_length(shift, cusum_threshold(run_length, shift), shift)
