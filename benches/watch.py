@@ -79,10 +79,10 @@ def least(change: Column, rho: float, run_length: float) -> float:
     return float(np.interp(np.log(run_length), information, np.arange(1, len(change) + 1)))
 
 
-def changed(kind: str, size: float) -> Column:
+def changed(kind: str, size: float, count: int = LONGEST) -> Column:
     """What a change adds, from its first row on [m]: a step in noise sd, a drift in mm a day."""
-    rows = np.arange(LONGEST)
-    return np.full(LONGEST, size * NOISE) if kind == "step" else size * 1e-3 * rows * WAIT / DAY
+    rows = np.arange(count)
+    return np.full(count, size * NOISE) if kind == "step" else size * 1e-3 * rows * WAIT / DAY
 
 
 def run(job: tuple[float, int]) -> list[tuple[str, float, float, float | None]]:
@@ -138,7 +138,7 @@ def measure(logs: int, processes: int, seed: int) -> dict[str, Any]:
                         else None,
                         "told": len(told),
                         "logs": len(delays),
-                        "bound_rows": least(changed(kind, size), rho, run_length),
+                        "bound_rows": least(changed(kind, size, 50 * LONGEST), rho, run_length),
                         "cusum_rows": best,
                     }
                 )

@@ -216,6 +216,14 @@ def test_a_state_of_another_model_is_refused(tmp_path: Path, random: np.random.G
         again.take(log(random, 5))
 
 
+def test_two_watches_do_not_share_a_state(tmp_path: Path) -> None:
+    first = State(tmp_path / "state.db")
+    with pytest.raises(echocal.UsageError, match="another watch is using it"):
+        State(tmp_path / "state.db")
+    first.close()
+    State(tmp_path / "state.db").close()
+
+
 def test_a_lag_reads_the_rows_before(random: np.random.Generator) -> None:
     """The rate of a watched row is that of the last row of a table that ends with it."""
     model = echocal.Model("linear", {"temperature_lag": {"time_constant": 120.0}})

@@ -35,9 +35,9 @@ def page(text: str) -> str:
     results = json.loads(RESULTS.read_text())
     tables = {"settings": settings(), "delays": bench.table(results), "quiet": bench.rates(results)}
     for name, table in tables.items():
-        found = re.compile(rf"(<!-- {name} -->\n)\n?(?:\|.*\n)*")
+        found = re.compile(rf"(<!-- {name} -->\n)\n?(?:\|.*\n)*\n?")
         assert found.search(text), name
-        text = found.sub(lambda match, table=table: f"{match[1]}\n{table}", text)  # type: ignore[misc]
+        text = found.sub(lambda match, table=table: f"{match[1]}\n{table}\n", text)  # type: ignore[misc]
     return text
 
 

@@ -38,7 +38,9 @@ class State:
     def __init__(self, path: Path | None) -> None:
         self.path = path
         try:
-            self._base = sqlite3.connect(":memory:" if path is None else str(path), isolation_level=None)
+            self._base = sqlite3.connect(
+                ":memory:" if path is None else str(path), isolation_level=None, timeout=1.0
+            )
             if path is not None:
                 self._base.execute("pragma locking_mode = exclusive")
             self._base.execute("begin exclusive")
