@@ -19,7 +19,7 @@ Column = NDArray[np.float64]
 
 DAY = 86400.0
 _PLAIN = ("interval", "rows", "origin", "height", "seen", "trend", "scale", "rho", "theta", "classes")
-_FLAT = 1e-6  # precision of the level before anything is known: a standard deviation of 5 m
+_STEP = 0.005  # m: the signature of a step, its usual size
 
 
 @dataclass(frozen=True)
@@ -108,10 +108,10 @@ class Monitor:
         residual = np.array([value for _, value, _ in self.waiting])
         every = np.array([row for _, _, row in self.waiting])
         starts = np.flatnonzero(np.diff(times, prepend=-np.inf) > self.settings.gap * self.interval)
-        usual = learn(residual, every[:, :1], np.array([_FLAT]), starts, self.settings)
+        usual = learn(residual, every[:, :1], self._prior(1), starts, self.settings)
         self._classes(whitened(every, usual.rho, usual.theta, starts))
         columns = every[:, list(self.tested)]
-        prior = np.array([_FLAT, *[1.0] * (len(self.tested) - 1)])
+        prior = self._prior(len(self.tested))
         found = learn(residual, columns, prior, starts, self.settings)
         self.rho, self.theta, self.scale = found.rho, found.theta, found.scale
         self.noises = Noises(self.settings)
@@ -145,6 +145,10 @@ class Monitor:
                 self.classes.append([column])
         self.tested = tuple(c[0] for c in self.classes)
 
+    def _prior(self, width: int) -> Column:
+        """Precision of the sizes before anything is known; the first is the level."""
+        return np.array([(_STEP / self.settings.level) ** 2, *[1.0] * (width - 1)])
+
     def _set_height(self) -> None:
         """Threshold for the wanted rate, with what the rows so far leave uncertain (Eq. 53, 54)."""
         assert self.noises is not None
@@ -166,7 +170,7 @@ class Monitor:
 
     def _columns(self, time: float, signature: Column) -> Column:
         """Columns that explain what is usual: a trend counts only after a change."""
-        trend = 0.0 if self.trend is None else 0.005 * (time - self.trend) / DAY
+        trend = 0.0 if self.trend is None else _STEP * (time - self.trend) / DAY
         return np.append(signature[list(self.tested)], trend)
 
     def _remember(self, value: float, columns: Column) -> None:
@@ -233,7 +237,7 @@ class Monitor:
         """Begin anew after a change: sizes are unknown again, the noise is not."""
         assert self.onsets is not None
         width = len(self.mean)
-        prior = np.array([_FLAT, *[1.0] * (width - 1)])
+        prior = self._prior(width)
         self.covariance = np.diag(1.0 / (prior * self.scale**2))
         self.onsets.clear()
         self.marks = {}

@@ -35,6 +35,12 @@ class WatchSettings:
         "with residual that the level, the sizes before a change and the noise are learned from",
         "argument: the noise is then known to 3 %, which raises the threshold by 4 %",
     )
+    level: float = number(
+        5.0,
+        "m",
+        "standard deviation of the prior of the level",
+        "argument: the range of the sensors, so flat",
+    )
     clip: float = number(
         3.0,
         "noise sd",
