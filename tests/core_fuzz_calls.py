@@ -144,9 +144,15 @@ def rank(hypotheses: Any, log_posterior: Any, variances: Any, competing: Any, pr
     return found.probability, found.sets
 
 
-def whiten(noises: Any, used: Any, chosen: Any) -> tuple[Any, ...]:
+def whiten(noises: Any, used: Any) -> tuple[Any, ...]:
     """Whiten sums for noises given as arguments."""
-    return sums().whiten([_core.NoiseModel(*one) for one in noises], used, chosen)
+    return sums().whiten([_core.NoiseModel(*one) for one in noises], used)
+
+
+def fit(noise: Any, used: Any, degrees: Any, floor: Any, hypotheses: Any, one_width: Any) -> tuple[Any, ...]:
+    """Hypotheses fitted to some blocks of the sums."""
+    given = _core.NoiseModel(*noise), used, degrees, floor, [forms(one) for one in hypotheses]
+    return tuple(found.mean for found in sums().fit(*given, one_width))
 
 
 def firmware_request() -> dict[str, Any]:
@@ -249,7 +255,10 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Columns.combined": of_columns("combined", [(0, 1.0), (4, -2.0)]),
     "Columns.gram": of_columns("gram"),
     "Columns.products": lambda: Call(columns().products, layout(), columns=(0, 1, 2, 3)),
-    "Sums.whiten": lambda: Call(whiten, [[(1, 0.5, 0.1, 0.7, -1.0)], [True, True], [0, 2, 4]]),
+    "Sums.whiten": lambda: Call(whiten, [[(1, 0.5, 0.1, 0.7, -1.0)], [True, True]]),
+    "Sums.fit": lambda: Call(
+        fit, [(1, 0.5, 0.1, 0.7, -1.0), [True, True], 40.0, 1e-12, [FORMS, FORMS[:1]], False]
+    ),
     "Sums.joined": of_sums("joined", sums),
     "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED]]),

@@ -5,6 +5,9 @@ import pytest
 from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
+from echocal.diagnose.candidates.variant import Variant
+from echocal.diagnose.inference.alias import Geometry
+from echocal.diagnose.settings.claims import ClaimSettings
 
 ALIASES = {
     "speed_intercept": "temperature_offset",
@@ -39,6 +42,16 @@ def test_one_distance_and_temperature_leave_one_big_class(random: np.random.Gene
     separable = [p for p in diagnosis.next_measurements if p.expected_probability is not None]
     (plan,) = separable  # another distance tells most of them
     assert max(abs(distance - 2.0) for distance in plan.conditions["distance"]) > 0.5
+
+
+def test_a_cause_that_cannot_be_negative_imitates_nothing_negative() -> None:
+    """Two columns that are the same; one coefficient is at least zero."""
+    geometry = Geometry(np.array([[400.0, 400.0], [400.0, 400.0]]), 1.0)
+    one = Variant("self_heating", free=(1,), bounds=((0.0, 20.0),))
+    either = Variant("offset", free=(1,), bounds=((-20.0, 20.0),))
+    for size, expected in ((2.0, ["self_heating", "offset"]), (-2.0, ["offset"])):
+        signal, others = np.array([size, 0.0]), {"self_heating": [one], "offset": [either]}
+        assert geometry.rivals(signal, others, np.zeros(2), ClaimSettings()) == expected
 
 
 def test_an_unknown_level_takes_up_a_zero_error(random: np.random.Generator) -> None:

@@ -115,6 +115,9 @@ def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
     large = [cause for cause in diagnosis.causes if cause.doubt]
     assert large, diagnosis.explain()
     assert "times the usual one" in large[0].doubt
+    assert not large[0].in_model
+    assert not diagnosis.model.effects
+    assert diagnosis.gain.variance_removed == 0.0
     assert diagnosis.verdict == "ambiguous"
 
 
@@ -201,6 +204,21 @@ def test_a_target_that_is_placed_anew_has_a_new_level(random: np.random.Generato
     assert "fixed_speed" in {cause.id for cause in diagnosis.causes}
     assert diagnosis.gain.held_out_rows == 600
     assert diagnosis.gain.rms_after_m < 0.3 * diagnosis.gain.rms_before_m < 0.02
+
+
+def test_held_out_rows_of_a_new_placement_do_not_have_the_level_of_the_last_one(
+    random: np.random.Generator,
+) -> None:
+    table = logged(random)
+    del table["distance_m"]
+    anew = table["time_s"] >= 24_000.0
+    table["reading_m"] = table["reading_m"] * np.where(anew, 1.2, 1.0)
+    table["stand"] = np.where(anew, 2, 1)
+    told, untold = (
+        echocal.diagnose(one, constant_distance=True, hold_out_after=24_000.0).gain.rms_before_m
+        for one in (table, {name: column for name, column in table.items() if name != "stand"})
+    )
+    assert told < 0.05 < untold
 
 
 def test_errors_are_compared_on_the_rows_that_both_models_know() -> None:

@@ -27,7 +27,8 @@ def named() -> dict[str, list[Path]]:
     """Files that compute, by the equations that they name."""
     found: dict[str, list[Path]] = {}
     rust = (ROOT / "rust" / "infer" / "src").rglob("*.rs")
-    python = (ROOT / "python" / "echocal" / "diagnose").rglob("*.py")
+    package = ROOT / "python" / "echocal"
+    python = [file for room in ("diagnose", "watch") for file in (package / room).rglob("*.py")]
     for path in sorted([*rust, *python]):
         for number in cited(path.read_text()):
             found.setdefault(number, []).append(path.relative_to(ROOT))

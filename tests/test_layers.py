@@ -23,7 +23,7 @@ LAYERS = (
     {"sweep", "calibrate"},
     {"diagnose", "silicon", "echoes"},
     {"plots", "report", "verify", "firmware", "batch", "correct"},
-    {"study", "explore", "fleet"},
+    {"study", "explore", "fleet", "watch"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

@@ -157,6 +157,13 @@ def test_plot_draws_one_line_for_each_of_the_rest(distance: Any) -> None:
     plt.close(figure)
 
 
+def test_figures_of_many_sweeps_are_not_kept() -> None:
+    before = plt.get_fignums()
+    for _ in range(3):
+        sweep_figure(echocal.sweep("linear", temperature=(0, 50, 25)))
+    assert plt.get_fignums() == before
+
+
 def test_figure_shows_what_changes() -> None:
     device = sweep_figure(echocal.sweep(DEVICE, temperature=(0, 50, 2)))
     base = sweep_figure(echocal.sweep("linear", temperature=(0, 50, 2)))

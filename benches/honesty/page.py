@@ -34,6 +34,13 @@ level. A window without an effect in its model has a share of 0 and is not worse
 which the level jumps; `all` is without it.
 
 Goals: worse than the base in at most 0.10 of the pairs; mean share above 0; a name recurs in at least 0.7.
+
+*A window that can know.* A window is asked whether it names what another one names. It can know if the
+cause, with the size that the other window found, raises the expected log likelihood there by at least 8
+(the limit of Eq. 39 in [method](method.md)): $\\frac12 x' V^{-1} x / \\sigma^2 \\ge 8$, with $x$ what the
+cause adds, $V$ and $\\sigma$ the noise that the asked window reports, and a free level of each segment.
+This was written before the figure was computed. A cause that agrees there is within 3 standard
+uncertainties (of both windows) of the size of the other window, in a fit of this cause alone.
 """
 
 _ROTATION = """## Residuals turned by whole days
@@ -58,8 +65,11 @@ over those in which the model has an effect.
 
 An *alarm* is any verdict but `nothing`, unless it names noises alone.
 
-Goals: at most 0.02 false alarms; a mean reported gain of at most 0 without an effect; with one, within 2
-points of the replicate.
+Goals: at most 0.02 false alarms; the mean reported gain within 2 points of the replicate. A model that is
+not better than the base on rows that its choice has not seen is never reported, so a reported gain is above
+0 where the model has an effect, and 0 elsewhere. Its mean over tables without an effect is therefore 0 if
+no model has an effect, and positive otherwise: it cannot be negative. The figure to be judged is the
+reported mean beside that of the replicate, which has no such selection.
 """
 
 
@@ -112,7 +122,23 @@ def _transfer(summary: Record) -> list[str]:
     head = "| record | windows | worse | mean share | worse, if a cause is named | mean share | reported |"
     again = "| record | verdicts | named | named again | its class | its class above 0.5 |"
     note = "*Reported* is the mean gain that the windows with a name report, from nested cross-validation.\n"
-    return [_table(head, shares), note, _table(again, names)]
+    return [_table(head, shares), note, _table(again, names), *_able(figures)]
+
+
+def _able(figures: Record) -> list[str]:
+    """What windows say of a name that they can know, and of one that they cannot."""
+    asked = {label: row["recurrence"] for label, row in figures.items() if "kinds" in row["recurrence"]}
+    rows = [
+        f"| {_bold(label)} | {text(own['can_know'])} | {text(own['agrees'])} | "
+        f"{'; '.join(f'{kind}: {_plain(said)}' for kind, said in own['kinds'].items()) or '-'} |"
+        for label, own in asked.items()
+    ]
+    head = "| record | named again, if it can know | and if the size agrees | what the windows say |"
+    return [_table(head, rows)] if rows else []
+
+
+def _plain(counts: Record) -> str:
+    return ", ".join(f"{key} {count}" for key, count in counts.items())
 
 
 def _rotation(summary: Record) -> list[str]:

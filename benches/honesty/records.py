@@ -156,6 +156,7 @@ def said(diagnosis: echocal.Diagnosis) -> Record:
         "level_steps": len(diagnosis.rows["level_steps_at_rows"]),
         "used": len(diagnosis.traces.row),
         "autocorrelation": diagnosis.noise["autoregression"],
+        "noise_model": dict(diagnosis.noise),
     }
 
 

@@ -10,6 +10,7 @@ from common import LIKELY, Record, run, save, share, text, told
 
 import numpy as np  # isort: skip  (common limits the threads first)
 import records
+import recurrence
 import typer
 from numpy.typing import NDArray
 from records import RECORDS, Asked
@@ -84,6 +85,7 @@ def _pair(job: tuple[str, int, int, list[tuple[Any, Asked]]]) -> Record:
             }
             for level, group in (("segments", own.groups), ("window", np.zeros_like(own.groups)))
         } | {"lost_rows": int(np.sum(np.isfinite(before) & ~known))}
+    record["questions"] = recurrence.questions(table, name, giver, own, before)
     return record
 
 
@@ -187,7 +189,8 @@ def _recurrence(parts: list[Record]) -> Record:
                 counts["likely"] += cause["id"] in {c["id"] for c in likely}
                 counts["likely_class"] += any(own & _class(c) for c in likely)
     keys = ("named", "named_class", "likely", "likely_class")
-    return {key: share(counts[key], counts["asked"]) for key in keys}
+    every = [question for part in parts for pair in part["pairs"] for question in pair["questions"]]
+    return {key: share(counts[key], counts["asked"]) for key in keys} | recurrence.counted(every)
 
 
 def _class(cause: Record) -> set[str]:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 _Column = NDArray[np.float64]
-_Correlation = float | tuple[float, float] | None
+_Correlation = float | tuple[float, float, bool] | None
 
 @final
 class Model:
@@ -273,12 +273,16 @@ class NoiseModel:
 class Sums:
     @property
     def width(self) -> int: ...
-    def whiten(
+    def whiten(self, noises: list[NoiseModel], used: list[bool]) -> tuple[NDArray[np.float64], _Column]: ...
+    def fit(
         self,
-        noises: list[NoiseModel],
+        noise: NoiseModel,
         used: list[bool],
-        chosen: list[int] | None = None,
-    ) -> tuple[NDArray[np.float64], _Column]: ...
+        degrees: float,
+        variance_floor: float,
+        hypotheses: list[list[Form]],
+        one_width: bool,
+    ) -> list[HypothesisFit]: ...
     def joined(self, more: Sums) -> Sums: ...
     def without_infinite(self) -> tuple[Sums, list[bool]]: ...
 

@@ -14,6 +14,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import infer
+from echocal.diagnose.inference.weigh_steps import weigh_steps
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.offsets import without_offsets
 from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
@@ -112,6 +113,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         while True:
             work.begin("building columns")
             table = prepare(observations, base, distance, constant, settings.rows, level_steps)
+            steps = weigh_steps(table, base, request.seed, settings, level_steps)
+            table = table if steps is None else steps.kept(steps.case.folds.fit)
             folds = Folds.of(table, settings.rows)
             case = examine(table, base, folds, request.seed, settings)
 
@@ -132,7 +135,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             carried = carried_by_few(case, rest.kept, selection.best, selection.noise)
             selection = replace(selection, carried=carried)
             possible = shares.possible(settings.noises.considered)
-            judge = judge_of(case, reduced.noises, possible, held, after)
+            judge = judge_of(case, reduced.noises, possible, held, after, steps)
             validation = validate(case, selection, rest, judge)
             step = validation.further_level_step(case.table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite
 from numbers import Real
 
@@ -111,14 +112,18 @@ def of_thermometers(columns: Mapping[str, str]) -> dict[str, str]:
 
 def of(model: _core.Model) -> Needs:
     """Gather the needs of a law and its effects from the facts."""
+    return _of(model.law, tuple(model.law_reads), tuple(id_ for id_, _ in model.terms))
+
+
+@lru_cache
+def _of(law: str, reads: tuple[str, ...], effects: tuple[str, ...]) -> Needs:
     required: dict[str, str] = {}
     excluded: dict[str, str] = {}
-    laws: dict[str, str | None] = {model.law: None} if "temperature" in model.law_reads else {}
-    reads = list(model.law_reads)
-    for name in model.law_reads:
+    laws: dict[str, str | None] = {law: None} if "temperature" in reads else {}
+    for name in reads:
         if QUANTITIES[name].default is None:
-            required[name] = f"law '{model.law}'"
-    acting = [find_effect(id_) for id_, _ in model.terms]
+            required[name] = f"law '{law}'"
+    acting = [find_effect(id_) for id_ in effects]
     for effect in acting:
         id_ = effect.id
         without_default = (name for name in effect.reads if QUANTITIES[name].default is None)
@@ -128,4 +133,4 @@ def of(model: _core.Model) -> Needs:
         if effect.calls:
             laws.setdefault(effect.calls, id_)
     before = {name for effect in acting if effect.stage != "firmware" for name in effect.reads}
-    return Needs(required, excluded, frozenset(required) - before - {*model.law_reads}, laws)
+    return Needs(required, excluded, frozenset(required) - before - {*reads}, laws)

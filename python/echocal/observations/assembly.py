@@ -62,6 +62,7 @@ class Assembly:
         self._note_lookalikes()
         self._summarize()
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
+        extra, texts = self._extra()
         return Observations(
             echo_time=echo_time,
             conditions={**conditions, **self._derived(conditions, named), **self._hour()},
@@ -69,8 +70,8 @@ class Assembly:
             unusable=self._unusable(),
             reading=values.get("reading"),
             time=self.time,
-            labels=named,
-            extra=self._extra(),
+            labels={**texts, **named},
+            extra=extra,
             thermometers=self._thermometers(),
             reading_speed=self.reading_speed,
             source_names={name: source.column for name, source in held.items()},
@@ -194,17 +195,20 @@ class Assembly:
         values = self.table[column]
         return labels.positions(values, column) if name == "order" else labels.codes(values, column)
 
-    def _extra(self) -> dict[str, Column]:
-        """Other columns that hold numbers."""
-        found = {}
+    def _extra(self) -> tuple[dict[str, Column], dict[str, NDArray[np.int64]]]:
+        """Other columns that hold numbers, and the codes of those that hold few different texts."""
+        found, texts = {}, {}
         for column in (*self.plan.others, *self.plan.several):
             try:
                 values = to_numbers(self.table[column], column, self.missing)
-            except DataError:
-                continue  # text: a remark, a name
+            except DataError:  # text: a name, a remark
+                codes = labels.few_codes(self.table[column])
+                if codes is not None:
+                    texts[column] = codes
+                continue
             if np.isfinite(values).any():
                 found[column] = values
-        return found
+        return found, texts
 
     def _thermometers(self) -> dict[str, Column]:
         """Further thermometers [degC], NaN where one has no possible value; no row is unusable by them."""

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.observations.fields import fields, is_empty, refuse_object, row, shown
 
-__all__ = ["codes", "positions"]
+__all__ = ["codes", "few_codes", "positions"]
+
+_FEW = 50  # different texts from which on a column holds remarks, not kinds
 
 
 def codes(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
@@ -35,6 +37,20 @@ def codes(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
             refuse_object(column, position, field)
             raise
     return found
+
+
+def few_codes(values: pd.Series[Any]) -> NDArray[np.int64] | None:
+    """Number the texts of a column in the order in which they appear; None where they are many or one.
+
+    -1 where empty.
+    """
+    try:
+        found, texts = pd.factorize(values)
+    except TypeError:  # lists, and other values that cannot be compared
+        return None
+    if not 2 <= len(texts) <= _FEW or not all(isinstance(text, str) for text in texts):
+        return None
+    return np.asarray(found, dtype=np.int64)
 
 
 def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from echocal.errors import ModelError
 from echocal.observations.table import Observations
 
-__all__ = ["MARKS", "NEIGHBORS", "RowRule", "context_rows", "marked", "rules_from"]
+__all__ = ["MARKS", "NEIGHBORS", "RowRule", "context_rows", "marked", "rules_from", "seconds"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Kind = Literal["equals", "at least", "at most", "run", "far from reference", "far from neighbors"]
+Kind = Literal["equals", "at least", "at most", "during", "run", "far from reference", "far from neighbors"]
 
 MARKS = "row_marks"
 """Where the provenance of a model keeps rules."""
@@ -37,15 +37,17 @@ class RowRule:
     reason : str
         Id of the fault: the reason code of the rows.
     kind : str
-        ``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``run`` is a run of
+        ``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``during`` is from `value`
+        on, for less than `tolerance`; ``run`` is a run of
         `length` or more equal values, after its first row; ``far from reference`` and ``far from
         neighbors`` compare the corrected distance.
     quantity : str
-        ``echo_time``, ``reading`` or ``reference_distance``, or an influence quantity.
+        ``echo_time``, ``reading``, ``reference_distance`` or ``time`` (since 1970 in UTC), or an influence
+        quantity.
     value : float
         In SI units.
     tolerance : float
-        Of an equal value, in SI units.
+        Of an equal value, or length of a period, in SI units.
     length : int
     sign : int
         Whether too short (-1), too long (1), or either (0).
@@ -161,6 +163,8 @@ def _rows(
     with np.errstate(invalid="ignore"):
         if rule.kind == "run":
             return _runs(np.where(observations.usable, column, np.nan), rule.length)
+        if rule.kind == "during":
+            return np.asarray((column >= rule.value) & (column < rule.value + rule.tolerance))
         if rule.kind == "at least":
             return np.asarray(column >= rule.value * (1 - _EXACT))
         if rule.kind == "at most":
@@ -171,7 +175,14 @@ def _rows(
 def _column(observations: Observations, quantity: str) -> Column | None:
     if quantity == "echo_time":
         return observations.echo_time
+    if quantity == "time":
+        return None if observations.time is None else seconds(observations.time)
     return observations.reading if quantity == "reading" else observations.conditions.get(quantity)
+
+
+def seconds(time: NDArray[np.datetime64]) -> Column:
+    """Seconds since 1970 in UTC of instants; NaN where there is none."""
+    return np.asarray((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"), dtype=np.float64)
 
 
 def _far(distance: Column, expected: Column, rule: RowRule) -> Mask:

@@ -36,8 +36,8 @@ class Observations:
     time : ndarray of datetime64[ns], shape (n,), or None
         Instants in UTC; None where the source has none.
     labels : mapping of str to ndarray, shape (n,)
-        Integer codes of ``stand`` and ``group``, numbered as they appear, and values of
-        ``order``, where the source has them; -1 where empty.
+        Integer codes of ``stand`` and ``group``, and of further columns of text with few different ones,
+        numbered as they appear, and values of ``order``, where the source has them; -1 where empty.
     extra : mapping of str to ndarray, shape (n,)
         Further numeric columns, unchanged: candidates for unexplained terms.
     thermometers : mapping of str to ndarray, shape (n,)

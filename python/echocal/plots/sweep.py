@@ -134,9 +134,8 @@ def sweep_figure(grid: xr.Dataset) -> Figure:
     """
     shown = [name for name in ("speed_of_sound", "time_of_flight", "error") if _varies(grid[name].values)]
     shown = shown or ["indication"]
-    figure, axes = plt.subplots(
-        len(shown), figsize=(7.0, 0.8 + 2.5 * len(shown)), sharex=True, layout="constrained", squeeze=False
-    )
+    figure = Figure(figsize=(7.0, 0.8 + 2.5 * len(shown)), layout="constrained")  # pyplot would keep it
+    axes = figure.subplots(len(shown), sharex=True, squeeze=False)
     for name, ax in zip(shown, axes[:, 0], strict=True):
         plot_sweep(grid, name, ax)
         ax.label_outer()

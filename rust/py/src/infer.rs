@@ -2,7 +2,7 @@
 
 use echocal_core::batch::available_threads;
 use echocal_infer::search::{self, RankedHypothesis};
-use echocal_infer::solve::{self, WhitenedStack};
+use echocal_infer::solve::{self, Variant, WhitenedStack};
 use numpy::{Ix2, Ix3, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -99,7 +99,28 @@ pub fn ridge_coefficients<'py>(
 const MOST_MIXED: usize = 12;
 
 /// Hypotheses as Python gives them: the forms of each.
-type Hypotheses<'py> = Vec<Vec<PyRef<'py, CoreForm>>>;
+pub type Hypotheses<'py> = Vec<Vec<PyRef<'py, CoreForm>>>;
+
+/// Hypotheses whose widths can be combined, checked against the number of columns.
+pub fn fittable(
+    hypotheses: &Hypotheses<'_>,
+    width: usize,
+    one_width: bool,
+) -> PyResult<Vec<Vec<Variant>>> {
+    let each = hypotheses.iter();
+    let found: Vec<_> = each
+        .map(|forms| variants(forms, width))
+        .collect::<PyResult<_>>()?;
+    let most = found.iter().map(Vec::len).max().unwrap_or(0);
+    if most > MOST_MIXED && !one_width {
+        let message = format!(
+            "a hypothesis has {most} forms, which would be 3^{most} combinations of widths; above \
+             {MOST_MIXED} forms, ask for one width"
+        );
+        return Err(PyValueError::new_err(message));
+    }
+    Ok(found)
+}
 
 /// Fits hypotheses, each by itself; with `one_width` with the widest prior alone.
 #[pyfunction]
@@ -114,17 +135,8 @@ pub fn fit_hypotheses<'py>(
     one_width: bool,
 ) -> PyResult<Vec<CoreHypothesisFit>> {
     let stack = stack(&products, &log_weight, degrees, variance_floor)?;
-    let each = hypotheses.iter();
-    let hypotheses: PyResult<Vec<_>> = each.map(|forms| variants(forms, stack.width)).collect();
-    let (hypotheses, threads) = (hypotheses?, available_threads());
-    let most = hypotheses.iter().map(Vec::len).max().unwrap_or(0);
-    if most > MOST_MIXED && !one_width {
-        let message = format!(
-            "a hypothesis has {most} forms, which would be 3^{most} combinations of widths; above \
-             {MOST_MIXED} forms, ask for one width"
-        );
-        return Err(PyValueError::new_err(message));
-    }
+    let hypotheses = fittable(&hypotheses, stack.width, one_width)?;
+    let threads = available_threads();
     let fits = py.detach(|| solve::log_evidence(&stack, &hypotheses, one_width, threads));
     fits.into_iter()
         .map(|one| CoreHypothesisFit::of(py, one))

@@ -4,13 +4,16 @@ use echocal_core::batch::available_threads;
 use echocal_infer::noise::{
     Autoregression, Convection, MovingAverage, NoiseCorrelation, NoiseModel, TableSums, White,
 };
+use echocal_infer::solve::{Fitted, fit_blocks};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::border::{Column, ascending, same_length, within};
+use crate::border::{Column, same_length, within};
+use crate::infer::{Hypotheses, fittable};
 use crate::infer_checks::{coefficient, not_negative, positive, required};
+use crate::infer_classes::CoreHypothesisFit;
 
 /// Correlated noise with one set of parameters, and a random error that the rows of a station share.
 #[pyclass(name = "NoiseModel", module = "echocal._core", frozen, get_all)]
@@ -51,10 +54,11 @@ impl CoreNoiseModel {
     }
 }
 
-/// A moving-average coefficient, or autoregression and growth of a convection; None is white.
+/// A moving-average coefficient, or autoregression and growth of a convection and whether it is
+/// coherent; None is white.
 #[derive(FromPyObject)]
 pub enum GivenCorrelation {
-    Convection((f64, f64)),
+    Convection((f64, f64, bool)),
     MovingAverage(f64),
 }
 
@@ -62,10 +66,14 @@ pub enum GivenCorrelation {
 pub fn correlation(given: Option<GivenCorrelation>) -> PyResult<NoiseCorrelation> {
     Ok(match given {
         None => NoiseCorrelation::White(White),
-        Some(GivenCorrelation::Convection((rho, growth))) => {
+        Some(GivenCorrelation::Convection((rho, growth, coherent))) => {
             coefficient("the autoregression of a convection", rho)?;
             not_negative("the growth of a convection", growth)?;
-            NoiseCorrelation::Convection(Convection { rho, growth })
+            NoiseCorrelation::Convection(Convection {
+                rho,
+                growth,
+                coherent,
+            })
         }
         Some(GivenCorrelation::MovingAverage(theta)) => {
             coefficient("a moving average", theta)?;
@@ -122,68 +130,76 @@ pub struct CoreSums {
     pub(crate) sums: TableSums,
 }
 
-/// Matrices of some columns as matrices of all, zero elsewhere.
-fn placed(some: &[f64], chosen: &[usize], width: usize) -> Vec<f64> {
-    let (own, area) = (chosen.len(), width * width);
-    let mut all = vec![0.0; some.len() / (own * own).max(1) * area];
-    for (from, to) in some
-        .chunks_exact((own * own).max(1))
-        .zip(all.chunks_exact_mut(area))
-    {
-        for (i, line) in chosen.iter().zip(from.chunks_exact(own)) {
-            for (j, value) in chosen.iter().zip(line) {
-                to[i * width + j] = *value;
-            }
-        }
-    }
-    all
-}
-
-#[pymethods]
 impl CoreSums {
-    /// Whitened products and log weight of each noise, over the blocks in use; of some columns
-    /// alone, in ascending order and the first among them, the others are zero.
-    #[allow(clippy::type_complexity)] // as Python sees it
-    #[pyo3(signature = (noises, used, chosen=None))]
-    fn whiten<'py>(
+    /// Noises and blocks as Python gives them, checked.
+    fn given(
         &self,
-        py: Python<'py>,
-        noises: Vec<PyRef<'py, CoreNoiseModel>>,
-        used: Vec<bool>,
-        chosen: Option<Vec<usize>>,
-    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
+        noises: &[PyRef<'_, CoreNoiseModel>],
+        used: &[bool],
+    ) -> PyResult<Vec<NoiseModel>> {
         let correlations = noises.iter().map(|noise| noise.correlation);
         within("correlation", correlations, self.sums.products.len())?;
         same_length(&[("used", used.len()), ("series", self.sums.series.len())])?;
-        let noise = |noise: &PyRef<'py, CoreNoiseModel>| NoiseModel {
+        let noise = |noise: &PyRef<'_, CoreNoiseModel>| NoiseModel {
             correlation: noise.correlation,
             rho: noise.rho,
             station_ratio: noise.station_ratio,
             first_weight: noise.first_weight,
             log_prior: noise.log_prior,
         };
-        let noises: Vec<NoiseModel> = noises.iter().map(noise).collect();
+        Ok(noises.iter().map(noise).collect())
+    }
+}
+
+#[pymethods]
+impl CoreSums {
+    /// Whitened products and log weight of each noise, over the blocks in use.
+    #[allow(clippy::type_complexity)] // as Python sees it
+    fn whiten<'py>(
+        &self,
+        py: Python<'py>,
+        noises: Vec<PyRef<'py, CoreNoiseModel>>,
+        used: Vec<bool>,
+    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let noises = self.given(&noises, &used)?;
         let (threads, width) = (available_threads(), self.sums.width);
-        if let Some(chosen) = &chosen {
-            within("column", chosen.iter().copied(), width)?;
-            ascending("columns", chosen)?;
-            if chosen.first() != Some(&0) || chosen.windows(2).any(|pair| pair[0] == pair[1]) {
-                let message = "columns must have the first among them, and none twice";
-                return Err(PyValueError::new_err(message));
-            }
-        }
         let (products, weights) = py.detach(|| {
             let all: Vec<usize> = (0..width).collect();
-            let columns = chosen.as_deref().unwrap_or(&all);
-            let (some, weights) = self.sums.whiten(&noises, &used, columns, threads);
-            if columns.len() == width {
-                return (some, weights);
-            }
-            (placed(&some, columns, width), weights)
+            self.sums.whiten(&noises, &used, &all, threads)
         });
         let shape = [noises.len(), width, width];
         let products = PyArray1::from_vec(py, products).reshape(shape)?;
         Ok((products, PyArray1::from_vec(py, weights)))
+    }
+
+    /// Fits hypotheses, each by itself, to the blocks in use under one noise; with `one_width` with
+    /// the widest prior alone.
+    #[allow(clippy::too_many_arguments)] // as Python sees it
+    fn fit<'py>(
+        &self,
+        py: Python<'py>,
+        noise: PyRef<'py, CoreNoiseModel>,
+        used: Vec<bool>,
+        degrees: f64,
+        variance_floor: f64,
+        hypotheses: Hypotheses<'py>,
+        one_width: bool,
+    ) -> PyResult<Vec<CoreHypothesisFit>> {
+        let noise = self.given(&[noise], &used)?[0];
+        positive("degrees", degrees)?;
+        not_negative("variance_floor", variance_floor)?;
+        let hypotheses = fittable(&hypotheses, self.sums.width, one_width)?;
+        let fitted = Fitted {
+            blocks: &used,
+            degrees,
+            variance_floor,
+        };
+        let threads = available_threads();
+        let fits =
+            py.detach(|| fit_blocks(&self.sums, &noise, &fitted, &hypotheses, one_width, threads));
+        fits.into_iter()
+            .map(|one| CoreHypothesisFit::of(py, one))
+            .collect()
     }
 
     /// Number of columns.

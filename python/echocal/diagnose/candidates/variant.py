@@ -59,7 +59,8 @@ class Candidates:
     """Columns so far, the variants that use them, and skipped causes with the reasons.
 
     `aside` are further columns of the table without an unexplained term, because there are too many.
-    `unread` are further thermometers that no cause reads, with the reasons.
+    `unread` are further thermometers that no cause reads, with the reasons. `steps` are columns of steps of
+    an unknown level, which no variant uses.
     """
 
     columns: Columns
@@ -69,6 +70,7 @@ class Candidates:
     line: Variant | None = None
     aside: tuple[str, ...] = ()
     unread: dict[str, str] = field(default_factory=dict)
+    steps: tuple[int, ...] = ()
 
     @property
     def competing(self) -> int:

@@ -33,6 +33,7 @@ FAULTS: tuple[Fault, ...] = tuple(
         "censored_range",
         "reset_temperature",
         "stuck_reading",
+        "installation_transient",
         "mistyped_rows",
         "timeout",
         "blanking_distance",

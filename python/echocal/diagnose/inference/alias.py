@@ -54,6 +54,7 @@ class Geometry:
     def _imitation(self, signal: Matrix, variant: Variant, beside: Matrix) -> tuple[float, float]:
         """Log odds that remain against one form's imitation of a signal, and the size that it needs.
 
+        The sizes of the form are within its bounds: a cause that only warms imitates nothing that cools.
         The size is in prior standard deviations of the form; it is also that of what stays, where
         that becomes larger than it was.
         """
@@ -61,17 +62,23 @@ class Geometry:
         free = [*variant.free, *np.flatnonzero(beside).tolist()]
         if not free:
             return 0.5 * self.visibility(rest) ** 2, 1.0
-        along = self.products[free] @ rest
-        if len(free) == 1:
-            square = self.products[free[0], free[0]]
-            size = along / square if square > 0 else np.zeros(1)
-        else:
-            size = np.linalg.lstsq(self.products[np.ix_(free, free)], along, rcond=1e-12)[0]
+        size, own = self._sizes(free, rest), len(variant.free)
+        within = np.clip(size[:own], *_limits(variant))
+        if (within != size[:own]).any():  # the form cannot be that: the others give way as far as they can
+            others = self._sizes(free[own:], rest - self._place(free[:own], within))
+            size = np.concatenate([within, others])
         rest = rest - self._place(free, size)
-        own = len(variant.free)
         stays = beside[free[own:]]
         grown = np.where(np.abs(stays + size[own:]) > np.abs(stays), stays + size[own:], 0.0)
         return 0.5 * self.visibility(rest) ** 2, float(np.abs([*size[:own], *grown]).max())
+
+    def _sizes(self, free: list[int], rest: Matrix) -> Matrix:
+        """Coefficients of columns that leave the least of a signal."""
+        along = self.products[free] @ rest
+        if len(free) == 1:
+            square = self.products[free[0], free[0]]
+            return np.asarray(along / square) if square > 0 else np.zeros(1)
+        return np.asarray(np.linalg.lstsq(self.products[np.ix_(free, free)], along, rcond=1e-12)[0])
 
     def _odds(self, signal: Matrix, variants: Sequence[Variant], beside: Matrix) -> Matrix:
         """Log odds that remain against the imitation by each form, to a few digits: many at once."""
@@ -134,3 +141,9 @@ class Geometry:
         a, b = self.signal(one), self.signal(other)
         lengths = self.visibility(a) * self.visibility(b)
         return float(a @ self.products @ b / lengths) if lengths > 0 else np.nan
+
+
+def _limits(variant: Variant) -> tuple[Matrix, Matrix]:
+    """Smallest and largest sizes of the free columns, in prior standard deviations."""
+    low, high = np.array(variant.bounds, dtype=np.float64).reshape(-1, 2).T
+    return low, high

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import Candidates, Variant
-from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack
 from echocal.diagnose.inference.noise import Convection, Noise, NoiseCorrelation, noises
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
@@ -37,6 +37,10 @@ class Case:
     settings : Settings
     signals : dict
         What was made before, by columns and sizes.
+    hypotheses : dict
+        Hypotheses that were made before, by forms and prior.
+    fits : dict
+        Fits to some blocks under one noise that were made before, by noise, blocks and hypothesis.
     probable : tuple of Noise, or None
         Noises that are considered; None for all that the table allows.
     offsets : ndarray, shape (n,), or None
@@ -53,6 +57,8 @@ class Case:
     seed: int
     settings: Settings
     signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
+    hypotheses: dict[tuple[tuple[int, ...], float], Hypothesis] = field(default_factory=dict, repr=False)
+    fits: dict[tuple[Any, ...], HypothesisFit] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
 
@@ -77,22 +83,27 @@ class Case:
         """Noises that the table allows."""
         if self.probable is not None:
             return self.probable
-        found = [one for one in self.sums.correlations if isinstance(one, Convection)]
+        found = tuple(one for one in self.sums.correlations if isinstance(one, Convection))
         return tuple(
             noise
-            for noise in noises(self.settings.noise_models, self.at_stations, found)
+            for noise in noises(self.settings.noise_models, self.at_stations, found, self.at_levels)
             if self.sums.has(noise)
         )
 
     @property
     def usual_noises(self) -> tuple[Noise, ...]:
         """Those that do not depend on the distance, whether summed or not: each kind with all its prior."""
-        return noises(self.settings.noise_models, self.at_stations)
+        return noises(self.settings.noise_models, self.at_stations, levels=self.at_levels)
 
     @property
     def at_stations(self) -> bool:
         """Whether rows are at several stations, each of which may err by itself."""
         return not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
+
+    @property
+    def at_levels(self) -> bool:
+        """Whether these are no stations, but the levels of a column."""
+        return bool(self.table.grouped_by)
 
     @property
     def at_distances(self) -> bool:

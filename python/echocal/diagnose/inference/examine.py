@@ -21,28 +21,37 @@ from echocal.diagnose.settings import Settings
 __all__ = ["examine"]
 
 Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
 
 
 def examine(
-    table: Table, base: Base, folds: Folds, seed: int, settings: Settings, offsets: Column | None = None
+    table: Table,
+    base: Base,
+    folds: Folds,
+    seed: int,
+    settings: Settings,
+    offsets: Column | None = None,
+    steps: Labels | None = None,
 ) -> Case:
     """Build the columns and pass over them once.
 
     The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `offsets` are
     those of placements that a noise explains [m]; they are subtracted from the residual (Eq. 18a).
+    `steps` are positions of rows at which the level may change: each has a column, which is no cause.
     """
     distance = table.distance(base.model())
     groups = None if table.reference is not None else table.groups
     residual = table.indication - base.expected(distance, table.conditions)
     if offsets is not None:
         residual = residual - offsets
+    still = residual if steps is None else _without_steps(residual, table.groups, steps)
     scene = Scene(
         base,
         distance,
         table.conditions,
         table.distance,
         groups,
-        residual,
+        still,
         settings,
         table.echoes,
         table.stated_speed,
@@ -50,6 +59,8 @@ def examine(
     )
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds
+    if steps is not None:
+        found.steps = _step_columns(found, table, steps, settings.rows.step_height)
     effect_candidates(found, scene)
     order, rows = table.order, np.flatnonzero(folds.fit[folds.blocks])
     found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))
@@ -59,8 +70,24 @@ def examine(
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))
     sums = drop_infinite(found, sums)
-    drop_invisible(found, sums, residual, settings.priors)
+    drop_invisible(found, sums, still, settings.priors)
     if sums.correlations == (WHITE,):
         others = that_may_be_there(found.columns, sums, residual, settings.noise_models)
         sums = sums.with_correlations(found.columns, others) if others else sums
     return Case(table, base, found, residual, sums, folds, seed, settings, offsets=offsets)
+
+
+def _step_columns(found: Candidates, table: Table, steps: Labels, height: float) -> tuple[int, ...]:
+    """Add a column for each step of the level, of one prior standard deviation."""
+    slope, rows = found.columns[0], np.arange(len(table))
+    after = ((rows >= step) & (table.groups == table.groups[step]) for step in steps.tolist())
+    return tuple(found.columns.store(height * slope * later) for later in after)
+
+
+def _without_steps(residual: Column, groups: Labels, steps: Labels) -> Column:
+    """Residual less the mean of each part between two steps."""
+    first = np.zeros(len(residual), dtype=np.int64)
+    first[steps] = 1
+    parts = np.unique((np.cumsum(first) + len(residual) * groups), return_inverse=True)[1]
+    means = np.bincount(parts, residual) / np.bincount(parts)
+    return np.asarray(residual - means[parts])

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
-from echocal.diagnose.inference.sums import Whitened
+from echocal.diagnose.inference.sums import Sums, Whitened
 
-__all__ = ["Hypothesis", "HypothesisFit", "Stack", "fit_hypotheses", "fit_hypothesis"]
+__all__ = ["Hypothesis", "HypothesisFit", "Stack", "fit_hypotheses", "fit_hypothesis", "fit_to_blocks"]
 
 Matrix = NDArray[np.floating[Any]]
 
@@ -54,6 +54,11 @@ class Hypothesis:
     def columns(self) -> tuple[int, ...]:
         """Every column that it uses."""
         return tuple(column for variant in self.variants for column in variant.columns)
+
+    @cached_property
+    def key(self) -> tuple[tuple[object, ...], ...]:
+        """What a fit depends on: the columns and the bounds of each variant."""
+        return tuple((variant.offset, variant.free, variant.bounds) for variant in self.variants)
 
     @cached_property
     def placed(self) -> tuple[tuple[Variant, slice], ...]:
@@ -150,7 +155,7 @@ class HypothesisFit:
             self.hypothesis, self.log_evidence + by, self.mean, self.covariance, self.noise, self.variance
         )
 
-    @property
+    @cached_property
     def log_posterior(self) -> float:
         """Up to the constant that normalizes: docs/method.md, Eq. 18."""
         prior = self.hypothesis.prior
@@ -198,3 +203,13 @@ def fit_hypotheses(
     given = stack.products, stack.log_weight, stack.degrees, VARIANCE_FLOOR**2
     found = _core.fit_hypotheses(*given, forms, one_width)
     return [HypothesisFit.of(hypothesis, fit) for hypothesis, fit in zip(hypotheses, found, strict=True)]
+
+
+def fit_to_blocks(
+    hypothesis: Hypothesis, sums: Sums, noise: Noise, blocks: NDArray[np.bool_]
+) -> HypothesisFit:
+    """Fit a hypothesis to some blocks under one noise; only its columns are whitened."""
+    forms = [form(variant) for variant in hypothesis.variants]
+    given = sums.model(noise), blocks.tolist(), sums.degrees(blocks), VARIANCE_FLOOR**2
+    (found,) = sums.products.fit(*given, [forms], False)
+    return HypothesisFit.of(hypothesis, found)

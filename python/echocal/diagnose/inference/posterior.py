@@ -14,6 +14,8 @@ from echocal.diagnose.settings import PriorSettings, Settings
 
 __all__ = ["Inference", "core_prior", "infer", "posterior", "preferred"]
 
+Key = tuple[tuple[int, ...], float]
+
 
 @dataclass(frozen=True)
 class Inference:
@@ -37,12 +39,22 @@ class Inference:
 def infer(case: Case) -> Inference:
     """Fit every hypothesis that competes, on the rows that a fit may see."""
     stack = case.stack(case.folds.fit)
-    fits, reduced = posterior(case.found, stack, case.settings)
+    fits, reduced = posterior(case.found, stack, case.settings, case.hypotheses)
     return Inference(stack, reduced, fits)
 
 
-def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list[HypothesisFit], Stack]:
+def posterior(
+    found: Candidates, stack: Stack, settings: Settings, known: dict[Key, Hypothesis] | None = None
+) -> tuple[list[HypothesisFit], Stack]:
     """Fit no cause, each cause, each pair, larger sets greedily, and the best of all beside each term.
+
+    Parameters
+    ----------
+    found : Candidates
+    stack : Stack
+    settings : Settings
+    known : dict, optional
+        Hypotheses that were made of the same candidates before, by their forms and priors.
 
     Returns
     -------
@@ -63,10 +75,13 @@ def posterior(found: Candidates, stack: Stack, settings: Settings) -> tuple[list
         core_prior(settings.priors),
         _core.SearchOptions(search.pruning_log_odds, search.form_preference),
     )
-    fits = [
-        HypothesisFit.of(Hypothesis(tuple(found.variants[i] for i in one.forms), one.prior), one.fit)
-        for one in found_by_core.outcomes
-    ]
+    known = {} if known is None else known
+    fits = []
+    for one in found_by_core.outcomes:
+        key = tuple(one.forms), one.prior
+        if key not in known:
+            known[key] = Hypothesis(tuple(found.variants[i] for i in key[0]), one.prior)
+        fits.append(HypothesisFit.of(known[key], one.fit))
     return fits, stack.only(np.array(found_by_core.noises))
 
 

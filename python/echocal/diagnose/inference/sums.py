@@ -1,6 +1,6 @@
 """Sums over the rows of a table, and what noise makes of them."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -102,39 +102,26 @@ class Sums:
         """Position of the sums for a correlation: white noise is any autoregression's with coefficient 0."""
         return self.correlations.index(correlation if correlation in self.correlations else 0.0)
 
+    def model(self, noise: Noise) -> _core.NoiseModel:
+        """Describe a noise to the core."""
+        return _core.NoiseModel(
+            self._place(noise.correlation),
+            0.0 if noise.growth else noise.rho,
+            noise.station_ratio,
+            noise.first_weight,
+            float(np.log(noise.prior)),
+        )
+
     def whiten_all(
-        self,
-        noises: Sequence[Noise],
-        use: NDArray[np.bool_] | None = None,
-        columns: Collection[int] | None = None,
+        self, noises: Sequence[Noise], use: NDArray[np.bool_] | None = None
     ) -> tuple[Matrix, Matrix]:
-        """Products of the columns whitened for each noise, and what it adds to the log evidence.
-
-        With `columns`, of these and of what is to be explained alone; others are zero.
-        """
+        """Products of the columns whitened for each noise, and what it adds to the log evidence."""
         use = np.ones(len(self.rows), dtype=bool) if use is None else use
-        given = [
-            _core.NoiseModel(
-                self._place(n.correlation),
-                0.0 if n.growth else n.rho,
-                n.station_ratio,
-                n.first_weight,
-                float(np.log(n.prior)),
-            )
-            for n in noises
-        ]
-        last = self.products.width - 1
-        chosen = None if columns is None else sorted({0, last, *columns})
-        return self.products.whiten(given, use.tolist(), chosen)
+        return self.products.whiten([self.model(noise) for noise in noises], use.tolist())
 
-    def whiten(
-        self,
-        noise: Noise,
-        use: NDArray[np.bool_] | None = None,
-        columns: Collection[int] | None = None,
-    ) -> Whitened:
+    def whiten(self, noise: Noise, use: NDArray[np.bool_] | None = None) -> Whitened:
         """Products of the whitened columns over the blocks in `use` (all by default)."""
-        products, log_weight = self.whiten_all([noise], use, columns)
+        products, log_weight = self.whiten_all([noise], use)
         return Whitened(products[0], float(log_weight[0]), noise)
 
     def without_infinite(self) -> "tuple[Sums, NDArray[np.bool_]]":

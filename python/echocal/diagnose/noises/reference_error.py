@@ -60,4 +60,6 @@ def draw(table: Columns, random: np.random.Generator) -> None:
     table["reading_m"] = table["distance_m"] + error + random.normal(0.0, 4e-3, 12)[station]
 
 
-NOISE = NuisanceNoise(facts=FACTS, draw=draw, concerns=concerns, parameters=parameters, because=because)
+NOISE = NuisanceNoise(
+    facts=FACTS, draw=draw, concerns=concerns, parameters=parameters, because=because, of_stations=True
+)

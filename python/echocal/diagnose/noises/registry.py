@@ -39,6 +39,7 @@ NOISES: tuple[NoiseEntry, ...] = tuple(
         "temperature_quantization",
         "cycle_offset",
         "slow_level",
+        "target_geometry",
         "cycle_slip",
         "noise_growth",
         "polling_jitter",

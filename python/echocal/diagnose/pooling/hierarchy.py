@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["WIDTHS", "Grid", "Likelihoods", "Population", "left_out", "log_mixture", "population"]
+from echocal.diagnose.settings.priors import WIDTHS
+
+__all__ = ["Grid", "Likelihoods", "Population", "left_out", "log_mixture", "population"]
 
 Array = NDArray[np.floating[Any]]
 Bounds = Sequence[tuple[float, float]]
-
-WIDTHS = (1 / 3, 1.0, 3.0)
-"""Widths of the prior of a size, in prior standard deviations: docs/method.md, Eq. 6."""
 
 _FAR = 15.0  # prior standard deviations beyond which a bound has no effect: Eq. 15
 _PER_CAUSE = 2  # causes up to which each has a standard deviation between tables of its own

@@ -21,10 +21,10 @@ from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.selection.decision import threshold_of
 from echocal.diagnose.settings import PriorSettings, Settings
+from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["TableInference", "log_prior_of_set"]
 
-_WIDEST = 3.0  # prior standard deviations: the widest prior, which is divided out
 _SHARE = 0.01  # of a set's evidence, below which a hypothesis does not move its sizes
 _MOST = 12  # hypotheses that move the sizes of a set
 _BESIDE = 3  # best hypotheses of the table that stand beside a set which its search had dropped
@@ -249,7 +249,7 @@ def _unbounded(hypothesis: Hypothesis, causes: Mapping[str, int]) -> Hypothesis:
 def _divided(mean: Array, covariance: Array) -> tuple[Array, Array]:
     """A posterior less its prior, the widest one: the likelihood. What the data do not show stays flat."""
     precision = np.linalg.inv(covariance)
-    values, vectors = np.linalg.eigh(0.5 * (precision + precision.T) - np.eye(len(mean)) / _WIDEST**2)
+    values, vectors = np.linalg.eigh(0.5 * (precision + precision.T) - np.eye(len(mean)) / WIDEST**2)
     shown = values > 0.0
     information = vectors @ np.where(shown, vectors.T @ (precision @ mean), 0.0)
     return information, (vectors * np.where(shown, values, 0.0)) @ vectors.T

@@ -47,7 +47,7 @@ class Folds:
         count = settings.folds
         stations = 1 + int(table.groups.max())
         if table.reference is not None and stations >= count:
-            blocks, by = table.groups % count, "station"
+            blocks, by = table.groups % count, table.grouped_by or "station"
         else:
             blocks = _runs(len(table), count)
             if table.reference is None:

@@ -9,7 +9,7 @@ from echocal.diagnose.preprocess.level_steps import level_steps
 from echocal.diagnose.preprocess.off_station import without_other_echoes
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
-from echocal.diagnose.preprocess.series import series_starts
+from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.stations import moved, stations
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.preprocess.usable import some, usable_rows
@@ -75,12 +75,10 @@ def prepare(
         steps = level_steps(indication, elapsed, conditions.get("temperature"), settings)
         steps = np.union1d(steps, np.searchsorted(rows, np.array(more_steps, dtype=np.int64)))
     breaks = np.zeros(len(rows), dtype=bool)
-    breaks[steps] = True
     if reference is None:
         breaks[1:] |= moved(observations, rows)
     groups = np.cumsum(breaks) if labels is None else labels
-    breaks[1:] |= groups[1:] != groups[:-1]
-    return Table(
+    table = Table(
         row=rows,
         indication=indication,
         reference=None if reference is None else some(reference, rows),
@@ -88,10 +86,13 @@ def prepare(
         extra={name: some(column, rows) for name, column in observations.extra.items()},
         thermometers={name: some(column, rows) for name, column in observations.thermometers.items()},
         groups=groups.astype(np.int64),
-        starts=series_starts(elapsed, breaks, settings.gap),
-        steps=rows[steps],
+        starts=np.zeros(len(rows), dtype=bool),
+        steps=rows[:0],
         left_out=left_out,
         total=len(observations),
         echoes=observations.reading is None or "echo_time" in observations.source_names,
+        labels={name: codes[rows] for name, codes in observations.labels.items() if name != "order"},
         stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
+        placements=groups.astype(np.int64) if reference is None else None,
     )
+    return divided(table, rows[steps], settings.gap)

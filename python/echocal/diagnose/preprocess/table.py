@@ -49,6 +49,14 @@ class Table:
     stated_speed : str
         Speed of the device that the user states, as a law or in m/s: its arithmetic is known. Empty where
         the speed is that of the base.
+    labels : mapping of str to ndarray of int, shape (n,)
+        Codes of ``stand``, ``group`` and columns of text; -1 where empty.
+    grouped_by : str
+        Column whose levels the groups are, where they are not segments or stations.
+    placements : ndarray of int, shape (n,), or None
+        Placement of the target of each row where the distance is unknown: `groups` before the level steps.
+    step_probability : mapping of int to float
+        Probability of the steps that were weighed beside causes, by source row.
     """
 
     row: Labels
@@ -64,6 +72,10 @@ class Table:
     echoes: bool = False
     thermometers: Mapping[str, Column] = field(default_factory=dict)
     stated_speed: str = ""
+    labels: Mapping[str, Labels] = field(default_factory=dict)
+    grouped_by: str = ""
+    placements: Labels | None = None
+    step_probability: Mapping[int, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.row)

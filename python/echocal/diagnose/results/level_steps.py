@@ -10,6 +10,7 @@ from echocal.observations import Observations
 __all__ = ["LevelStep", "steps_of"]
 
 _WINDOW = 13  # rows on each side; the medians of both sides give the size
+_SURE = 0.995  # a larger probability is not told
 
 
 @dataclass(frozen=True)
@@ -24,15 +25,19 @@ class LevelStep:
         Its time, ISO 8601 in UTC.
     size_m : float
         New level less old [m].
+    probability : float
+        That the level steps here, beside the causes.
     """
 
     row: int
     time: str | None
     size_m: float
+    probability: float = 1.0
 
     def __str__(self) -> str:
         when = "" if self.time is None else f", {self.time[:16].replace('T', ' ')}"
-        return f"row {self.row}{when}: {1e3 * self.size_m:+.1f} mm"
+        sure = "" if self.probability > _SURE else f", probability {self.probability:.2f}"
+        return f"row {self.row}{when}: {1e3 * self.size_m:+.1f} mm{sure}"
 
 
 def steps_of(table: Table, observations: Observations) -> tuple[LevelStep, ...]:
@@ -43,5 +48,6 @@ def steps_of(table: Table, observations: Observations) -> tuple[LevelStep, ...]:
         before = table.indication[max(0, at - _WINDOW) : at]
         after = table.indication[at : at + _WINDOW]
         time = None if observations.time is None else str(observations.time[row].astype("datetime64[s]"))
-        steps.append(LevelStep(row + 1, time, float(np.median(after) - np.median(before))))
+        size = float(np.median(after) - np.median(before))
+        steps.append(LevelStep(row + 1, time, size, table.step_probability.get(row, 1.0)))
     return tuple(steps)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,17 @@ class Ranking:
 
     def of(self, causes: Sequence[str]) -> float:
         """Probability that at least one of these causes acts: docs/method.md, Eq. 24."""
-        return sum(p for ids, p in self.sets if set(ids) & set(causes))
+        any_of = frozenset(causes)
+        return sum(p for ids, p in self.sets if not any_of.isdisjoint(ids))
+
+    @cached_property
+    def by_effects(self) -> dict[Ids, float]:
+        """Probability of each set of effects, with or without an unexplained term."""
+        probability: dict[Ids, float] = {}
+        for ids, p in self.sets:
+            effects = tuple(id_ for id_ in ids if id_ != UNKNOWN)
+            probability[effects] = probability.get(effects, 0.0) + p
+        return probability
 
     def best(self, beyond: Ids | None = None) -> HypothesisFit | None:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
@@ -80,13 +91,9 @@ class Ranking:
         `beyond`, only sets that have one effect more than these count; None if there is none. Sets
         that are passed do not count.
         """
-        probability: dict[Ids, float] = {}
-        for ids, p in ((ids, p) for ids, p in self.sets if p > 0.0):
-            effects = tuple(id_ for id_ in ids if id_ != UNKNOWN)
-            if effects in self.passed:
-                continue
-            if beyond is None or (len(effects) == len(beyond) + 1 and set(effects) > set(beyond)):
-                probability[effects] = probability.get(effects, 0.0) + p
+        probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0 and ids not in self.passed}
+        if beyond is not None:
+            probability = {ids: p for ids, p in probability.items() if _is_larger(ids, beyond, by=1)}
         if not probability:
             return None
         near = self.settings.claims.nearly * max(probability.values())
@@ -98,21 +105,17 @@ class Ranking:
 
     def of_set(self, effects: Ids) -> float:
         """Probability of a set of effects, with or without an unexplained term."""
-        return self.more(effects, ())[0]
+        return self.by_effects.get(effects, 0.0)
 
-    def more(self, ids: Ids, causes: Sequence[str]) -> tuple[float, float]:
-        """Probability of a set of effects alone, and of it beside at least one of some causes.
+    def more(self, ids: Ids, causes: Sequence[str] | None = None) -> tuple[float, float]:
+        """Probability of a set of effects alone, and of it beside at least one of some causes (default: any).
 
         A set with an unexplained term counts as the set without it.
         """
-        alone, beside = 0.0, 0.0
-        for found, p in self.sets:
-            effects = {id_ for id_ in found if id_ != UNKNOWN}
-            if effects == set(ids):
-                alone += p
-            elif effects > set(ids) and effects & set(causes):
-                beside += p
-        return alone, beside
+        larger = {one: p for one, p in self.by_effects.items() if _is_larger(one, ids)}
+        if causes is not None:
+            larger = {one: p for one, p in larger.items() if not set(causes).isdisjoint(one)}
+        return self.of_set(ids), sum(larger.values())
 
     def unexplained_terms(self) -> dict[str, float]:
         """Probability of an unexplained term against each column."""
@@ -122,6 +125,12 @@ class Ranking:
                 if variant.cause == UNKNOWN:
                     against[variant.against] = against.get(variant.against, 0.0) + float(p)
         return against
+
+
+def _is_larger(ids: Ids, beyond: Ids, by: int | None = None) -> bool:
+    """Whether a set includes another one and has more effects, or `by` more."""
+    more = len(ids) - len(beyond)
+    return (more > 0 if by is None else more == by) and set(ids).issuperset(beyond)
 
 
 def _out_of_reach(ids: Sequence[str]) -> int:

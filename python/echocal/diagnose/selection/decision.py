@@ -24,15 +24,16 @@ def claim_or_not(
     if best is None:
         raise RuntimeError("no hypothesis was fitted")
     threshold = threshold_of(len(case.table), ranking, shares)
-    claimed = _of(best, case, ranking, reduced)
     while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
         ids = best.hypothesis.effects
-        (more,) = _of(grown, case, ranking, reduced, ids)
-        alone, beside = ranking.more(ids, (more.cause, *more.rivals))
-        if not is_claimed(ids, alone, beside, threshold):
-            break
-        best, claimed = grown, _of(grown, case, ranking, reduced)
-    return best, claimed
+        if not is_claimed(ids, *ranking.more(ids), threshold):
+            break  # the class of the further effect is at most as probable as all larger sets together
+        if ids:  # the empty set is extended whatever the class is
+            (more,) = _of(grown, case, ranking, reduced, ids)
+            if not is_claimed(ids, *ranking.more(ids, (more.cause, *more.rivals)), threshold):
+                break
+        best = grown
+    return best, _of(best, case, ranking, reduced)
 
 
 def is_claimed(ids: Ids, alone: float, beside: float, threshold: float) -> bool:

@@ -45,8 +45,10 @@ def probabilities(
     """
     ids = sorted({cause for fit in fits for cause in fit.hypothesis.causes} - {UNKNOWN})
     number = {id_: at for at, id_ in enumerate(ids)}
+    variants = {id(variant): variant for fit in fits for variant in fit.hypothesis.variants}
+    forms = {key: form(variant, number.get(variant.cause)) for key, variant in variants.items()}
     ranking = _core.rank(
-        [[form(variant, number.get(variant.cause)) for variant in fit.hypothesis.variants] for fit in fits],
+        [[forms[id(variant)] for variant in fit.hypothesis.variants] for fit in fits],
         np.array([fit.log_posterior for fit in fits]),
         [fit.covariance.diagonal().tolist() for fit in fits],
         causes,

@@ -37,12 +37,12 @@ class Selection:
         The most likely noise beside the best hypothesis.
     term : Unexplained or None
         The unexplained term.
+    effects : tuple of str
+        The set that was chosen, before any of its claims was left out.
     varying : mapping of str to str
         Claims whose size is not constant, each with a sentence on its sizes.
     implausible : mapping of str to str
         Claims whose size is far beyond the prior, each with a sentence on it.
-    effects : tuple of str
-        The set that was chosen, before any of its claims was left out.
     later : mapping of str to str
         Claims of a set that is not the most probable one, each with a sentence on that.
     between : mapping of str to ndarray
@@ -56,9 +56,9 @@ class Selection:
     claims: Sequence[Claim]
     noise: Noise
     term: Unexplained | None
-    varying: Mapping[str, str]
-    implausible: Mapping[str, str]
     effects: Ids
+    varying: Mapping[str, str] = field(default_factory=dict)
+    implausible: Mapping[str, str] = field(default_factory=dict)
     later: Mapping[str, str] = field(default_factory=dict)
     between: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     carried: Mapping[str, str] = field(default_factory=dict)
@@ -69,8 +69,14 @@ class Selection:
         return {**self.later, **self.implausible, **self.varying, **self.carried}
 
 
-def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack) -> Selection:
-    """Claim the causes of the best hypothesis, then check the claims."""
+def select(
+    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool = True
+) -> Selection:
+    """Claim the causes of the best hypothesis, then check the claims.
+
+    Without `doubt`, only the checks are made that decide which causes the model has: nobody asks
+    whether a fold names them.
+    """
     settings = case.settings.claims
     best, every_claim = claim_or_not(case, ranking, reduced, shares)
     whole = best
@@ -81,14 +87,16 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack)
         every_claim = beside_a_term(every_claim, case.found, reduced, against, term.rms_m, settings)
         best, every_claim = sized_apart(best, every_claim, reduced, settings.blurred)
     likely = [c for c in every_claim if c.probability >= settings.modeled_from] or every_claim
+    effects = whole.hypothesis.effects
+    if term is None and not doubt:
+        return Selection(best, every_claim, likely, noise, term, effects)
     steady = steadiness(case, likely, noise, whole)
     varying = steady.varying
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying, reduced)
     large = implausible(likely, ranking, settings.implausible)
     likely = resized(likely, varied(best, steady.between)) if steady.between else likely
-    checked = (varying, large, whole.hypothesis.effects)
-    return Selection(best, every_claim, likely, noise, term, *checked, between=steady.between)
+    return Selection(best, every_claim, likely, noise, term, effects, varying, large, between=steady.between)
 
 
 def _left_out(

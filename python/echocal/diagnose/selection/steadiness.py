@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
@@ -163,12 +164,10 @@ def _p_value(sizes: Sequence[Size]) -> float:
     """Probability that sizes of one cause differ at least as much by chance: docs/method.md, Eq. 28."""
     if len(sizes) < 2:
         return 1.0
-    from scipy.stats import chi2  # takes long to import
-
     weights = [np.linalg.inv(covariance) for _, covariance in sizes]
     mean = np.linalg.solve(sum(weights), sum(w @ value for w, (value, _) in zip(weights, sizes, strict=True)))
     apart = sum((value - mean) @ w @ (value - mean) for w, (value, _) in zip(weights, sizes, strict=True))
-    return float(chi2.sf(apart, (len(sizes) - 1) * len(mean)))
+    return float(chdtrc((len(sizes) - 1) * len(mean), apart))
 
 
 def _sizes_text(claim: Claim, sizes: Sequence[Size]) -> str:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from echocal.diagnose.settings.priors import WIDEST
 from echocal.diagnose.settings.threshold import number
 
 __all__ = ["AUTOREGRESSIONS", "NoiseModelSettings"]
@@ -31,6 +32,12 @@ class NoiseModelSettings:
         "ratio of the variance of the station errors to that of the innovations",
         "chosen by hand",
     )
+    level_ratios: tuple[float, ...] = number(
+        (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0),
+        "1",
+        "the same of errors by the levels of a column: targets may differ by centimeters",
+        "chosen by hand",
+    )
     convection_rhos: tuple[float, ...] = number(
         (0.6, 0.8, 0.9, 0.95, 0.98),
         "1 per row",
@@ -42,6 +49,13 @@ class NoiseModelSettings:
         "1/m",
         "ratio of the variances of the autocorrelated and the white part, per meter of distance",
         "Andreeva and Durgin 2005 give the law; the values are chosen by hand",
+    )
+    coherent_growths: tuple[float, ...] = number(
+        (1.0, 4.0, 16.0, 64.0, 256.0),
+        "1/m^2",
+        "the same ratio, per square of the distance in meters: air that errs alike along the whole path",
+        "argument: a temperature that differs alike along the path changes the reading in proportion to the "
+        "path; the values are chosen by hand",
     )
     white: float = number(
         0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
@@ -66,7 +80,7 @@ class NoiseModelSettings:
         "argument: few columns cannot compensate more; the same test",
     )
     ridge_width: float = number(
-        3.0,
+        WIDEST,
         "prior sd",
         "width of the prior when all columns are fitted at once",
         "the widest of the prior widths",

@@ -4,7 +4,13 @@ from dataclasses import dataclass
 
 from echocal.diagnose.settings.threshold import number
 
-__all__ = ["PriorSettings", "TermSettings"]
+__all__ = ["WIDEST", "WIDTHS", "PriorSettings", "TermSettings"]
+
+WIDTHS = (1 / 3, 1.0, 3.0)
+"""Widths of the prior of a size [prior standard deviations], as in `rust/infer`: docs/method.md, Eq. 6."""
+
+WIDEST = WIDTHS[-1]
+"""The widest of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +55,7 @@ class PriorSettings:
         "middle of the range of Cramer's limits",
     )
     usual_multiple: float = number(
-        3.0,
+        WIDEST,
         "prior sd",
         "a cause that does not show at so many prior standard deviations does not compete",
         "the widest of the three prior widths",

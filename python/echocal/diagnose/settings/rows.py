@@ -63,6 +63,29 @@ class RowSettings:
     level_step_of_no_air: float = number(
         4.5, "robust sd", "the same, if the air cannot cause the jump", "chosen by hand"
     )
+    step_height: float = number(
+        0.1,
+        "m",
+        "prior standard deviation of a step of an unknown level",
+        "chosen by hand: a post that is knocked moves by millimeters, a target that is changed by "
+        "decimeters; ten times more costs a step 2.3 log odds",
+    )
+    one_more_step: float = number(
+        0.5,
+        "probability",
+        "that the level has one step more, for each number of steps; the places of so many steps are equally "
+        "probable",
+        "chosen by hand: the place, ln n, costs far more",
+    )
+    step_kept: float = number(
+        0.5, "probability", "from it on, a step of an unknown level is kept", "more probable than not"
+    )
+    step_beyond_air: float = number(
+        0.05,
+        "of the reading",
+        "a larger step is not weighed beside causes",
+        "argument: it is 30 K between two neighboring rows, at 0.0018 per K",
+    )
     most_level_steps: int = number(
         6, "rounds", "most repetitions of the diagnosis, each with a further level step", "chosen by hand"
     )

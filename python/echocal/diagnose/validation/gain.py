@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri, stdtrit
 
 from echocal import _core
 from echocal.diagnose.findings.parts import Gain, Ladder
@@ -158,11 +159,9 @@ def intervals(
 
 def _for_few(pieces: int, tail: float) -> float:
     """Factor of an interval from resampled pieces, which is too narrow where they are few."""
-    from scipy.stats import norm, t  # takes long to import
-
     if pieces < 2:
         return 1.0
-    return float(t.isf(tail, pieces - 1) / norm.isf(tail) * np.sqrt(pieces / (pieces - 1)))
+    return float(stdtrit(pieces - 1, tail) / ndtri(tail) * np.sqrt(pieces / (pieces - 1)))
 
 
 def on_common_rows(one: HeldOut, other: HeldOut) -> tuple[HeldOut, HeldOut]:

@@ -16,20 +16,20 @@ __all__ = ["select_and_refute"]
 
 
 def select_and_refute(
-    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack
+    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool = True
 ) -> tuple[Selection, Rest]:
     """Claim the causes of the best set, and drop those that the folds refute.
 
     If they refute all claims of a set, the next best set is tried, unless it has only causes that the data
     cannot separate from refuted ones. A set that is too improbable to be mentioned ends the search. If no set
     is left, the answer is that for the first one. A claim of a later set may enter the model, but is not
-    named: a more probable set was wrong.
+    named: a more probable set was wrong. `doubt`: see `select`.
     """
     settings = case.settings
     first: tuple[Selection, Rest] | None = None
     found: list[Refuted] = []
     for _ in range(settings.validation.sets_tried):
-        selection = select(case, ranking, shares, reduced)
+        selection = select(case, ranking, shares, reduced, doubt=doubt)
         effects = selection.effects
         if first is not None and ranking.of_set(effects) < settings.claims.mentioned_from:
             break

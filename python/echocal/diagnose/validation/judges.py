@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.weigh_steps import StepPosterior
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.table import Table, levels
@@ -66,6 +68,8 @@ class Nested:
         Those that are probable beside some hypothesis on all rows; a fold considers no other.
     tried : collection of FittedNoise
         The same, of noises with a likelihood of their own.
+    steps : StepPosterior or None
+        Steps of an unknown level, which each fold weighs on its rows.
     known : dict
         Models that blocks have chosen before.
     """
@@ -73,6 +77,7 @@ class Nested:
     case: Case
     noises: tuple[Noise, ...]
     tried: Collection[FittedNoise]
+    steps: StepPosterior | None = None
     known: dict[bytes, Model] = field(default_factory=dict, repr=False)
 
     @property
@@ -113,10 +118,21 @@ class Nested:
         if (key := blocks.tobytes()) in self.known:
             return self.known[key]
         folds = self.case.folds.within(blocks)
-        part = replace(self.case, folds=folds, signals={}, probable=self.noises)
+        part = replace(self._divided(blocks), folds=folds, signals={}, probable=self.noises)
         selection, rest = chosen(part, self.tried)
         self.known[key] = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
         return self.known[key]
+
+    def _divided(self, blocks: Mask) -> Case:
+        """The case with the segments that some blocks choose; beside offsets, those of all rows."""
+        case = self.case
+        if self.steps is None or case.offsets is not None:
+            return case
+        own = self.steps.kept(blocks)
+        if self.steps.same(own, case.table, blocks):
+            return case
+        made = examine(own, case.base, case.folds, case.seed, case.settings)
+        return made if all(made.sums.has(noise) for noise in self.noises) else case
 
 
 @dataclass(frozen=True)
@@ -175,8 +191,8 @@ class HeldOutRows:
     def _less_the_distance(self, values: Column, seen: Callable[[], Column]) -> Column:
         """Less the reference; else less the level.
 
-        The first held-out segment in time continues the last one of the other rows, and has its level. A
-        segment that begins later has a level of its own.
+        The first held-out segment in time continues the last one of the other rows, and has its level, unless
+        the target was put up anew. A segment that begins later has a level of its own.
         """
         if self.held.reference is not None:
             return values - self.held.reference
@@ -184,7 +200,8 @@ class HeldOutRows:
         level = levels(values, groups, np.ones(len(values), dtype=bool), np.mean)
         first = int(self.held.conditions["elapsed_time"].argmin())
         last = int(self.case.table.conditions["elapsed_time"].argmax())
-        level[groups == groups[first]] = seen()[others == others[last]].mean()
+        if _stand(self.held, first) == _stand(self.case.table, last):
+            level[groups == groups[first]] = seen()[others == others[last]].mean()
         return values - level
 
 
@@ -194,11 +211,17 @@ def judge_of(
     tried: Collection[FittedNoise],
     held: Table | None,
     after: str | float | None,
+    steps: StepPosterior | None = None,
 ) -> Judge:
     """The rows that the user holds out; else folds, each of which chooses by itself."""
     if held is not None and after is not None:
         return HeldOutRows(case, held, after)
-    return Nested(case, noises, tried)
+    return Nested(case, noises, tried, steps)
+
+
+def _stand(table: Table, row: int) -> int:
+    """Placement of the target in a row; the same for all rows where it is not recorded."""
+    return int(table.labels["stand"][row]) if "stand" in table.labels else -1
 
 
 def _speed(base: Base, table: Table) -> NDArray[np.float64]:

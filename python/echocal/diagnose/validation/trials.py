@@ -1,13 +1,13 @@
 """Models on the folds: each is fitted once for each fold."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit_to_blocks
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
 from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
@@ -40,10 +40,15 @@ class Trials:
 
     def base(self) -> HeldOut:
         """Errors of the base."""
-        return self._measured(lambda _: self.case.base.model())
+        key: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
+        if key not in self.known:
+            self.known[key] = self._measured(lambda _: self.case.base.plain)
+        return self.known[key]
 
     def of(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> HeldOut:
         """Errors with the kept causes, fitted beside all of a hypothesis, part of the best one."""
+        if not kept:
+            return self.base()  # whatever else is fitted
         key = frozenset(hypothesis.causes), frozenset(claim.cause for claim in kept)
         if key not in self.known:
             self.known[key] = self._measured(self.fitted(hypothesis, kept))
@@ -69,6 +74,11 @@ class Trials:
 
 
 def fit_with(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> HypothesisFit:
-    """Fit with the most likely noise, which is enough for a point estimate."""
-    whitened = case.sums.whiten(noise, blocks, hypothesis.columns)
-    return fit_hypothesis(hypothesis, Stack.of([whitened], case.sums.degrees(blocks)))
+    """Fit with the most likely noise, which is enough for a point estimate.
+
+    Folds within different folds leave out the same blocks: each fit is made once.
+    """
+    key = noise, blocks.tobytes(), hypothesis.key
+    if key not in case.fits:
+        case.fits[key] = fit_to_blocks(hypothesis, case.sums, noise, blocks)
+    return replace(case.fits[key], hypothesis=hypothesis)

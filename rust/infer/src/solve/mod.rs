@@ -1,5 +1,6 @@
 //! The log evidence of one hypothesis: small linear systems, with the sizes of its causes integrated out.
 
+mod blocks;
 mod bounds;
 mod fit;
 mod hypothesis;
@@ -11,6 +12,7 @@ mod ridge;
 mod stack;
 mod system;
 
+pub use blocks::{Fitted, fit_blocks};
 pub(crate) use fit::Accuracy;
 pub use fit::HypothesisFit;
 pub use hypothesis::Variant;

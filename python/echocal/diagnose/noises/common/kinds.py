@@ -95,6 +95,8 @@ class NuisanceNoise(NoiseEntry):
         What looks the same, from the parameters and the degrees of freedom, and a note on it.
     is_answer : bool
         Whether a verdict counts it; else it is listed only.
+    of_stations : bool
+        Whether it is an error of stations: rows that are grouped by the levels of a column have none.
     """
 
     concerns: Callable[[Noise], bool]
@@ -102,17 +104,19 @@ class NuisanceNoise(NoiseEntry):
     because: Callable[[Values], str]
     rivals: Callable[[Values, float], tuple[tuple[str, ...], str]] = _nothing
     is_answer: bool = True
+    of_stations: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Offsets:
-    """Offsets of placements that a noise explains, and the causes beside them.
+    """Offsets of placements or of targets that a noise explains, and the causes beside them.
 
     Attributes
     ----------
     finding : Finding
     case : Case
-        The same table, the offsets subtracted from its residuals. The readings are as they were.
+        The same table, the offsets subtracted from its residuals, or its rows grouped by what has an offset.
+        The readings are as they were.
     inference : Inference
         Hypotheses on what is left.
     """
@@ -124,7 +128,7 @@ class Offsets:
 
 @dataclass(frozen=True, kw_only=True)
 class OffsetNoise(NoiseEntry):
-    """A noise that adds an offset to each placement of the target.
+    """A noise that adds an offset to each placement of the target, or to each target.
 
     Attributes
     ----------

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
+from echocal.diagnose.settings.priors import WIDEST
+
 __all__ = ["ORDERS", "PERIOD", "Placements", "log_lattice", "log_prior", "log_prior_along", "propose"]
 
 Column = NDArray[np.float64]
@@ -20,7 +22,6 @@ PERIOD = 25e-6
 _ROUNDS = 25  # of the fixed point; more change no integer of the tables tried
 _PHASES = (0.0, 0.25, 0.5, 0.75)  # of a period, at which the fixed point starts
 _DRAWN = 4  # starts drawn from the causes' sizes under normal errors
-_WIDTH = 3.0  # prior standard deviation of a size: the widest of docs/method.md, Eq. 6
 _GRID = 12  # standard deviations of each kind; a finer grid moves no log by 0.1
 _PRIOR = 0.5 ** np.abs(ORDERS)  # of an order, in placements: one that is off by k costs k ln 2
 
@@ -145,7 +146,7 @@ def _starts(placements: Placements, mean: Column, spread: float, seed: int) -> C
     columns = placements.columns
     starts = np.repeat(mean[None], len(_PHASES) + _DRAWN * bool(len(mean)), axis=0)
     if len(mean):
-        inverse = columns @ columns.T / spread**2 + np.eye(len(mean)) / _WIDTH**2
+        inverse = columns @ columns.T / spread**2 + np.eye(len(mean)) / WIDEST**2
         drawn = np.random.default_rng(seed).normal(size=(_DRAWN, len(mean)))
         wide = np.sqrt(len(placements) / 4)  # the phase of a period is found from within a quarter of it
         starts[len(_PHASES) :] += wide * np.linalg.solve(np.linalg.cholesky(inverse).T, drawn.T).T
@@ -171,7 +172,7 @@ def _maximize(
     scale = np.full(len(sizes), min(usual / 6, spread) if len(orders) > 1 else spread)
     prior = 0.5 ** np.abs(orders)
     share = np.repeat(prior[None] / prior.sum(), len(sizes), axis=0)
-    gram, width = columns @ columns.T, np.eye(len(columns)) / _WIDTH**2
+    gram, width = columns @ columns.T, np.eye(len(columns)) / WIDEST**2
     center = sizes @ columns + (shifts[:, None] * usual)
     log, weight = np.zeros(len(sizes)), np.empty(0)
     for _ in range(_ROUNDS):
@@ -200,5 +201,5 @@ def _maximize(
     if shared:
         log = log - stations * np.log(among) - 0.5 * (own**2).sum(axis=1) / among**2
         log += 0.5 * np.log(scale[:, None] ** 2 / (member.sum(axis=0) + (scale / among)[:, None] ** 2)).sum(1)
-    log = log - 0.5 * (sizes**2).sum(axis=1) / _WIDTH**2
+    log = log - 0.5 * (sizes**2).sum(axis=1) / WIDEST**2
     return log, np.asarray(orders[weight.argmax(axis=2)])

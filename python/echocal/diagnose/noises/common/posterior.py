@@ -14,6 +14,7 @@ from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["NoisePosterior", "infer_noises"]
@@ -93,9 +94,9 @@ def infer_noises(
     chosen += [ids for ids in [()] if ids not in chosen]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
-    rows = _sample(case, settings)
+    traced = _Traced.of(case, _sample(case, settings))
     for ids in chosen:
-        trace = _trace(case, best[ids], reduced.likeliest(best[ids])[0], rows)
+        trace = traced.left_by(best[ids], reduced.likeliest(best[ids])[0])
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
     least = min(gains.values())
     shares.fits = sorted(
@@ -105,9 +106,12 @@ def infer_noises(
     order = list(dict.fromkeys(w.hypothesis.ids for w in shares.fits))
     shares.fitted = {ids: shares.fitted[ids] for ids in order if ids in shares.fitted}
     shares.likelihoods = {ids: shares.likelihoods[ids] for ids in order if ids in shares.likelihoods}
-    nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in registry.nuisances()]
+    there = [noise for noise in registry.nuisances() if not (noise.of_stations and case.at_levels)]
+    nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in there]
+    mixed = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
     for ids in order:
-        shares.nuisances[ids] = _nuisances(best[ids], nuisances, shares.fitted_of(ids))
+        fitted = shares.fitted_of(ids)  # of these, some compete with the nuisance noises
+        shares.nuisances[ids] = _nuisances(best[ids], nuisances, sum(fitted.get(id_, 0.0) for id_ in mixed))
     _doubt(shares, nuisances)
     return shares
 
@@ -146,22 +150,36 @@ def _beside(
     return total, {id_: float(np.exp(log - total)) for id_, log in logs.items() if id_}, likelihoods
 
 
-def _trace(case: Case, fit: HypothesisFit, noise: Noise, rows: NDArray[np.int64]) -> Trace:
-    left = case.left(fit, rows)
-    order = case.sums.order.at(rows)
-    groups = order.groups
-    flat = case.sums.flat_level
-    if flat:  # each segment has a level of its own
-        left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
-    conditions = {name: column[rows] for name, column in case.table.conditions.items()}
-    return Trace(
-        left=left,
-        innovation=innovation(left, order, noise),
-        distance=order.distance,
-        speed=case.base.indication(np.full(len(rows), 2.0), conditions),
-        segment=_segments(case, rows),
-        free_mean=flat or bool(fit.hypothesis.variants),
-    )
+@dataclass(frozen=True)
+class _Traced:
+    """Rows whose residuals are traced, and what is the same beside each hypothesis."""
+
+    case: Case
+    rows: NDArray[np.int64]
+    order: Order
+    speed: NDArray[np.float64]
+    segment: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, case: Case, rows: NDArray[np.int64]) -> "_Traced":
+        conditions = {name: column[rows] for name, column in case.table.conditions.items()}
+        speed = case.base.indication(np.full(len(rows), 2.0), conditions)
+        return cls(case, rows, case.sums.order.at(rows), speed, _segments(case, rows))
+
+    def left_by(self, fit: HypothesisFit, noise: Noise) -> Trace:
+        """What a hypothesis leaves."""
+        left, groups = self.case.left(fit, self.rows), self.order.groups
+        flat = self.case.sums.flat_level
+        if flat:  # each segment has a level of its own
+            left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
+        return Trace(
+            left=left,
+            innovation=innovation(left, self.order, noise),
+            distance=self.order.distance,
+            speed=self.speed,
+            segment=self.segment,
+            free_mean=flat or bool(fit.hypothesis.variants),
+        )
 
 
 def _segments(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -216,7 +234,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
         id_, before, concerned = nuisance.id, nuisance.assumed, nuisance.concerned
         if not concerned.any() or before >= 1.0:
             continue
-        part = np.array([w.noise[concerned].sum() for w in shares.fits])
+        part = np.array([w.noise for w in shares.fits])[:, concerned].sum(axis=1)
         with_it = float(total @ part) / before * nuisance.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
         as_a_cause = with_it / max(with_it + without, 1e-300)
@@ -228,12 +246,11 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
                 found[id_] *= factor
 
 
-def _nuisances(
-    fit: HypothesisFit, nuisances: Collection[_NuisancePrior], fitted: Mapping[str, float]
-) -> dict[str, float]:
-    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26."""
-    without = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
-    mixed = sum(fitted.get(id_, 0.0) for id_ in without)  # these fits compete with the nuisance noises
+def _nuisances(fit: HypothesisFit, nuisances: Collection[_NuisancePrior], mixed: float) -> dict[str, float]:
+    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26.
+
+    `mixed` is the probability of the fitted noises that compete with them.
+    """
     found = {}
     for nuisance in nuisances:
         before, prior = nuisance.assumed, nuisance.prior

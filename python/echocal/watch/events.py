@@ -1,0 +1,83 @@
+"""What a watch tells: events as data and as sentences."""
+
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+__all__ = ["SCHEMA", "Event", "instant"]
+
+SCHEMA = "echocal.event/1"
+
+
+@dataclass(frozen=True)
+class Event:
+    """One thing that a watch tells.
+
+    Attributes
+    ----------
+    kind : {"learned", "change", "verdict", "note"}
+    sensor : str
+        Its id; empty where there is one sensor only.
+    time : float or None
+        Time of the row at which it is told [s].
+    row : int
+        Number of that row among the rows of the sensor.
+    sentence : str
+    details : dict
+        By kind, see docs/watch.md.
+    """
+
+    kind: str
+    sensor: str
+    time: float | None
+    row: int
+    sentence: str
+    details: dict[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in ``echocal.event/1``; not a number is None."""
+        return {
+            "schema": SCHEMA,
+            "event": self.kind,
+            "sensor": self.sensor,
+            "time": None if self.time is None else instant(self.time),
+            "row": self.row,
+            "sentence": self.sentence,
+            **_finite(self.details),
+        }
+
+    def line(self) -> str:
+        """The event for a person."""
+        when = "" if self.time is None else f"{instant(self.time)} "
+        who = f"{self.sensor}: " if self.sensor else ""
+        return f"{when}{who}{self.sentence}"
+
+
+def instant(seconds: float) -> str | float:
+    """ISO 8601 in UTC of seconds since 1970; seconds of a log's own clock stay what they are.
+
+    Examples
+    --------
+    >>> from echocal.watch.events import instant
+    >>> instant(1.7e9), instant(600.0)
+    ('2023-11-14T22:13:20Z', 600.0)
+    """
+    if seconds < 1e8:  # 1973: a clock that counts from its own start
+        return seconds
+    text = datetime.fromtimestamp(round(seconds, 3), UTC).isoformat(timespec="milliseconds")
+    return text.replace(".000", "").replace("+00:00", "Z")
+
+
+def _finite(value: Any) -> Any:
+    match value:
+        case dict():
+            return {name: _finite(item) for name, item in value.items()}
+        case list() | tuple():
+            return [_finite(item) for item in value]
+        case np.generic():
+            return _finite(value.item())
+        case float() if not np.isfinite(value):
+            return None
+    return value

@@ -1,0 +1,120 @@
+"""Rows from an MQTT broker, by the library paho-mqtt."""
+
+import queue
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from echocal.errors import DataError, UsageError
+from echocal.watch.rows import Row
+from echocal.watch.source import Batch, parsed
+from echocal.watch.state import State
+
+__all__ = ["Broker"]
+
+_MOST = 2000  # messages of a batch
+
+
+class Broker:
+    """Messages of a topic: each payload is one JSON object or a list of them.
+
+    A message is acknowledged when its rows are committed. With a client's name and quality of service 1,
+    the broker keeps what comes while nobody watches.
+
+    Parameters
+    ----------
+    url : str
+        ``mqtt://[user[:password]@]host[:port]/topic``; ``mqtts`` for TLS. The topic may have wildcards.
+    client : str
+        Name of the client, which the broker keeps messages for; empty for none.
+    wait : float
+        Longest wait for the next message before an empty batch [s].
+
+    Raises
+    ------
+    UsageError
+        If the address is not of this form, or the library is absent.
+    DataError
+        If the broker cannot be reached or refuses.
+    """
+
+    def __init__(self, url: str, client: str, wait: float) -> None:
+        try:
+            from paho.mqtt.client import Client, MQTTMessage
+            from paho.mqtt.enums import CallbackAPIVersion
+        except ImportError:
+            message = "MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'"
+            raise UsageError(message) from None
+        parts = urlsplit(url.replace("#", "%23"))
+        self.topic, self.wait = unquote(parts.path.lstrip("/")), wait
+        if not parts.hostname or not self.topic:
+            message = f"{url} is no address of a topic; give mqtt://host[:port]/topic, e.g. mqtt://host/tanks/+/echo"
+            raise UsageError(message)
+        self.place = f"{parts.hostname}:{parts.port or (8883 if parts.scheme == 'mqtts' else 1883)}"
+        self._arrived: queue.SimpleQueue[MQTTMessage | DataError] = queue.SimpleQueue()
+        self._taken: list[MQTTMessage] = []
+        self._client = Client(
+            CallbackAPIVersion.VERSION2, client_id=client, clean_session=not client, manual_ack=True
+        )
+        self._client.on_connect = self._connected
+        self._client.on_message = lambda _client, _data, message: self._arrived.put(message)
+        if parts.username:
+            self._client.username_pw_set(unquote(parts.username), unquote(parts.password or ""))
+        if parts.scheme == "mqtts":
+            self._client.tls_set()
+        host, _, port = self.place.rpartition(":")
+        try:
+            self._client.connect(host, int(port))
+        except OSError as error:
+            message = f"the broker {self.place} cannot be reached: {error.strerror or error}"
+            raise DataError(message) from None
+        self._client.loop_start()
+
+    def _connected(self, client: Any, _data: Any, _flags: Any, reason: Any, _properties: Any) -> None:
+        if reason.is_failure:
+            self._arrived.put(DataError(f"the broker {self.place} refuses: {reason}"))
+        else:  # after a loss of the connection, too
+            client.subscribe(self.topic, qos=1)
+
+    def batches(self) -> Iterator[Batch]:
+        """Rows of messages; each row has its topic as column ``topic``."""
+        while True:
+            rows: list[Row] = []
+            wrong: list[str] = []
+            try:
+                self._take(self._arrived.get(timeout=self.wait), rows, wrong)
+                for _ in range(_MOST):
+                    self._take(self._arrived.get_nowait(), rows, wrong)
+            except queue.Empty:
+                pass
+            yield rows, wrong
+
+    def _take(self, message: Any, rows: list[Row], wrong: list[str]) -> None:
+        if isinstance(message, DataError):
+            raise message
+        self._taken.append(message)
+        text = message.payload.decode("utf-8", errors="replace").strip()
+        many = text.startswith("[")
+        row, why = parsed(f'{{"rows": {text}}}' if many else text)
+        if row is None:
+            wrong.append(f"{message.topic}: {why}")
+            return
+        for one in row["rows"] if many else [row]:
+            if isinstance(one, dict):
+                rows.append({"topic": message.topic, **one})
+            else:
+                wrong.append(f"{message.topic}: a list holds what is no JSON object: {str(one)[:80]}")
+
+    def done(self, state: State) -> None:
+        """Nothing to keep: the broker does."""
+
+    def acknowledge(self) -> None:
+        """Tell the broker that the rows so far are committed."""
+        for message in self._taken:
+            self._client.ack(message.mid, message.qos)
+        self._taken.clear()
+
+    def close(self) -> None:
+        """Leave the broker."""
+        self._client.disconnect()
+        self._client.loop_stop()

@@ -1,0 +1,114 @@
+"""Files that grow with a watch: what a stop by force left beyond the last commit is cut off again."""
+
+import csv
+import io
+import json
+import os
+from pathlib import Path
+from typing import Any, TextIO
+
+from echocal.errors import DataError, writing
+from echocal.watch.rows import Row
+from echocal.watch.state import State
+
+__all__ = ["Growing", "Stream", "Table"]
+
+
+class Growing:
+    """A text file to which lines are appended.
+
+    Parameters
+    ----------
+    path : Path
+    state : State
+        Knows its committed length.
+    """
+
+    def __init__(self, path: Path, state: State) -> None:
+        self.path, self._key = path, f"output {path.resolve()}"
+        kept = state.position(self._key)
+        with writing(path):
+            self._file = path.open("r+b" if kept is not None and path.exists() else "wb")
+            size = os.fstat(self._file.fileno()).st_size
+            if kept is not None and size < kept["byte"]:
+                message = f"{path} has {size} bytes; the state says that {kept['byte']} were written to it"
+                raise DataError(message)
+            self._file.truncate(kept["byte"] if kept is not None else 0)
+            self._file.seek(0, os.SEEK_END)
+        self.kept = kept
+
+    def write(self, text: str) -> None:
+        """Append a text."""
+        with writing(self.path):
+            self._file.write(text.encode("utf-8"))
+
+    def done(self, state: State, **more: Any) -> None:
+        """Make it lasting, and keep its length for the next commit."""
+        with writing(self.path):
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        state.set_position(self._key, {"byte": self._file.tell(), **more})
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+class Table:
+    """Corrected rows: CSV, or JSON lines where the name ends in .jsonl or .ndjson."""
+
+    def __init__(self, path: Path, state: State) -> None:
+        self._lines = path.suffix.lower() in {".jsonl", ".ndjson"}
+        self._file = Growing(path, state)
+        self.path = path
+        self._header: list[str] | None = (self._file.kept or {}).get("header")
+
+    def write(self, rows: list[Row]) -> None:
+        """Append rows.
+
+        Raises
+        ------
+        DataError
+            If a row has a column that the header of a CSV file has not.
+        """
+        if self._lines:
+            self._file.write("".join(json.dumps(dict(row), default=str) + "\n" for row in rows))
+            return
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        for row in rows:
+            if self._header is None:
+                self._header = list(row)
+                writer.writerow(self._header)
+            new = [name for name in row if name not in self._header]
+            if new:
+                message = (
+                    f"a row has a column '{new[0]}' that the header of {self.path} has not; rows with "
+                    "different columns need JSON lines: -o NAME.jsonl"
+                )
+                raise DataError(message)
+            writer.writerow(["" if row.get(name) is None else row[name] for name in self._header])
+        self._file.write(text.getvalue())
+
+    def done(self, state: State) -> None:
+        """Make it lasting."""
+        self._file.done(state, header=self._header)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+class Stream:
+    """Corrected rows as JSON lines on a stream, which keeps no position."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, rows: list[Row]) -> None:
+        """Write rows."""
+        self._stream.write("".join(json.dumps(dict(row), default=str) + "\n" for row in rows))
+
+    def done(self, state: State) -> None:
+        """Pass them on; there is nothing to keep."""
+        self._stream.flush()

@@ -1,0 +1,126 @@
+"""The state of a watch in a file: a restart continues as if nothing had happened."""
+
+import json
+import sqlite3
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import DataError, UsageError
+from echocal.watch.rows import Row
+
+__all__ = ["State"]
+
+SCHEMA = "echocal.watch/1"
+
+_TABLES = {
+    "facts": "name text primary key, value text",
+    "sensors": "id text primary key, value text",
+    "positions": "source text primary key, value text",
+    "rows": "sensor text, number integer, time real, value text, primary key (sensor, number)",
+}
+
+
+class State:
+    """What is kept between rows, committed as a whole; in memory without a path.
+
+    Parameters
+    ----------
+    path : Path or None
+        An SQLite file.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be used.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self.path = path
+        try:
+            self._base = sqlite3.connect(
+                ":memory:" if path is None else str(path), isolation_level=None, timeout=1.0
+            )
+            if path is not None:
+                self._base.execute("pragma locking_mode = exclusive")
+            self._base.execute("begin exclusive")
+            for name, columns in _TABLES.items():
+                self._base.execute(f"create table if not exists {name} ({columns})")
+        except sqlite3.DatabaseError as error:
+            busy = "another watch is using it" if "locked" in str(error) else str(error)
+            message = f"--state {path} cannot be used: {busy}"
+            raise UsageError(message) from None
+
+    def check(self, facts: Mapping[str, Any]) -> None:
+        """Refuse a state of another watch: of other settings its sums would mean something else.
+
+        Raises
+        ------
+        DataError
+            With both sides.
+        """
+        for name, value in {"schema": SCHEMA, **facts}.items():
+            kept = self.fact(name)
+            if kept is None:
+                self.set_fact(name, value)
+            elif kept != json.loads(json.dumps(value)):
+                message = (
+                    f"--state {self.path} was made with {name} = {kept!r}, this watch has {value!r}: "
+                    "give the same, or begin with another --state"
+                )
+                raise DataError(message)
+
+    def fact(self, name: str) -> Any:
+        """A fact by its name; None if there is none."""
+        return self._one("select value from facts where name = ?", name)
+
+    def set_fact(self, name: str, value: Any) -> None:
+        """Keep a fact."""
+        self._base.execute("insert or replace into facts values (?, ?)", (name, json.dumps(value)))
+
+    def sensor(self, id_: str) -> Any:
+        """What was kept of a sensor; None if it is new."""
+        return self._one("select value from sensors where id = ?", id_)
+
+    def keep(self, id_: str, value: Mapping[str, Any]) -> None:
+        """Keep the state of a sensor."""
+        self._base.execute("insert or replace into sensors values (?, ?)", (id_, json.dumps(value)))
+
+    def position(self, source: str) -> Any:
+        """How far a source was read; None if it is new."""
+        return self._one("select value from positions where source = ?", source)
+
+    def set_position(self, source: str, value: Any) -> None:
+        """Keep how far a source was read."""
+        self._base.execute("insert or replace into positions values (?, ?)", (source, json.dumps(value)))
+
+    def add_rows(self, sensor: str, rows: Iterable[tuple[int, float, Row]]) -> None:
+        """Keep rows of a sensor by number and time."""
+        kept = [(sensor, number, time, json.dumps(dict(row), default=str)) for number, time, row in rows]
+        self._base.executemany("insert or replace into rows values (?, ?, ?, ?)", kept)
+
+    def forget_rows(self, sensor: str, until: int) -> None:
+        """Forget rows of a sensor up to a number."""
+        self._base.execute("delete from rows where sensor = ? and number <= ?", (sensor, until))
+
+    def rows_between(self, sensor: str, time: float, after: int, until: int) -> list[Row]:
+        """Rows of a sensor from a time on, of numbers above `after` and up to `until`."""
+        found = self._base.execute(
+            "select value from rows where sensor = ? and time >= ? and number > ? and number <= ? "
+            "order by number",
+            (sensor, time, after, until),
+        )
+        return [json.loads(value) for (value,) in found]
+
+    def commit(self) -> None:
+        """Make all changes lasting, at once."""
+        self._base.execute("commit")
+        self._base.execute("begin exclusive")
+
+    def close(self) -> None:
+        """Forget what was not committed."""
+        self._base.close()
+
+    def _one(self, query: str, key: str) -> Any:
+        found = self._base.execute(query, (key,)).fetchone()
+        return None if found is None else json.loads(found[0])
