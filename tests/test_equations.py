@@ -28,7 +28,7 @@ def named() -> dict[str, list[Path]]:
     found: dict[str, list[Path]] = {}
     rust = (ROOT / "rust" / "infer" / "src").rglob("*.rs")
     package = ROOT / "python" / "echocal"
-    python = [file for room in ("diagnose", "watch") for file in (package / room).rglob("*.py")]
+    python = [file for room in ("diagnose", "fleet", "watch") for file in (package / room).rglob("*.py")]
     for path in sorted([*rust, *python]):
         for number in cited(path.read_text()):
             found.setdefault(number, []).append(path.relative_to(ROOT))

@@ -28,10 +28,12 @@ def processors() -> int:
 def run_all(run: Run, tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, dict[str, Any] | None]]:
     """Run tasks in processes, and yield each with its result as it ends.
 
-    A worker that is killed loses its task, which is run again alone; a task that loses its worker even alone
-    yields None.
+    One worker is this process itself. Of several, one that is killed loses its task, which is run again alone;
+    a task that loses its worker even alone yields None.
     """
-    if not tasks:
+    if workers == 1:
+        for task in tasks:
+            yield task, run(task)
         return
     left = list(tasks)
     lost: dict[int, int] = {}

@@ -1,4 +1,4 @@
-"""How common each cause is among sensors of a kind, and what that says of each: method.md, section 11."""
+"""How common each cause is among sensors of a kind, and what that says of each: method.md, section 12."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
