@@ -1,6 +1,7 @@
 """The logs of sensors are gathered from files of any kind and any order."""
 
 import gzip
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from echocal.fleet.index import Index, indexed
 from echocal.fleet.names import named
 from echocal.fleet.plan import tasks_of
 from echocal.fleet.source import files_of
+from echocal.fleet.spill import is_spilled, plan_spills, run_spill
 from echocal.observations.text import Layout
 
 LAYOUT = Layout()
@@ -213,6 +215,67 @@ def test_a_key_without_a_value_is_refused(tmp_path: Path, table: pl.DataFrame) -
 def test_a_path_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"no file .*absent"):
         files_of([tmp_path / "absent"])
+
+
+@pytest.mark.parametrize("most", [7, 40, 1000])
+@pytest.mark.parametrize("ending", ["parquet", "csv"])
+def test_files_that_are_divided_first_give_the_same_logs(
+    tmp_path: Path, table: pl.DataFrame, most: int, ending: str
+) -> None:
+    folder = tmp_path / "logs"
+    folder.mkdir()
+    parts = [table[60:], table[30:70], table[:30].with_columns(pl.lit(1.0).alias("supply_V"))]
+    for name, part in zip("abc", parts, strict=True):
+        (part.write_parquet if ending == "parquet" else part.write_csv)(folder / f"{name}.{ending}")
+    sensors = index_of(folder).sensors
+    job = {"by": "sensor_id", "kind": None, "store": str(tmp_path / "store"), "layout": LAYOUT.__dict__}
+    tasks = tasks_of(sensors, named(sensors), "sensor_id", job, 400)
+    assert len(tasks) == 3
+    spills = plan_spills(sensors, [*tasks, *tasks], job, most)
+    assert spills
+    for spill in json.loads(json.dumps(spills)):
+        assert not is_spilled(tmp_path / "store", spill["number"])
+        run_spill(spill)
+        assert is_spilled(tmp_path / "store", spill["number"])
+    direct = gathered(folder)
+    for task in json.loads(json.dumps(tasks)):
+        bucket = (tmp_path / "store", task["bucket"])
+        for sensor, log in logs(task["sensors"], "sensor_id", None, {}, LAYOUT, "UTC", bucket):
+            other = direct[sensor["key"]]
+            assert (log.notes, log.repeated) == (other.notes, other.repeated)
+            assert_frame_equal(pl.DataFrame(log.columns), pl.DataFrame(other.columns))
+
+
+def test_a_file_that_breaks_while_it_is_divided_fails_its_sensors_only(
+    tmp_path: Path, table: pl.DataFrame
+) -> None:
+    folder = tmp_path / "logs"
+    write(table.filter(pl.col("sensor_id") != 2)[:, ::-1], folder / "a.parquet")
+    write(table.filter(pl.col("sensor_id") == 2), folder / "b.parquet")
+    sensors = index_of(folder).sensors
+    job = {"by": "sensor_id", "kind": None, "store": str(tmp_path / "store"), "layout": LAYOUT.__dict__}
+    tasks = tasks_of(sensors, named(sensors), "sensor_id", job, 400)
+    content = bytearray((folder / "b.parquet").read_bytes())
+    content[4:200] = bytes(196)
+    (folder / "b.parquet").write_bytes(content)
+    for spill in plan_spills(sensors, tasks * 4, job, 1000):
+        run_spill(spill)
+    found = {}
+    for task in tasks:
+        for sensor, log in logs(
+            task["sensors"], "sensor_id", None, {}, LAYOUT, "UTC", (tmp_path / "store", task["bucket"])
+        ):
+            found[sensor["key"]] = log.error
+    assert "b.parquet cannot be read" in found["2"]
+    assert (found["1"], found["3"]) == ("", "")
+
+
+def test_a_tree_of_partitions_is_not_divided(tmp_path: Path, table: pl.DataFrame) -> None:
+    for key in (1, 2, 3):
+        write(own(table, key), tmp_path / f"sensor_id={key}" / "a.parquet")
+    sensors = index_of(tmp_path).sensors
+    job = {"by": "sensor_id", "kind": None, "layout": LAYOUT.__dict__}
+    assert plan_spills(sensors, tasks_of(sensors, named(sensors), "sensor_id", job, 400), job, 10) == []
 
 
 def test_tasks_are_as_large_as_the_memory_allows(tmp_path: Path, table: pl.DataFrame) -> None:

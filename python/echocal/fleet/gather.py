@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.fleet.labels import label
 from echocal.fleet.polar import Frame, polars
+from echocal.fleet.spill import KEY, PLACE, broken_files, pieces
 from echocal.fleet.tables import opened
 from echocal.observations.plan import make
 from echocal.observations.text import Layout
 
 __all__ = ["Log", "logs"]
-
-_PLACE = "_echocal_file"
-_KEY = "_echocal_key"
 
 
 @dataclass(frozen=True)
@@ -49,37 +47,36 @@ def logs(
     requests: Mapping[str, str],
     layout: Layout,
     time_zone: str,
+    bucket: tuple[Path, int] | None = None,
 ) -> Iterator[tuple[Mapping[str, Any], Log]]:
     """Read the files of some sensors once each, and yield the log of every sensor.
 
     Parameters
     ----------
     sensors : sequence of mapping
-        ``key`` and ``files`` of each; a file is its path, and whether this has the key.
+        ``key`` and ``files`` of each; a file is its path, whether this has the key, and its place among all.
     by, kind : str or None
         Columns of the keys and of the kinds, which are no columns of a log.
     requests : mapping of str to str
         Meaning of columns.
+    layout : Layout
+        How text files are written.
+    time_zone : str
+        Of times without an offset.
+    bucket : (Path, int), optional
+        Where the rows are that were divided before; see `echocal.fleet.spill`.
     """
-    wanted: dict[str, set[str]] = {}
-    whole: dict[str, bool] = {}
+    read = _Read({}, {})
+    if bucket is not None:
+        for place, key, frame in pieces(*bucket, [sensor["key"] for sensor in sensors]):
+            before = read.parts.get((place, key))
+            read.parts[place, key] = frame if before is None else polars().concat([before, frame])
+        read.broken.update(broken_files(bucket[0]))
+    _read_files(read, sensors, by, kind, layout, divided=bucket is not None)
     for sensor in sensors:
-        for file, in_path in sensor["files"]:
-            wanted.setdefault(file, set()).add(sensor["key"])
-            whole[file] = in_path or by is None
-    parts: dict[tuple[str, str], Frame] = {}
-    broken: dict[str, str] = {}
-    for file, keys in wanted.items():
-        try:
-            for key, frame in _parts(Path(file), keys, None if whole[file] else by, kind, layout):
-                parts[file, key] = frame
-        except DataError as error:
-            broken[file] = str(error)
-    for sensor in sensors:
-        key = sensor["key"]
-        files = [file for file, _ in sensor["files"]]
-        own = [parts.pop((file, key)) for file in files if (file, key) in parts]
-        failed = [broken[file] for file in files if file in broken]
+        key, places = sensor["key"], [place for _, _, place in sensor["files"]]
+        own = [read.parts.pop((place, key)) for place in places if (place, key) in read.parts]
+        failed = [read.broken[place] for place in places if place in read.broken]
         if failed:
             yield sensor, Log({}, error=failed[0])
             continue
@@ -87,6 +84,38 @@ def logs(
             yield sensor, _joined(own, requests, time_zone)
         except DataError as error:
             yield sensor, Log({}, error=str(error))
+
+
+@dataclass(frozen=True)
+class _Read:
+    """Rows by the place of their file and their key, and files that cannot be read with the reasons."""
+
+    parts: dict[tuple[int, str], Frame]
+    broken: dict[int, str]
+
+
+def _read_files(
+    read: _Read,
+    sensors: Sequence[Mapping[str, Any]],
+    by: str | None,
+    kind: str | None,
+    layout: Layout,
+    *,
+    divided: bool,
+) -> None:
+    """Read the files once each; of divided ones, only those whose path has the key."""
+    wanted: dict[int, tuple[str, bool, set[str]]] = {}
+    for sensor in sensors:
+        for file, in_path, place in sensor["files"]:
+            if in_path or not divided:
+                whole = in_path or by is None
+                wanted.setdefault(place, (file, whole, set()))[2].add(sensor["key"])
+    for place, (file, whole, keys) in wanted.items():
+        try:
+            for key, frame in _parts(Path(file), keys, None if whole else by, kind, layout):
+                read.parts[place, key] = frame
+        except DataError as error:
+            read.broken[place] = str(error)
 
 
 def _parts(
@@ -100,9 +129,9 @@ def _parts(
         yield next(iter(keys)), table.read([pl.col(columns)])
         return
     key = label(by, table.schema[by])
-    frame = table.read([pl.col(columns), key.alias(_KEY)], key.is_in(sorted(keys)))
-    for (own,), part in frame.partition_by(_KEY, as_dict=True, maintain_order=True).items():
-        yield own, part.drop(_KEY)
+    frame = table.read([pl.col(columns), key.alias(KEY)], key.is_in(sorted(keys)))
+    for (own,), part in frame.partition_by(KEY, as_dict=True, maintain_order=True).items():
+        yield own, part.drop(KEY)
 
 
 def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) -> Log:
@@ -112,14 +141,14 @@ def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) ->
         return Log(_arrays(frames[0]))
     try:
         whole = pl.concat(
-            [frame.with_columns(pl.lit(place, pl.Int32).alias(_PLACE)) for place, frame in enumerate(frames)],
+            [frame.with_columns(pl.lit(place, pl.Int32).alias(PLACE)) for place, frame in enumerate(frames)],
             how="diagonal_relaxed",
         )
     except pl.exceptions.PolarsError as error:
         message = f"its files have columns of different types: {str(error).splitlines()[0]}"
         raise DataError(message) from None
     notes = []
-    columns = [name for name in whole.columns if name != _PLACE]
+    columns = [name for name in whole.columns if name != PLACE]
     lacking = [name for name in columns if any(name not in frame.columns for frame in frames)]
     if lacking:
         notes.append(f"some of its {len(frames)} files have no column {', '.join(map(repr, lacking))}")
@@ -127,7 +156,7 @@ def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) ->
     repeated = 0
     if len(once) < len(whole):
         # rows that are alike within one file stay: a log may have two readings in one second
-        again = whole.with_columns(pl.int_range(pl.len()).over(*columns, _PLACE).alias("_nth"))
+        again = whole.with_columns(pl.int_range(pl.len()).over(*columns, PLACE).alias("_nth"))
         kept = again.unique([*columns, "_nth"], keep="first", maintain_order=True).drop("_nth")
         repeated, whole = len(whole) - len(kept), kept
         if repeated:
@@ -139,7 +168,7 @@ def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) ->
         notes.append(f"there is no time, so its {len(frames)} files are joined in the order of their paths")
     if overlapping:
         notes.append(f"its files overlap in time: {overlapping} rows were put in the order of time")
-    return Log(_arrays(whole.drop(_PLACE)), repeated, tuple(notes))
+    return Log(_arrays(whole.drop(PLACE)), repeated, tuple(notes))
 
 
 def _order(
@@ -158,7 +187,7 @@ def _order(
         times[times < -9.2e18] = np.nan
     else:
         times = time.to_numpy().astype(np.float64)
-    place = whole[_PLACE].to_numpy()
+    place = whole[PLACE].to_numpy()
     # whole files first: rows of one file keep their order unless files overlap
     first = np.full(int(place.max()) + 1, np.inf)
     last = np.full(len(first), -np.inf)

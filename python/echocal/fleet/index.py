@@ -149,8 +149,7 @@ def _rows(file: Path, layout: Layout) -> int:
     """Rows of a file whose path has the key: of text it is only known that there are some."""
     if not is_parquet(file):
         return max(file.stat().st_size // 40, 1)  # a guess of the size of a row, which divides the work only
-    pl = polars()
-    return int(opened(file, layout).read([pl.len()]).item())
+    return opened(file, layout).height
 
 
 def _names(files: Sequence[Source]) -> dict[Path, str]:

@@ -3,19 +3,20 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
 from echocal.fleet.index import Sensor
 
-__all__ = ["SCHEMA", "digest", "tasks_of"]
+__all__ = ["BYTES_A_ROW", "SCHEMA", "digest", "tasks_of"]
 
 SCHEMA = "echocal.fleet_task/1"
 
 _SENSORS = 16
 """Sensors of a task at most: what a killed worker loses is seconds."""
 
-_BYTES_A_ROW = 400
+BYTES_A_ROW = 400
 """What a row takes while a group of sensors is read and one of them is diagnosed; judgement."""
 
 
@@ -36,7 +37,11 @@ def tasks_of(
     memory : int
         Bytes that one process may use for rows.
     """
-    most = max(memory // _BYTES_A_ROW, 1)
+    places: dict[Path, int] = {}
+    for sensor in sensors:
+        for file, _ in sensor.files:
+            places.setdefault(file.path, len(places))
+    most = max(memory // BYTES_A_ROW, 1)
     groups: list[list[Sensor]] = [[]]
     rows = 0
     for sensor in sensors:
@@ -55,7 +60,9 @@ def tasks_of(
                     "key": s.key,
                     "kind": s.kind,
                     "file": names[s.key],
-                    "files": [[str(file.path), by in file.partition] for file, _ in s.files],
+                    "files": [
+                        [str(file.path), by in file.partition, places[file.path]] for file, _ in s.files
+                    ],
                 }
                 for s in group
             ],

@@ -28,8 +28,8 @@ def processors() -> int:
 def run_all(run: Run, tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, dict[str, Any] | None]]:
     """Run tasks in processes, and yield each with its result as it ends.
 
-    One worker is this process itself. Of several, one that is killed loses its task, which is run again alone;
-    a task that loses its worker even alone yields None.
+    One worker is this process itself. If one of several is killed, its task is run again alone. A task that
+    loses its worker even alone yields None.
     """
     if workers == 1:
         for task in tasks:

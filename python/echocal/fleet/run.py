@@ -14,15 +14,16 @@ from echocal.correct.inputs import Source
 from echocal.correct.task import stamp
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
-from echocal.errors import UsageError, writing
+from echocal.errors import DataError, UsageError, writing
 from echocal.fleet import verdicts
 from echocal.fleet.index import Sensor, indexed
 from echocal.fleet.judge import judged
 from echocal.fleet.names import index_text, named
-from echocal.fleet.plan import digest, tasks_of
+from echocal.fleet.plan import BYTES_A_ROW, digest, tasks_of
 from echocal.fleet.pool import processors, run_all
 from echocal.fleet.record import FAILED, failure
 from echocal.fleet.source import files_of
+from echocal.fleet.spill import is_spilled, plan_spills, run_spill
 from echocal.fleet.store import Store
 from echocal.fleet.summary import summary
 from echocal.fleet.task import run_task
@@ -153,6 +154,8 @@ def diagnose_fleet(
             for folder in (path for path in folders.values() if path):
                 with writing(folder):
                     Path(folder).mkdir(parents=True, exist_ok=True)
+            spills = plan_spills(index.sensors, tasks, job, max(memory // BYTES_A_ROW, 1))
+            _divide(store, spills, workers or processors())
             records = _records(store, tasks, job, workers or processors(), progress)
             found = judged(records, checked)
             rows = [verdicts.row(one, own) for one, own in zip(records, found.sensors, strict=True)]
@@ -165,6 +168,16 @@ def diagnose_fleet(
                 verdicts.write(rows, Path(out))
             store.remove()
     return Fleet(rows, told)
+
+
+def _divide(store: Store, spills: Sequence[Mapping[str, Any]], workers: int) -> None:
+    """Divide the files that hold many sensors, as far as an earlier run has not."""
+    left = [task for task in spills if not is_spilled(store.folder, task["number"])]
+    for task, result in run_all(run_spill, left, workers):
+        if result is None:
+            files = ", ".join(file for file, *_ in task["files"][:3])
+            message = f"the process that divided {files} was killed twice, perhaps for want of memory; "
+            raise DataError(message + "give --memory less")
 
 
 def _records(

@@ -4,6 +4,7 @@ import gzip
 import hashlib
 import json
 import secrets
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -96,6 +97,7 @@ class Store:
         for file in self.folder.iterdir():
             if file.name.endswith((".json.gz", ".unfinished")) or file.name == _JOB:
                 file.unlink(missing_ok=True)
+        shutil.rmtree(self.folder / "rows", ignore_errors=True)
 
     def remove(self) -> None:
         """Remove the folder, if nothing else is in it."""

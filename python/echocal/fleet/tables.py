@@ -24,15 +24,30 @@ class Opened:
     def __init__(self, path: Path, lazy: Any, schema: Any) -> None:
         self.path, self._lazy, self.schema = path, lazy, schema
 
-    def read(self, columns: Sequence[Any], where: Any = None) -> Frame:
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return int(self.read([polars().len()]).item())
+
+    def read(
+        self, columns: Sequence[Any], where: Any = None, rows: tuple[int, int | None] = (0, None)
+    ) -> Frame:
         """Read expressions of columns, of the rows for which an expression holds.
+
+        Parameters
+        ----------
+        columns : sequence of polars.Expr
+        where : polars.Expr, optional
+        rows : (int, int or None)
+            First of the rows that are looked at, and their number.
 
         Raises
         ------
         DataError
             If the file cannot be read.
         """
-        lazy = self._lazy if where is None else self._lazy.filter(where)
+        lazy = self._lazy if rows == (0, None) else self._lazy.slice(*rows)
+        lazy = lazy if where is None else lazy.filter(where)
         return _tried(self.path, lambda: lazy.select(columns).collect())
 
 

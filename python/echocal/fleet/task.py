@@ -55,6 +55,7 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
         raise UsageError(message)
     job = task["job"]
     reading = job["reading"]
+    bucket = (Path(job["store"]), task["bucket"]) if "bucket" in task else None
     found = logs(
         task["sensors"],
         job["by"],
@@ -62,6 +63,7 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
         reading["columns"],
         Layout(**job["layout"]),
         reading["time_zone"],
+        bucket,
     )
     records = [_record(sensor, log, job) for sensor, log in found]
     store = Store(Path(job["store"]))
