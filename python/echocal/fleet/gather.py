@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -152,56 +153,65 @@ def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) ->
     lacking = [name for name in columns if any(name not in frame.columns for frame in frames)]
     if lacking:
         notes.append(f"some of its {len(frames)} files have no column {', '.join(map(repr, lacking))}")
-    once = whole.unique(columns, keep="first", maintain_order=True)
-    repeated = 0
-    if len(once) < len(whole):
-        # rows that are alike within one file stay: a log may have two readings in one second
-        again = whole.with_columns(pl.int_range(pl.len()).over(*columns, PLACE).alias("_nth"))
-        kept = again.unique([*columns, "_nth"], keep="first", maintain_order=True).drop("_nth")
-        repeated, whole = len(whole) - len(kept), kept
-        if repeated:
-            notes.append(f"{repeated} rows stand in two of its files and are used once")
-    order, overlapping = _order(whole, columns, requests, time_zone)
-    if order is not None:
-        whole = whole[order]
-    else:
+    rows = len(whole)
+    times = _times(whole, columns, requests, time_zone)
+    if times is None:
         notes.append(f"there is no time, so its {len(frames)} files are joined in the order of their paths")
-    if overlapping:
-        notes.append(f"its files overlap in time: {overlapping} rows were put in the order of time")
+        whole = whole[_once(whole, columns)]
+    elif _apart(times, whole[PLACE].to_numpy()):
+        whole = whole[np.argsort(times, kind="stable")] if np.any(np.diff(times) < 0) else whole
+    else:
+        kept = _once(whole, columns)
+        whole = whole[kept]
+        order = np.argsort(times[kept], kind="stable")  # a time that is not known comes last
+        moved = int(np.sum(np.diff(whole[PLACE].to_numpy()[order]) != 0)) + 1
+        whole = whole[order]
+        if moved > len(frames):
+            notes.append(f"its files overlap in time: their rows change {moved - 1} times from file to file")
+    if repeated := rows - len(whole):
+        notes.append(f"{repeated} rows stand in two of its files and are used once")
     return Log(_arrays(whole.drop(PLACE)), repeated, tuple(notes))
 
 
-def _order(
+def _once(whole: Frame, columns: Sequence[str]) -> NDArray[np.intp]:
+    """Places of the rows without those that stand in an earlier file, too.
+
+    Rows that are alike within one file stay: a log may have two readings in one second.
+    """
+    pl = polars()
+    if len(whole.unique(columns)) == len(whole):
+        return np.arange(len(whole))
+    nth = pl.int_range(pl.len()).over(*columns, PLACE).alias("_nth")
+    again = whole.with_columns(nth, pl.int_range(pl.len()).alias("_row"))
+    kept = again.unique([*columns, "_nth"], keep="first", maintain_order=True)
+    return np.asarray(kept["_row"].to_numpy(), dtype=np.intp)
+
+
+def _apart(times: NDArray[np.float64], place: NDArray[np.int32]) -> bool:
+    """Whether each file, in the order of time, ends before the next one begins, and has its rows in order."""
+    starts = np.flatnonzero(np.diff(place, prepend=-1))
+    own = np.split(times, starts[1:])
+    if not all(np.all(np.diff(part) >= 0) for part in own):  # nor where a time is not known
+        return False
+    ends = sorted((part[0], part[-1]) for part in own)
+    return all(before[1] < after[0] for before, after in pairwise(ends))
+
+
+def _times(
     whole: Frame, columns: Sequence[str], requests: Mapping[str, str], time_zone: str
-) -> tuple[NDArray[np.intp] | None, int]:
-    """Order of the rows by time, and how many rows of overlapping files it moves."""
+) -> NDArray[np.float64] | None:
+    """Time of each row; None where no column has it."""
     planned = make(list(columns), {name: r for name, r in requests.items() if name in columns})
     held = planned.assignments.get("elapsed_time")
     if held is None:
-        return None, 0
+        return None
     time = whole[held.column]
-    if not time.dtype.is_numeric():
-        from echocal.observations.clock import instants
+    if time.dtype.is_numeric():
+        return np.asarray(time.to_numpy(), dtype=np.float64)
+    from echocal.observations.clock import instants
 
-        times = instants(time.to_pandas(), held.column, time_zone)[0].astype(np.float64)
-        times[times < -9.2e18] = np.nan
-    else:
-        times = time.to_numpy().astype(np.float64)
-    place = whole[PLACE].to_numpy()
-    # whole files first: rows of one file keep their order unless files overlap
-    first = np.full(int(place.max()) + 1, np.inf)
-    last = np.full(len(first), -np.inf)
-    known = np.isfinite(times)
-    np.minimum.at(first, place[known], times[known])
-    np.maximum.at(last, place[known], times[known])
-    rank = np.argsort(first, kind="stable")
-    overlap = bool(np.any(np.maximum.accumulate(last[rank])[:-1] > first[rank][1:]))
-    if not overlap:
-        back = np.empty(len(rank), np.intp)
-        back[rank] = np.arange(len(rank))
-        return np.argsort(back[place], kind="stable"), 0
-    order = np.argsort(np.where(known, times, np.inf), kind="stable")
-    return order, int(np.sum(np.diff(place[order]) != 0))
+    known = instants(time.to_pandas(), held.column, time_zone)[0]
+    return np.where(np.isnat(known), np.nan, known.astype(np.int64).astype(np.float64))
 
 
 def _arrays(frame: Frame) -> Any:

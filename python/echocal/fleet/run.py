@@ -173,7 +173,8 @@ def diagnose_fleet(
 def _divide(store: Store, spills: Sequence[Mapping[str, Any]], workers: int) -> None:
     """Divide the files that hold many sensors, as far as an earlier run has not."""
     left = [task for task in spills if not is_spilled(store.folder, task["number"])]
-    for task, result in run_all(run_spill, left, workers):
+    few = len(left) <= workers  # then starting processes takes longer than the work
+    for task, result in run_all(run_spill, left, 1 if few else workers):
         if result is None:
             files = ", ".join(file for file, *_ in task["files"][:3])
             message = f"the process that divided {files} was killed twice, perhaps for want of memory; "

@@ -1,7 +1,7 @@
 """Divide files that hold many sensors: each input row is read once, and a task reads the rows of its sensors.
 
 Without this, each task would read every file that has a row of its sensors: a fleet in daily files would be
-read as often as there are tasks. A piece holds the rows of some input files that belong to one bucket: a run of
+read as often as there are tasks. A piece holds the rows of some input files that belong to one bucket, a few
 tasks.
 """
 

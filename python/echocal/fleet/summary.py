@@ -8,6 +8,7 @@ from typing import Any
 from echocal._core import __version__
 from echocal.diagnose.settings import Settings
 from echocal.fleet.judge import Judged, false_discoveries
+from echocal.fleet.together import together
 
 __all__ = ["SCHEMA", "summary"]
 
@@ -64,6 +65,7 @@ def summary(
         "false_discoveries": false_discoveries(
             found.names, settings.claims.named, settings.fleet.false_discovery_rate
         ),
+        "together": together(rows, settings),
         "rms_mm": {
             "before": _median([one["rms_before_mm"] for one in measured]),
             "after": _median([one["rms_after_mm"] for one in measured]),

@@ -13,6 +13,7 @@ from echocal.report.diagnosis import STYLE
 __all__ = ["print_fleet"]
 
 _MOST = 12  # causes, and failed sensors, that are listed
+_PAIRS = 5  # pairs of causes that are listed
 _ORDER = ("named", "ambiguous", "unknown", "nothing", "failed")
 
 
@@ -32,6 +33,13 @@ def print_fleet(summary: Mapping[str, Any], console: Console) -> None:
         console.print(_prevalence(kind, found))
     for line in false_names(summary["false_discoveries"]):
         console.print(Text(line))
+    for one in summary["together"][:_PAIRS]:
+        a, b = one["ids"]
+        told = (
+            f"{a} and {b} are claimed together in {one['sensors']} sensors; {one['by_chance']:.1f} would be "
+            "chance. One of them may be a part of the other; the number of false names does not know this."
+        )
+        console.print(Text.assemble(("together  ", "yellow"), told))
     if summary["worst"]:
         console.print(_worst(summary))
     failed = summary["failed"]

@@ -33,3 +33,9 @@ class FleetSettings:
         "accepted part of false names, for the longest list of names that has no more",
         "convention",
     )
+    together: float = number(
+        1e-3,
+        "p-value",
+        "below it, divided among all pairs, two causes come together more often than chance",
+        "argument: one false pair in a thousand fleets",
+    )
