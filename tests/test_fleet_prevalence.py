@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import hypergeom
 
 from echocal.diagnose.settings import Settings
 from echocal.fleet.judge import false_discoveries, judged
 from echocal.fleet.prevalence import prevalence
+from echocal.fleet.together import together
 
 SETTINGS = Settings()
 CAUSES = ("amplitude_walk", "clock_error", "drift", "fixed_delay", "temperature_lag", "zero_error")
@@ -180,3 +182,30 @@ def test_the_longest_list_has_no_more_false_names_than_accepted(
     assert told["names"] > 500
     assert false < 0.05 * len(listed) + 4.5 * np.sqrt(0.05 * len(listed))
     assert sum(1 - n.fleet for n in listed) <= 0.05 * len(listed)
+
+
+def row(*causes: tuple[str, ...]) -> dict[str, Any]:
+    """A row of the table that claims these classes."""
+    return {
+        "verdict": "named",
+        "causes": [{"class": list(ids), "class_probability": 0.99} for ids in causes],
+    }
+
+
+def test_causes_that_come_together_are_told_and_those_of_one_class_are_not() -> None:
+    rows = [row(("cycle_slip",), ("zero_error", "fixed_delay"))] * 12 + [row(("cycle_slip",))] * 2
+    rows += [row(("zero_error", "fixed_delay"))] * 5 + [row()] * 181
+    found = together(rows, SETTINGS)
+    assert [one["ids"] for one in found] == [["cycle_slip", "fixed_delay"], ["cycle_slip", "zero_error"]]
+    assert found[0]["sensors"] == 12
+    assert found[0]["by_chance"] == pytest.approx(14 * 17 / 200)
+    # Fisher's exact test, by the hypergeometric distribution of an independent library
+    assert found[0]["p_value"] == pytest.approx(3 * hypergeom.sf(11, 200, 14, 17), rel=1e-9)
+
+
+def test_causes_that_come_together_by_chance_are_not_told(random: np.random.Generator) -> None:
+    rows = []
+    for _ in range(400):
+        claims = [(cause,) for cause in CAUSES if random.random() < 0.2]
+        rows.append(row(*claims))
+    assert together(rows, SETTINGS) == []

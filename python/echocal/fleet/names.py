@@ -20,7 +20,7 @@ def named(sensors: Sequence[Sensor]) -> dict[str, str]:
     --------
     >>> from echocal.fleet.index import Sensor
     >>> named([Sensor("tank 7"), Sensor("tank_7")])
-    {'tank 7': 'tank_7.json', 'tank_7': 'tank_7-c3da7cc7.json'}
+    {'tank 7': 'tank_7.json', 'tank_7': 'tank_7-3de28510.json'}
     """
     files: dict[str, str] = {}
     taken = {INDEX}

@@ -50,9 +50,7 @@ def together(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict
         p = _at_least(count, len(judged), single[a], single[b])
         if p * tests < settings.fleet.together:
             chance = single[a] * single[b] / len(judged)
-            found.append(
-                {"ids": [a, b], "sensors": count, "by_chance": chance, "p_value": min(p * tests, 1.0)}
-            )
+            found.append({"ids": [a, b], "sensors": count, "by_chance": chance, "p_value": p * tests})
     return sorted(found, key=lambda one: (one["p_value"], one["ids"]))
 
 
