@@ -123,6 +123,7 @@ def correct_files(
         memory=limit // processes if spread else limit,
         threads=1 if spread else processes,
         options=options,
+        several=not inputs.single,
     )
     folder = None if models is None else ModelFolder(Path(models))
     digest = model.hash if model is not None else str(folder and folder.digest())
@@ -171,6 +172,7 @@ def job_of(
     memory: int,
     threads: int,
     options: Mapping[str, Any],
+    several: bool = False,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     known = {"reading_speed": None, "mark_rows": True, "missing": (), "trust": (), "time_zone": "UTC"}
@@ -212,6 +214,7 @@ def job_of(
         round_m=None if round_mm is None else round_mm / 1000,
         memory=memory,
         threads=threads,
+        several=several,
     )
 
 

@@ -71,11 +71,11 @@ class Tally:
                 self.disagreeing[place] += count
         self.rows += len(rows.codes)
 
-    @property
-    def doubtful(self) -> bool:
+    def doubtful(self, job: Job) -> bool:
         """Whether the whole columns must be looked at: one may have no value, or be in another unit."""
         apart, known = self.disagreeing
-        return any(seen.doubtful for seen in self.seen.values()) or 2 * apart > known
+        looked_at = (seen for seen in self.seen.values() if seen.finite or not job.several)
+        return any(seen.doubtful for seen in looked_at) or 2 * apart > known
 
 
 class Corrector:

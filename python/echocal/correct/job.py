@@ -59,6 +59,8 @@ class Job:
     threads : int
     metadata : mapping of str to str
         What an output says of its origin.
+    several : bool
+        Whether the file is one of several: a column without any value is then no mistake.
     """
 
     models: Models
@@ -70,6 +72,7 @@ class Job:
     memory: int = 512 << 20
     threads: int = 2
     metadata: Mapping[str, str] = field(default_factory=dict)
+    several: bool = False
 
     @classmethod
     def of(cls, task: Mapping[str, Any]) -> "Job":
@@ -101,6 +104,7 @@ def _job(text: str) -> Job:
         plain["memory"],
         plain["threads"],
         plain["metadata"],
+        plain["several"],
     )
 
 
@@ -115,6 +119,7 @@ def plain_job(
     round_m: float | None = None,
     memory: int = 512 << 20,
     threads: int = 2,
+    several: bool = False,
 ) -> dict[str, Any]:
     """A job as plain data."""
     return {
@@ -131,4 +136,5 @@ def plain_job(
         "memory": memory,
         "threads": threads,
         "metadata": dict(metadata),
+        "several": several,
     }

@@ -119,7 +119,7 @@ def correct_text(
         for rows, data in _corrected(text, tally, log):
             file.write(data)
             progress(rows)
-    if tally.doubtful:
+    if tally.doubtful(job):
         whole = pd.concat(list(text.tables()), ignore_index=True)
         text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)
     return tally
