@@ -26,7 +26,7 @@ from echocal.observations.text import Head, head_of, no_text
 
 __all__ = ["correct_text"]
 
-_BLOCK = (1 << 18, 1 << 23)
+_BLOCK = (1 << 18, 1 << 22)
 """Least and largest number of bytes that are corrected together."""
 
 _FIXED = 230 << 20

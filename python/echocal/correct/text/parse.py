@@ -24,6 +24,7 @@ from echocal.observations.text import Head, Layout
 __all__ = ["Lines", "Parser"]
 
 _LINE_FEED = 10
+_CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
@@ -149,7 +150,7 @@ class Parser:
             table = reader.read_csv(
                 pa.BufferReader(data),
                 read_options=reader.ReadOptions(
-                    use_threads=False, block_size=len(data) + 1, column_names=list(self._place.values())
+                    use_threads=False, block_size=_CHUNK, column_names=list(self._place.values())
                 ),
                 parse_options=reader.ParseOptions(
                     delimiter=self._head.separator, quote_char='"' if b'"' in data else False
