@@ -9,6 +9,7 @@ peak memory (VmHWM) and size of the output; the fastest of the turns.
 """
 
 import argparse
+import importlib
 import json
 import os
 import platform
@@ -104,13 +105,24 @@ WAYS: dict[str, Callable[[Path, Path], None]] = {
 }
 
 
+IMPORTS = {
+    "echocal": [
+        "echocal.correct.parquet.file",
+        "echocal.correct.text.file",
+        "echocal.model.plain",
+        "pyarrow.csv",
+    ],
+    "polars, read and write": ["polars"],
+    "polars, expression": ["polars", "peers"],
+    "pandas and numpy": ["pandas", "pyarrow.parquet", "peers"],
+}
+"""What each way imports."""
+
+
 def child(way: str, source: Path, out: Path) -> None:
     """Run one way, and print its figures; imports are not counted."""
-    import pandas  # noqa: F401
-    import polars  # noqa: F401
-
-    if way == "echocal":
-        pass
+    for module in IMPORTS[way]:
+        importlib.import_module(module)
     begun, used = time.perf_counter(), os.times()
     WAYS[way](source, out)
     elapsed, now = time.perf_counter() - begun, os.times()

@@ -101,6 +101,19 @@ def correct_files(
         If the request cannot be understood, or the output cannot be written.
     DataError
         If there is no file to correct; of a single file, also if it cannot be corrected.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import echocal
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "log.csv").write_text("echo_us,temperature_C\\n11680,20\\n-1,20\\n")
+    >>> device = echocal.Model("linear", {"fixed_delay": {"delay": 30e-6}})
+    >>> summary = echocal.correct_files(folder / "log.csv", folder / "out.csv", device)
+    >>> summary.rows, summary.unusable
+    (2, 1)
+    >>> (folder / "out.csv").read_text().splitlines()[1]
+    '11680,20,2.000305,,,'
     """
     inputs, target = find_inputs(source), Path(out)
     refuse_nested(inputs, source, target)

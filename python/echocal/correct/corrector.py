@@ -169,9 +169,10 @@ class Corrector:
         if not self.by:
             return self._of_models([(str(self.key), len(table))], table, context, whole, counted)
         places, keys = pd.factorize(table[self.by])
-        labels = [label(key) for key in keys.tolist()]
-        places, labels = pd.factorize(np.array([*labels, ""], dtype=object)[places])
-        self.prepare(list(labels))
+        named = np.array([*(label(key) for key in keys.tolist()), ""], dtype=object)
+        places, distinct = pd.factorize(named[places])
+        labels = [str(key) for key in distinct]
+        self.prepare(labels)
         if (self.remembers or self.rows_around) and len(labels) > 1:
             message = (
                 f"several sensors are in this file, and their models have "
