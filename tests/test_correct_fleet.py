@@ -1,6 +1,8 @@
 """Folders, globs, partitions, and one model for each sensor."""
 
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -81,7 +83,7 @@ def test_numbers_as_keys(models: Path, tmp_path: Path, random: np.random.Generat
 
 def test_partitions_are_keys(models: Path, tmp_path: Path, random: np.random.Generator) -> None:
     table = echoes(random)
-    for key, name in (("1", "1"), ("2", "2"), ("tank 7/a", "tank%207%2Fa")):
+    for name in ("1", "2", "tank%207%2Fa"):
         folder = tmp_path / "in" / f"sensor_id={name}" / "year=2026"
         folder.mkdir(parents=True)
         table.to_parquet(folder / "a.PARQUET")
@@ -111,7 +113,7 @@ def test_an_index_names_the_files(models: Path, tmp_path: Path, random: np.rando
 def test_two_keys_of_one_file_are_refused(models: Path, tmp_path: Path, random: np.random.Generator) -> None:
     table = echoes(random, 2).assign(sensor_id=["tank 7/a", "tank_7_a"])
     table.to_parquet(tmp_path / "in.parquet")
-    with pytest.raises(echocal.DataError, match="would have the same model file tank_7_a.json"):
+    with pytest.raises(echocal.DataError, match=r"would have the same model file tank_7_a\.json"):
         correct_files(tmp_path / "in.parquet", tmp_path / "out.parquet", models=models, by="sensor_id")
 
 
@@ -200,3 +202,50 @@ def test_append_only_and_rounding(tmp_path: Path, random: np.random.Generator) -
 
 def test_amounts_of_memory() -> None:
     assert in_bytes("512MB") == in_bytes(512 << 20) == in_bytes("0.5 GiB")
+
+
+def test_a_log_of_a_key_may_lie_in_several_files(
+    models: Path, tmp_path: Path, random: np.random.Generator
+) -> None:
+    device = echocal.Model("linear", {"drift": {"rate": 1e-7}})
+    device.save(models / "1.json")
+    table = echoes(random).assign(time_s=np.arange(60) * 3600.0)
+    wanted = correct_table(table, device).table["corrected_distance_m"]
+    for part in range(3):
+        for folder, more in (("keys/sensor_id=1", {}), ("rows", {"sensor_id": 1})):
+            (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+            table.iloc[20 * part : 20 * part + 20].assign(**more).to_parquet(tmp_path / folder / f"{part}.pq")
+    for name, how in (("a", {"models": models}), ("b", {"model": device})):
+        assert not correct_files(tmp_path / "keys", tmp_path / name, by="sensor_id", **how).set_aside
+        found = [distances(tmp_path / name / "sensor_id=1" / f"{part}.pq") for part in range(3)]
+        np.testing.assert_array_equal(np.concatenate(found), wanted)
+    told = correct_files(tmp_path / "rows", tmp_path / "c", models=models, by="sensor_id").set_aside
+    assert len(told) == 3
+    assert all("a log may have several files" in why and "--logs file" in why for why in told.values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", ["parquet", "csv"])
+def test_memory_stays_below_what_is_allowed(ending: str, tmp_path: Path, random: np.random.Generator) -> None:
+    """One row group of 3 million rows; a table of them in memory takes as much again."""
+    rows = 3_000_000
+    columns = {
+        "echo_us": np.round(random.uniform(2000, 20_000, rows), 1),
+        "temperature_C": np.round(random.uniform(0, 30, rows), 2),
+        "humidity_percent": np.round(random.uniform(0, 90, rows), 1),
+        **{f"other_{n}": random.uniform(0, 1, rows) for n in range(4)},
+    }
+    if ending == "parquet":
+        pq.write_table(pa.table(columns), tmp_path / "in.parquet", row_group_size=rows)
+    else:
+        from pyarrow import csv
+
+        csv.write_csv(pa.table(columns), tmp_path / "in.csv")
+    run = (
+        "import sys, echocal\n"
+        "echocal.correct_files(sys.argv[1], sys.argv[2], echocal.Model('cramer'), memory='320MB')\n"
+        "print(next(l for l in open('/proc/self/status') if l.startswith('VmHWM')).split()[1])\n"
+    )
+    command = [sys.executable, "-c", run, str(tmp_path / f"in.{ending}"), str(tmp_path / f"out.{ending}")]
+    told = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert int(told.stdout) / 1024 < 320

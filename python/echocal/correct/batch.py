@@ -48,7 +48,7 @@ def correct_files(
     progress: Callable[[Progress], None] = lambda state: None,
     **options: Any,
 ) -> Summary:
-    """Correct a file, or every file of a folder or a glob, in constant memory.
+    r"""Correct a file, or every file of a folder or a glob, in constant memory.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def correct_files(
     >>> import pathlib, tempfile
     >>> import echocal
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> _ = (folder / "log.csv").write_text("echo_us,temperature_C\\n11680,20\\n-1,20\\n")
+    >>> _ = (folder / "log.csv").write_text("echo_us,temperature_C\n11680,20\n-1,20\n")
     >>> device = echocal.Model("linear", {"fixed_delay": {"delay": 30e-6}})
     >>> summary = echocal.correct_files(folder / "log.csv", folder / "out.csv", device)
     >>> summary.rows, summary.unusable
@@ -137,6 +137,7 @@ def correct_files(
         threads=1 if spread else processes,
         options=options,
         several=not inputs.single,
+        logs=logs,
     )
     folder = None if models is None else ModelFolder(Path(models))
     digest = model.hash if model is not None else str(folder and folder.digest())
@@ -186,6 +187,7 @@ def job_of(
     threads: int,
     options: Mapping[str, Any],
     several: bool = False,
+    logs: str | None = None,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     known = {"reading_speed": None, "mark_rows": True, "missing": (), "trust": (), "time_zone": "UTC"}
@@ -228,6 +230,7 @@ def job_of(
         memory=memory,
         threads=threads,
         several=several,
+        logs=logs,
     )
 
 

@@ -173,6 +173,13 @@ class Corrector:
         places, distinct = pd.factorize(named[places])
         labels = [str(key) for key in distinct]
         self.prepare(labels)
+        if self.remembers and self._job.several and self._job.logs != "file":
+            message = (
+                f"the model of this sensor has {', '.join(self.remembers)}, which depends on the other rows "
+                f"of a log, and a log may have several files: write one folder for each sensor "
+                f"({self.by}=...), or say that each file is a whole log: --logs file"
+            )
+            raise DataError(message)
         if (self.remembers or self.rows_around) and len(labels) > 1:
             message = (
                 f"several sensors are in this file, and their models have "

@@ -61,6 +61,8 @@ class Job:
         What an output says of its origin.
     several : bool
         Whether the file is one of several: a column without any value is then no mistake.
+    logs : str or None
+        Which files are one log, if the user says it.
     """
 
     models: Models
@@ -73,6 +75,7 @@ class Job:
     threads: int = 2
     metadata: Mapping[str, str] = field(default_factory=dict)
     several: bool = False
+    logs: str | None = None
 
     @classmethod
     def of(cls, task: Mapping[str, Any]) -> "Job":
@@ -105,6 +108,7 @@ def _job(text: str) -> Job:
         plain["threads"],
         plain["metadata"],
         plain["several"],
+        plain["logs"],
     )
 
 
@@ -120,6 +124,7 @@ def plain_job(
     memory: int = 512 << 20,
     threads: int = 2,
     several: bool = False,
+    logs: str | None = None,
 ) -> dict[str, Any]:
     """A job as plain data."""
     return {
@@ -137,4 +142,5 @@ def plain_job(
         "threads": threads,
         "metadata": dict(metadata),
         "several": several,
+        "logs": logs,
     }
