@@ -82,7 +82,7 @@ def test_correct_csv(run: Run) -> None:
     code, out, err = run("correct", str(EXAMPLE), "-o", "out.csv", "--law", "linear", "--json", "report.json")
     assert (code, out) == (0, "out.csv: 27 of 27 rows corrected\n")
     assert err.startswith("note: the readings are taken to be made with the law 'linear' itself")
-    assert len(pd.read_csv("out.csv")) == 27
+    assert len(pd.read_csv("out.csv", comment="#")) == 27
     report = json.loads(Path("report.json").read_text())
     assert report["files"]["out.csv"] == {"rows": {"total": 27, "used": 27, "unusable": {}}}
 
@@ -193,7 +193,7 @@ def test_what_belongs_to_one_campaign_is_told_and_left_out(run: Run) -> None:
     _, _, told = run(*words)
     assert "step_change" in " ".join(told.split())
     assert "--transferable" in told
-    assert pd.read_csv("out.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 0.995])
+    assert pd.read_csv("out.csv", comment="#")["corrected_distance_m"].tolist() == pytest.approx([1.0, 0.995])
     _, _, told = run(*words[:-1], "lasting.csv", "--transferable")
     assert "step_change" not in told
     assert pd.read_csv("lasting.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 1.0])

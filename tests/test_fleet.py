@@ -112,6 +112,22 @@ def test_a_folder_needs_no_table_of_verdicts(run: Run, logs: pl.DataFrame) -> No
     assert not list(Path().glob("*.parts"))
 
 
+@pytest.mark.slow
+def test_the_base_may_be_a_model_and_one_file_a_sensor(run: Run, logs: pl.DataFrame) -> None:
+    Path("apart").mkdir()
+    for key in (1, 2):
+        logs.filter(pl.col("sensor_id") == key).drop("sensor_id").write_csv(f"apart/{key}.csv")
+    base = Model("cramer", {"fixed_delay": {"delay": fleet_logs.DELAY}})
+    base.save("base.json")
+    code, said = run("diagnose", "apart", "--base", "base.json", "-o", "v.csv", "--models", "m", "--quiet")
+    assert code == 0, said
+    table = pl.read_csv("v.csv")
+    assert table["sensor"].to_list() == [1, 2]
+    assert table["verdict"].to_list()[0] == "nothing"  # its delay is in the base
+    assert table["verdict"].to_list()[1] != "nothing"
+    assert Model.load("m/1.json").effects == base.effects
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

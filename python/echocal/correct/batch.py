@@ -48,7 +48,7 @@ def correct_files(
     progress: Callable[[Progress], None] = lambda state: None,
     **options: Any,
 ) -> Summary:
-    """Correct a file, or every file of a folder or a glob, in constant memory.
+    r"""Correct a file, or every file of a folder or a glob, in constant memory.
 
     Parameters
     ----------
@@ -101,6 +101,19 @@ def correct_files(
         If the request cannot be understood, or the output cannot be written.
     DataError
         If there is no file to correct; of a single file, also if it cannot be corrected.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import echocal
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "log.csv").write_text("echo_us,temperature_C\n11680,20\n-1,20\n")
+    >>> device = echocal.Model("linear", {"fixed_delay": {"delay": 30e-6}})
+    >>> summary = echocal.correct_files(folder / "log.csv", folder / "out.csv", device)
+    >>> summary.rows, summary.unusable
+    (2, 1)
+    >>> (folder / "out.csv").read_text().splitlines()[1]
+    '11680,20,2.000305,,,'
     """
     inputs, target = find_inputs(source), Path(out)
     refuse_nested(inputs, source, target)
@@ -123,6 +136,8 @@ def correct_files(
         memory=limit // processes if spread else limit,
         threads=1 if spread else processes,
         options=options,
+        several=not inputs.single,
+        logs=logs,
     )
     folder = None if models is None else ModelFolder(Path(models))
     digest = model.hash if model is not None else str(folder and folder.digest())
@@ -171,6 +186,8 @@ def job_of(
     memory: int,
     threads: int,
     options: Mapping[str, Any],
+    several: bool = False,
+    logs: str | None = None,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     known = {"reading_speed": None, "mark_rows": True, "missing": (), "trust": (), "time_zone": "UTC"}
@@ -212,6 +229,8 @@ def job_of(
         round_m=None if round_mm is None else round_mm / 1000,
         memory=memory,
         threads=threads,
+        several=several,
+        logs=logs,
     )
 
 

@@ -50,7 +50,7 @@ def convert(source: Path, out: Path, ending: str, job: Job, key: str | None) -> 
     rows, parts = corrector.correct(table, context, (0, len(table)))
     tally = Tally(columns=[str(name) for name in table.columns])
     tally.add(rows, parts)
-    if tally.doubtful:
+    if tally.doubtful(job):
         corrector.correct(table, Context(), (0, len(table)), whole=True)
     results = pd.DataFrame(results_of(rows))
     if ending in (".parquet", ".pq"):

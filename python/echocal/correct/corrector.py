@@ -15,8 +15,10 @@ from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.model.folder import label
+from echocal.observations.marks import MARKS
 from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
+from echocal.observations.plan import make
 from echocal.quantities import QUANTITIES
 
 __all__ = ["NO_MODEL", "Context", "Corrector", "Tally"]
@@ -71,11 +73,11 @@ class Tally:
                 self.disagreeing[place] += count
         self.rows += len(rows.codes)
 
-    @property
-    def doubtful(self) -> bool:
+    def doubtful(self, job: Job) -> bool:
         """Whether the whole columns must be looked at: one may have no value, or be in another unit."""
         apart, known = self.disagreeing
-        return any(seen.doubtful for seen in self.seen.values()) or 2 * apart > known
+        looked_at = (seen for seen in self.seen.values() if seen.finite or not job.several)
+        return any(seen.doubtful for seen in looked_at) or 2 * apart > known
 
 
 class Corrector:
@@ -165,36 +167,68 @@ class Corrector:
         self, table: pd.DataFrame, context: Context, whole: bool, counted: slice
     ) -> tuple[Rows, list[Part]]:
         if not self.by:
-            return self._of_key(str(self.key), table, context, whole, counted)
-        places, keys = pd.factorize(
-            np.array([label(value) for value in table[self.by].tolist()], dtype=object)
-        )
-        self.prepare([str(key) for key in keys])
-        if (self.remembers or self.rows_around) and len(keys) > 1:
+            return self._of_models([(str(self.key), len(table))], table, context, whole, counted)
+        places, keys = pd.factorize(table[self.by])
+        named = np.array([*(label(key) for key in keys.tolist()), ""], dtype=object)
+        places, distinct = pd.factorize(named[places])
+        labels = [str(key) for key in distinct]
+        self.prepare(labels)
+        if self.remembers and self._job.several and self._job.logs != "file":
+            message = (
+                f"the model of this sensor has {', '.join(self.remembers)}, which depends on the other rows "
+                f"of a log, and a log may have several files: write one folder for each sensor "
+                f"({self.by}=...), or say that each file is a whole log: --logs file"
+            )
+            raise DataError(message)
+        if (self.remembers or self.rows_around) and len(labels) > 1:
             message = (
                 f"several sensors are in this file, and their models have "
                 f"{', '.join(self.remembers) or 'marks'}, which depends on the other rows of a log; "
                 f"write one file for each {self.by}"
             )
             raise DataError(message)
-        order = np.argsort(places, kind="stable")
-        found, parts = [], []
-        for key, rows in zip(keys, np.split(order, np.cumsum(np.bincount(places))[:-1]), strict=True):
+        rows_of = np.split(np.argsort(places, kind="stable"), np.cumsum(np.bincount(places))[:-1])
+        alike: dict[object, list[int]] = {}
+        for place, key in enumerate(labels):
+            alike.setdefault(self._reads_as(key), []).append(place)
+        found, orders, parts = [], [], []
+        for group in alike.values():
+            rows = np.concatenate([rows_of[place] for place in group])
+            sizes = [(labels[place], len(rows_of[place])) for place in group]
             some = table.iloc[rows].reset_index(drop=True)
-            own, part = self._of_key(str(key), some, context, whole, counted)
+            own, part = self._of_models(sizes, some, context, whole, counted)
             found.append(own)
+            orders.append(rows)
             parts += part
-        return _scattered(found, order), parts
+        return _scattered(found, orders), parts
 
-    def _of_key(
-        self, key: str, table: pd.DataFrame, context: Context, whole: bool, counted: slice
+    def _reads_as(self, key: str) -> object:
+        """Keys for which this is the same are read together."""
+        model = self._job.models.model(key)
+        if model is None:
+            return bool(key)
+        if model.shape is not None or MARKS in model.provenance:
+            return key
+        own = self._needed[key]
+        bare = bool(model.effects)
+        return model.law, own.columns, own.assumed, own.remembers, tuple(model.columns.items()), bare
+
+    def _of_models(
+        self, sizes: list[tuple[str, int]], table: pd.DataFrame, context: Context, whole: bool, counted: slice
     ) -> tuple[Rows, list[Part]]:
+        """Correct rows of some keys, one after the other, whose models read the same."""
+        key = sizes[0][0]
         model = self._job.models.model(key)
         if model is None:
             return no_distance(len(table), NO_MODEL if key else _NO_KEY), []
+        groups: list[tuple[Model, slice]] = []
+        at = 0
+        for own, count in sizes if len(sizes) > 1 else []:
+            groups.append((self._job.models.model(own) or model, slice(at, at + count)))
+            at += count
         part = None if whole else Part(context.start, context.derived, counted)
         with counting() as outside:
-            rows = correct_rows(table, model, self._needed[key], self._job.reading, part)
+            rows = correct_rows(table, model, self._needed[key], self._job.reading, part, groups)
         if self._job.round_m is not None:
             step = self._job.round_m
             rows = replace(rows, distance=np.round(rows.distance / step) * step)
@@ -226,13 +260,11 @@ class Corrector:
         return said
 
     def _read(self, key: str) -> Collection[str]:
-        from echocal.observations.plan import make
-
         own = self._needed[key]
         return make(list(own.columns), own.requests).assignments
 
 
-def _scattered(found: list[Rows], order: NDArray[np.intp]) -> Rows:
+def _scattered(found: list[Rows], orders: list[NDArray[np.intp]]) -> Rows:
     """Rows of several keys in the order of the table."""
     reasons: dict[str, bool] = {"": False}
     for rows in found:
@@ -240,12 +272,13 @@ def _scattered(found: list[Rows], order: NDArray[np.intp]) -> Rows:
             reasons.setdefault(reason, lost)
     places = {reason: place for place, reason in enumerate(reasons)}
     codes = [np.array([places[r] for r in rows.reasons], np.int16)[rows.codes] for rows in found]
-    back = np.empty(len(order), np.intp)
-    back[order] = np.arange(len(order))
+    back = np.argsort(np.concatenate(orders), kind="stable")
     outside: dict[str, tuple[int, int, float]] = {}
-    for rows in found:
+    for rows, order in zip(found, orders, strict=True):
         for domain, (count, first, value) in rows.outside.items():
-            outside[domain] = (outside.get(domain, (0, 0, 0.0))[0] + count, first, value)
+            seen = outside.get(domain, (0, len(back), value))
+            here = min((seen[1], seen[2]), (int(order[first]), value))
+            outside[domain] = (seen[0] + count, *here)
     return Rows(
         np.concatenate([rows.distance for rows in found])[back],
         np.concatenate([rows.uncertainty for rows in found])[back],

@@ -143,6 +143,7 @@ def run(
             state.files += 1
             state.bytes += sizes[place]
             progress(state)
+        sweep(out)  # of workers that died
     return summary
 
 

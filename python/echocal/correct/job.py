@@ -59,6 +59,10 @@ class Job:
     threads : int
     metadata : mapping of str to str
         What an output says of its origin.
+    several : bool
+        Whether the file is one of several: a column without any value is then no mistake.
+    logs : str or None
+        Which files are one log, if the user says it.
     """
 
     models: Models
@@ -70,6 +74,8 @@ class Job:
     memory: int = 512 << 20
     threads: int = 2
     metadata: Mapping[str, str] = field(default_factory=dict)
+    several: bool = False
+    logs: str | None = None
 
     @classmethod
     def of(cls, task: Mapping[str, Any]) -> "Job":
@@ -101,6 +107,8 @@ def _job(text: str) -> Job:
         plain["memory"],
         plain["threads"],
         plain["metadata"],
+        plain["several"],
+        plain["logs"],
     )
 
 
@@ -115,6 +123,8 @@ def plain_job(
     round_m: float | None = None,
     memory: int = 512 << 20,
     threads: int = 2,
+    several: bool = False,
+    logs: str | None = None,
 ) -> dict[str, Any]:
     """A job as plain data."""
     return {
@@ -131,4 +141,6 @@ def plain_job(
         "memory": memory,
         "threads": threads,
         "metadata": dict(metadata),
+        "several": several,
+        "logs": logs,
     }

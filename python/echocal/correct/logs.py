@@ -173,13 +173,14 @@ def logs_of(
         return alone
     groups: dict[str | None, list[Source]] = {}
     for source in inputs.files:
-        groups.setdefault(keys[source.place.as_posix()], []).append(source)
+        key = None if logs == "all" else keys[source.place.as_posix()]
+        groups.setdefault(key, []).append(source)
     for key, sources in groups.items():
         own = model if folder is None else folder.model(key) if key is not None else None
         depends = [] if own is None else [*remembered(own), *(["marks"] if context_of(own) else [])]
         if not depends or len(sources) < 2:
             continue
-        if folder is None and logs is None:
+        if key is None and logs is None:
             message = (
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and there "
                 f"are {len(sources)} files; say which are one log: --logs all, --logs file (each by itself), "

@@ -1,7 +1,7 @@
 """Correct rows: the one place where a correction is computed, for a table and for a part of one."""
 
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from echocal.errors import DataWarning
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.assembly import Assembly
-from echocal.observations.correction import corrected_distance, outside_smooth
+from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.marks import MARKS
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
@@ -81,7 +81,12 @@ class Rows:
 
 
 def correct_rows(
-    table: pd.DataFrame, model: Model, needed: Needed, reading: Reading, part: Part | None = None
+    table: pd.DataFrame,
+    model: Model,
+    needed: Needed,
+    reading: Reading,
+    part: Part | None = None,
+    groups: Sequence[tuple[Model, slice]] = (),
 ) -> Rows:
     """Correct every row of a table, or of a part of one, that has the needed columns.
 
@@ -91,6 +96,9 @@ def correct_rows(
         At least the columns of `needed`.
     part : Part, optional
         What a part needs to know of the whole table; what it counts is added there.
+    groups : sequence of (Model, slice), optional
+        Models of some rows each, which read the same columns in the same way as `model`, and have neither
+        terms without a cause nor rules for rows.
 
     Raises
     ------
@@ -98,17 +106,23 @@ def correct_rows(
         If the columns cannot be read, or the model needs another one.
     """
     observations, assembly = _observed(table, model, needed, reading, part)
-    distance = corrected_distance(observations, model)
+    if groups:
+        base_indication(observations, model.law)  # counts rows outside of the domain of the law
+    each = [(own, rows, _some(observations, rows)) for own, rows in groups]
+    each = each or [(model, slice(None), observations)]
+    distance, uncertainty = np.empty(len(observations)), np.empty(len(observations), np.float32)
+    for own, rows, some in each:
+        distance[rows] = corrected_distance(some, own)
     status = _Status(assembly)
     status.give(np.isnan(distance), _NONE)
     for column in model.columns.values():
         status.give(np.isnan(observations.thermometers[column]), f"{column} missing", over=_NONE)
     notes: tuple[str, ...] = observations.notes
     if reading.mark_rows and MARKS in model.provenance:
-        own = {name: own for name, own in needed.requests.items() if name not in needed.reference}
+        asked = {name: own for name, own in needed.requests.items() if name not in needed.reference}
         missing = _of(reading.missing, needed.columns)
         read = table[list(needed.columns)]
-        reference = reference_of(read, own, missing, model) if needed.reference else None
+        reference = reference_of(read, asked, missing, model) if needed.reference else None
         distance, faults, more = with_marks(observations, distance, reference, model)
         for fault in dict.fromkeys(faults[faults != ""].tolist()):
             status.give(faults == fault, fault)
@@ -118,14 +132,28 @@ def correct_rows(
     for mark in [] if outside is None else dict.fromkeys(outside[outside != ""].tolist()):
         status.give(outside == mark, mark)
     usable = [place == 0 or place >= unusable for place in range(len(status.reasons))]
-    found = standard_uncertainty(observations, model, distance, reading.uncertainties)
+    for own, rows, some in each:
+        uncertainty[rows] = standard_uncertainty(some, own, distance[rows], reading.uncertainties)
     return Rows(
         distance,
-        found.astype(np.float32),
+        uncertainty,
         status.codes,
         tuple(status.reasons),
         tuple(not it for it in usable),
         notes,
+    )
+
+
+def _some(observations: Observations, rows: slice) -> Observations:
+    """Some rows, with what a correction reads of them."""
+    return Observations(
+        observations.echo_time[rows],
+        {name: values[rows] for name, values in observations.conditions.items()},
+        None,
+        observations.unusable[rows],
+        reading=None if observations.reading is None else observations.reading[rows],
+        thermometers={name: values[rows] for name, values in observations.thermometers.items()},
+        source_names=observations.source_names,
     )
 
 

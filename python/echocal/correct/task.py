@@ -7,6 +7,7 @@ time too, or be killed at any moment. The same task makes the same file, byte fo
 import hashlib
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -60,9 +61,10 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
         before = stamp(source)
         with writing(target.parent):
             target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as unfinished:
+        with replacing(target) as unfinished, ThreadPoolExecutor(1) as beside:
+            digesting = beside.submit(file_digest, source)
             tally = _correct(source, unfinished, target, job, task, progress)
-            digest = file_digest(source)
+            digest = digesting.result()
             if stamp(source) != before:
                 message = f"{source} was written while it was read; run again when it is complete"
                 raise DataError(message)

@@ -60,7 +60,7 @@ class Uncertainties:
                 raise UsageError(message)
             form, symbol = NAMES[name]
             unit = form.units[symbol]
-            size = float(unit.to_si(float(value) + unit.zero))
+            size = float(value) * unit.numerator / unit.denominator
             if not 0.0 <= size < np.inf:
                 message = f'--uncertainty "{name}={value}" is no standard uncertainty; give a number >= 0'
                 raise UsageError(message)

@@ -41,7 +41,11 @@ def label(value: Any) -> str:
     >>> label(7.0), label(" a "), label(None)
     ('7', 'a', '')
     """
-    if value is None or value != value:  # not a number, not a time
+    try:
+        absent = value is None or bool(value != value)  # not a number, not a time
+    except TypeError:  # missing, as pandas has it
+        absent = True
+    if absent:
         return ""
     if isinstance(value, float) and value.is_integer():
         return str(int(value))
@@ -78,6 +82,8 @@ class ModelFolder:
         """
         if key not in self._models:
             file = self._file(key)
+            if file is None and key.isdecimal():  # 007 in a text is 7 in a table of numbers
+                file = self._file(str(int(key)))
             self._models[key] = None if file is None else Model.load(self.folder / file)
         return self._models[key]
 

@@ -36,8 +36,7 @@ def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> 
     arguments, covariance, listed = read(Path(origin), json.dumps(plain))
     try:
         model = Model(**arguments)
-        model.covariance = covariances.arranged(covariance, listed, model.parameter_names)
-        return model
+        return model._set(covariance=covariances.arranged(covariance, listed, model.parameter_names))
     except ModelError as error:
         message = f"{origin}: {error}"
         raise ModelError(message) from None

@@ -1,7 +1,8 @@
 """The results of some rows as column chunks of Parquet."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from io import BytesIO
 from typing import Any
 
@@ -16,7 +17,7 @@ from echocal.observations.arrow import arrow
 
 __all__ = ["Encoded", "encode", "result_elements", "result_fields"]
 
-_SPLIT = dict.fromkeys((DISTANCE, UNCERTAINTY), "BYTE_STREAM_SPLIT")
+_SPLIT = "BYTE_STREAM_SPLIT"
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def result_fields() -> list[Any]:
 def result_elements() -> list[Struct]:
     """Elements of the results in the schema of a file."""
     nothing = Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
-    footer, _ = _written(nothing, [0], "NONE", whole=True)
+    footer, _ = _written(_columns(nothing), [0], "NONE", whole=True)
     return list(footer.struct[f.SCHEMA][1][1][1:])
 
 
@@ -59,25 +60,60 @@ def encode(rows: Rows, sizes: Sequence[int], codec: str, *, whole: bool) -> list
     whole : bool
         Whether these are whole row groups. Parts of one have no dictionary, so that they can be joined.
     """
-    footer, data = _written(rows, sizes, codec, whole=whole)
+    constant = _constants(rows)
+    columns = {name: own for name, own in _columns(rows).items() if name not in constant}
+    found = _encoded(columns, sizes, codec, whole=whole)
+    repeated = [_of_constant(constant, size, codec, whole) for size in sizes]
+    each = zip(sizes, found, repeated, strict=True)
+    return [Encoded(size, [{**own, **same}[name] for name in RESULTS]) for size, own, same in each]
+
+
+def _constants(rows: Rows) -> tuple[str, ...]:
+    """Columns that are empty in every row. Most row groups have such; they are encoded once."""
+    nothing, usable = bool(np.isnan(rows.uncertainty).all()), not rows.codes.any()
+    empty = {UNCERTAINTY: nothing, STATUS: usable, UNUSABLE: usable}
+    return tuple(name for name in RESULTS if empty.get(name))
+
+
+@lru_cache(maxsize=64)
+def _of_constant(
+    names: tuple[str, ...], size: int, codec: str, whole: bool
+) -> dict[str, tuple[Struct, bytes]]:
+    if not names:
+        return {}
+    nothing = Rows(
+        np.zeros(size), np.full(size, np.nan, np.float32), np.zeros(size, np.int16), ("",), (False,), ()
+    )
+    columns = {name: own for name, own in _columns(nothing).items() if name in names}
+    return _encoded(columns, [size], codec, whole=whole)[0]
+
+
+def _encoded(
+    columns: Mapping[str, Any], sizes: Sequence[int], codec: str, *, whole: bool
+) -> list[dict[str, tuple[Struct, bytes]]]:
+    """Chunks of some columns by name, for each row group."""
+    footer, data = _written(columns, sizes, codec, whole=whole)
     found = []
     for group in footer.row_groups:
-        chunks: list[tuple[Struct, bytes]] = []
-        for chunk in group[f.COLUMNS][1][1]:
+        chunks: dict[str, tuple[Struct, bytes]] = {}
+        for name, chunk in zip(columns, group[f.COLUMNS][1][1], strict=True):
             first, count = f.chunk_range(chunk)
-            chunks.append((chunk, data[first : first + count]))
-        found.append(Encoded(group[f.GROUP_ROWS][1], chunks))
+            chunks[name] = chunk, data[first : first + count]
+        found.append(chunks)
     return found
 
 
-def _written(rows: Rows, sizes: Sequence[int], codec: str, *, whole: bool) -> tuple[f.Footer, bytes]:
+def _written(
+    columns: Mapping[str, Any], sizes: Sequence[int], codec: str, *, whole: bool
+) -> tuple[f.Footer, bytes]:
     pa = arrow()
-    table = pa.table(_columns(rows), schema=pa.schema(result_fields()))
+    fields = [field for field in result_fields() if field.name in columns]
+    table = pa.table(dict(columns), schema=pa.schema(fields))
     sink = pa.BufferOutputStream()
     options = {
         "compression": codec,
-        "use_dictionary": [STATUS, UNUSABLE] if whole else False,
-        "column_encoding": _SPLIT,
+        "use_dictionary": [name for name in (STATUS, UNUSABLE) if name in columns] if whole else False,
+        "column_encoding": {name: _SPLIT for name in (DISTANCE, UNCERTAINTY) if name in columns},
         "write_statistics": whole,
         "store_schema": False,
     }

@@ -97,7 +97,7 @@ def correct_parquet(
                     progress(results.rows)
                 metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
                 splice.finish(metadata)
-            if tally.doubtful:
+            if tally.doubtful(job):
                 _look_at_whole(opened, corrector)
     pa.default_memory_pool().release_unused()
     return tally

@@ -74,7 +74,7 @@ class Splice:
         if f.COLUMN_ORDERS in struct:
             orders = struct[f.COLUMN_ORDERS][1][1]
             ours = [orders[leaf] for field in self._kept for leaf in field.leaves]
-            by_type = [{1: (STRUCT, {})} for _ in result_fields()]
+            by_type: list[Struct] = [{1: (STRUCT, {})} for _ in result_fields()]
             struct[f.COLUMN_ORDERS] = f.structs([*ours, *by_type])
         data = thrift.write(struct)
         self._out.write(data + len(data).to_bytes(4, "little") + f.MAGIC)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def blocks_of(path: Path, layout: Layout, head: Head, size: int) -> Iterator[Blo
         data, rest = data[:cut], data[cut:]
         if data:
             yield Block(data, first)
-            first += data.count(b"\n")
+            first += int(np.count_nonzero(np.frombuffer(data, np.uint8) == _LINE_FEED))
     if rest:
         yield Block(rest, first)
 
@@ -102,7 +102,8 @@ def _parts(path: Path, layout: Layout, skipped: int, size: int) -> Iterator[byte
 
 
 def _opened(path: Path, layout: Layout) -> IO[bytes]:
-    file: IO[bytes] = gzip.open(path) if is_zipped(path) else path.open("rb")  # noqa: SIM115
+    opened: Any = gzip.open if is_zipped(path) else open
+    file: IO[bytes] = opened(path, "rb")
     if _name(layout) in ("utf-8", "utf-8-sig"):
         return file
     return _Recoded(file, layout.encoding)  # type: ignore[return-value]

@@ -26,7 +26,7 @@ from echocal.observations.text import Head, head_of, no_text
 
 __all__ = ["correct_text"]
 
-_BLOCK = (1 << 18, 1 << 23)
+_BLOCK = (1 << 18, 1 << 22)
 """Least and largest number of bytes that are corrected together."""
 
 _FIXED = 230 << 20
@@ -119,7 +119,7 @@ def correct_text(
         for rows, data in _corrected(text, tally, log):
             file.write(data)
             progress(rows)
-    if tally.doubtful:
+    if tally.doubtful(job):
         whole = pd.concat(list(text.tables()), ignore_index=True)
         text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)
     return tally

@@ -23,6 +23,8 @@ from echocal.observations.text import Head, Layout
 
 __all__ = ["Lines", "Parser"]
 
+_LINE_FEED = 10
+_CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
@@ -79,10 +81,8 @@ class Parser:
 
     def lines(self, block: Block) -> Lines:
         """The lines of a block, without a look into them."""
-        data = block.data
-        if has_arrow() and self._is_plain(data):
-            return _plain_lines(data)
-        return self._records(block)
+        plain = self._plain(block.data) if has_arrow() else None
+        return self._records(block) if plain is None else plain
 
     def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
         """Some columns of the rows.
@@ -99,16 +99,28 @@ class Parser:
             lines = self._records(block)
         return self._careful(block, lines, columns)
 
-    def _is_plain(self, data: bytes) -> bool:
-        """Whether lines are rows, and marks enclose whole fields."""
-        if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
-            return False
-        ends = data.count(b"\n")
-        if b"\r" in data and data.count(b"\r\n") != ends:
-            return False
-        if b"\n\n" in data or b"\n\r\n" in data or data[:1] in (b"\n", b"\r"):
-            return False
-        return b'"' not in data or self._encloses(data)
+    def _plain(self, data: bytes) -> Lines | None:
+        """The lines, if each is a row, all end alike, and marks enclose whole fields."""
+        ends = np.flatnonzero(np.frombuffer(data, np.uint8) == _LINE_FEED)
+        ended = data.endswith(b"\n")
+        end = b"\n"
+        if b"\r" in data:
+            end = b"\r\n"
+            if data.count(b"\r") != len(ends) or data.count(end) != len(ends):
+                return None
+        if not ended:
+            data += end
+            ends = np.append(ends, len(data) - 1)
+        if np.diff(ends, prepend=-1).min() <= len(end):
+            return None  # a blank line
+        if b'"' in data and not self._encloses(data):
+            return None
+        pa = arrow("writing text")
+        offsets = np.concatenate([[0], ends + 1]).astype(np.int32)
+        buffers = [None, pa.py_buffer(offsets), pa.py_buffer(data)]
+        held = pa.Array.from_buffers(pa.binary(), len(ends), buffers)
+        texts = pa.compute.binary_slice(held, 0, -len(end))
+        return Lines(texts, end.decode(), end.decode() if ended else "")
 
     def _encloses(self, data: bytes) -> bool:
         array = np.frombuffer(data, np.uint8)
@@ -138,7 +150,7 @@ class Parser:
             table = reader.read_csv(
                 pa.BufferReader(data),
                 read_options=reader.ReadOptions(
-                    use_threads=False, block_size=len(data) + 1, column_names=list(self._place.values())
+                    use_threads=False, block_size=_CHUNK, column_names=list(self._place.values())
                 ),
                 parse_options=reader.ParseOptions(
                     delimiter=self._head.separator, quote_char='"' if b'"' in data else False
@@ -162,7 +174,8 @@ class Parser:
     def _records(self, block: Block) -> Lines:
         marks = Marks(str(self._path), self._head.separator, len(self._head.names))
         text = io.StringIO(block.data.decode(), newline="")
-        records, rows = [], []
+        records: list[tuple[str, str]] = []
+        rows: list[int] = []
         for record, held in marks.records(text, block.first):
             ended = "".join(held)
             if record:
@@ -209,16 +222,3 @@ class Parser:
                 swapped = [own.replace(self._layout.decimal, ".") for own in texts]
                 return pd.Series(swapped, dtype=object)
         return pd.Series(numbers, dtype=np.float64)
-
-
-def _plain_lines(data: bytes) -> Lines:
-    pa = arrow("writing text")
-    end = b"\r\n" if b"\r\n" in data else b"\n"
-    ended = data.endswith(b"\n")
-    whole = data if ended else data + end
-    ends = np.flatnonzero(np.frombuffer(whole, np.uint8) == 10)
-    offsets = np.concatenate([[0], ends + 1]).astype(np.int32)
-    buffers = [None, pa.py_buffer(offsets), pa.py_buffer(whole)]
-    held = pa.Array.from_buffers(pa.binary(), len(ends), buffers)
-    texts = pa.compute.binary_slice(held, 0, -len(end)).cast(pa.string())
-    return Lines(texts, end.decode(), end.decode() if ended else "")

@@ -7,7 +7,7 @@ import numpy as np
 from echocal.correct.results import RESULTS
 from echocal.correct.rows import Rows
 from echocal.correct.text.parse import Lines
-from echocal.observations.arrow import arrow, has_arrow
+from echocal.observations.arrow import arrow
 
 __all__ = ["header_with_results", "with_results"]
 
@@ -22,35 +22,39 @@ def header_with_results(header: str, separator: str) -> str:
 
 def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> bytes:
     """The lines of a block, each row with its results."""
-    suffixes = _suffixes(rows, separator, decimal)
     if lines.records is not None:
-        made = suffixes if isinstance(suffixes, list) else suffixes.to_pylist()
+        made = _suffixes(rows, separator, decimal)
         places = {place: number for number, place in enumerate(lines.rows)}
         return "".join(
             f"{text}{separator}{made[places[place]]}{ended[len(text) :]}" if place in places else ended
             for place, (text, ended) in enumerate(lines.records)
         ).encode()
     pa = arrow()
-    pc = pa.compute
-    ended = pc.binary_join_element_wise(suffixes, "", lines.end)
-    joined = pc.binary_join_element_wise(lines.texts, ended, separator)
+    distance, uncertainty = (_texts(own, decimal) for own in _numbers(rows))
+    status = [(text + lines.end).encode() for text in _statuses(rows, separator)]
+    taken = pa.array(status, pa.binary()).take(pa.array(rows.codes)) if rows.codes.any() else status[0]
+    cut = separator.encode()
+    joined = pa.compute.binary_join_element_wise(lines.texts, distance, uncertainty, taken, cut)
     data = b"".join(_bytes(part) for part in (joined.chunks if hasattr(joined, "chunks") else [joined]))
     return data if lines.last else data[: -len(lines.end)]
 
 
-def _suffixes(rows: Rows, separator: str, decimal: str) -> Any:
-    """Results of each row as text, in an Arrow array; in a list where Arrow is not installed."""
+def _suffixes(rows: Rows, separator: str, decimal: str) -> list[str]:
+    """Results of each row as text; slower, and without Arrow."""
+    texts = [[_shortest(value).replace(".", decimal) for value in own] for own in _numbers(rows)]
+    status = _statuses(rows, separator)
+    own_status = [status[code] for code in rows.codes.tolist()]
+    return [separator.join(fields) for fields in zip(*texts, own_status, strict=True)]
+
+
+def _numbers(rows: Rows) -> tuple[Any, Any]:
+    return np.round(rows.distance, _DIGITS), rows.uncertainty
+
+
+def _statuses(rows: Rows, separator: str) -> list[str]:
+    """Both columns of the reason, by its place."""
     reasons = [_quoted(reason, separator) for reason in rows.reasons]
-    status = [f"{reason}{separator}{reason}" for reason in reasons]
-    numbers = (np.round(rows.distance, _DIGITS), rows.uncertainty)
-    if not has_arrow():
-        texts = [[_shortest(value).replace(".", decimal) for value in own] for own in numbers]
-        own_status = [status[code] for code in rows.codes.tolist()]
-        return [separator.join(fields) for fields in zip(*texts, own_status, strict=True)]
-    pa = arrow()
-    distance, uncertainty = (_texts(own, decimal) for own in numbers)
-    taken = pa.array(status).take(pa.array(rows.codes))
-    return pa.compute.binary_join_element_wise(distance, uncertainty, taken, separator)
+    return [f"{reason}{separator}{reason}" for reason in reasons]
 
 
 def _texts(numbers: Any, decimal: str) -> Any:
@@ -59,10 +63,11 @@ def _texts(numbers: Any, decimal: str) -> Any:
     pc = pa.compute
     absent = np.isnan(numbers)
     if absent.all():
-        return pa.array([""]).take(pa.array(np.zeros(len(numbers), np.int8)))
+        return b""
     texts = pc.cast(pa.array(numbers, mask=absent if absent.any() else None), pa.string())
-    texts = pc.fill_null(texts, "")
-    return texts if decimal == "." else pc.replace_substring(texts, ".", decimal)
+    if absent.any():
+        texts = pc.fill_null(texts, "")
+    return (texts if decimal == "." else pc.replace_substring(texts, ".", decimal)).cast(pa.binary())
 
 
 def _shortest(number: Any) -> str:
