@@ -208,11 +208,15 @@ def _records(
         if progress is not None:
             progress(done, total, earlier)
     records: Records = []
+    shared: dict[tuple[str, ...], tuple[str, ...]] = {}  # a fleet has few sets of causes, many times each
     for task in tasks:
         own = kept.get(task["number"]) or store.finished(task["number"])
         if own is None:
             message = f"{store.path(task['number'])} is missing or damaged; run again"
             raise UsageError(message)
+        for one in own:
+            found = ((tuple(ids), p) for ids, p in one["posterior"])
+            one["posterior"] = [(shared.setdefault(ids, ids), p) for ids, p in found]
         records += own
     return records
 

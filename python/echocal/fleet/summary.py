@@ -96,6 +96,11 @@ def _causes(rows: Sequence[Mapping[str, Any]], named: float) -> list[dict[str, A
             {
                 "id": id_,
                 "kind": pairs[0][1]["kind"],
+                "alternatives": [
+                    other
+                    for other, _ in Counter(m for _, c in pairs for m in c["class"]).most_common()
+                    if other != id_
+                ],
                 "sensors": len(pairs),
                 "named": sum(
                     one["verdict"] == "named" and c["class_probability"] >= named for one, c in pairs

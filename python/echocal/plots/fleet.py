@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from echocal.errors import writing
 from echocal.plots.files import save_figure
@@ -78,6 +79,7 @@ def plot_counts(causes: list[Mapping[str, Any]], ax: Axes) -> None:
     ax.set_yticks(places, [one["id"] for one in causes])
     ax.invert_yaxis()
     ax.set_xlabel("sensors")
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False, fontsize=8)
 
 

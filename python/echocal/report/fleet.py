@@ -66,7 +66,7 @@ def false_names(found: Mapping[str, Any]) -> list[str]:
     if longest["names"]:
         lines.append(
             f"A list of {longest['names']} names, from a probability of {longest['probability_from']:.3f} "
-            f"on, is expected to have {100 * longest['rate']:g} % false ones."
+            f"on, is expected to have at most {100 * longest['rate']:g} % false ones."
         )
     return lines
 
@@ -91,13 +91,13 @@ def _head(summary: Mapping[str, Any]) -> Panel:
 
 def _causes(summary: Mapping[str, Any]) -> Table:
     table = Table(title="causes (medians of the sensors in which it comes first)", title_justify="left")
-    table.add_column("cause")
-    for text in ("sensors", "named", "given the fleet", "error [mm]", "gained [mm]", "size"):
+    table.add_column("cause", min_width=26, overflow="fold")
+    for text in ("sensors", "named", "in fleet", "error [mm]", "gained [mm]", "size"):
         table.add_column(Text(text), justify="right")  # a unit is no markup
     for one in summary["causes"][:_MOST]:
         size = "" if one["size"] is None else f"{one['size']:.3g} {one['unit'] if one['unit'] != '1' else ''}"
         table.add_row(
-            one["id"],
+            _or(one["id"], one["alternatives"]),
             str(one["sensors"]),
             str(one["named"]),
             str(one["named_in_fleet"]),
@@ -129,6 +129,15 @@ def _worst(summary: Mapping[str, Any]) -> Table:
         errors = (_mm(one["rms_before_mm"]), _mm(one["rms_after_mm"]))
         table.add_row(str(one["sensor"]), one["verdict"], one["cause"] or "", *errors)
     return table
+
+
+def _or(cause: str, alternatives: list[str]) -> Text:
+    """A cause, and what some of its sensors cannot separate from it."""
+    text = Text(cause)
+    if alternatives:
+        more = f" or {len(alternatives) - 1} more" if len(alternatives) > 1 else ""
+        text.append(f" or {alternatives[0]}{more}", style="dim")
+    return text
 
 
 def _mm(value: float | None) -> str:
