@@ -115,6 +115,15 @@ def scored(rows: list[dict[str, Any]], planted: dict[str, tuple[str, ...]]) -> I
         said = ", ".join(f"{false.count(id_)} {id_}" for id_ in listed) or "none"
         rate = 100 * len(false) / max(len(names), 1)
         yield f"{what}: {len(names)} names, {len(false)} of them false ({rate:.1f} %): {said}"
+        slipped = sum(
+            not set(cause["class"]) & set(planted[row["sensor"]])
+            for row in rows
+            if row["verdict" if what == "alone" else "fleet_verdict"] == "named"
+            and "cycle_slip" in planted[row["sensor"]]
+            for cause in row["causes"]
+            if cause[which] >= 0.9 and not cause["doubt"] and (cause["in_model"] or cause["kind"] != "effect")
+        )
+        yield f"  {slipped} of the false ones in sensors with cycle slips"
 
 
 def _found(row: dict[str, Any], causes: tuple[str, ...]) -> bool:
@@ -151,6 +160,8 @@ def main(
     told = fleet.summary["false_discoveries"]
     for what in ("own", "fleet"):
         print(f"told, {what}: {told[what]['names']} names, {told[what]['expected_false']:.1f} false")
+    for one in fleet.summary["together"]:
+        print(f"together: {' and '.join(one['ids'])} in {one['sensors']}, by chance {one['by_chance']:.1f}")
     if json_file is not None:
         json_file.write_text(json.dumps(fleet.summary, indent=1))
 
