@@ -90,9 +90,12 @@ def _head(summary: Mapping[str, Any]) -> Panel:
 
 
 def _causes(summary: Mapping[str, Any]) -> Table:
-    table = Table(title="causes (medians of the sensors in which it comes first)", title_justify="left")
+    table = Table(
+        title="causes; base and gain: medians [mm] of the sensors in which it comes first",
+        title_justify="left",
+    )
     table.add_column("cause", min_width=16, overflow="fold")
-    for text in ("sensors", "named (fleet)", "base [mm]", "gain [mm]", "size"):
+    for text in ("sensors", "named (fleet)", "base", "gain", "size"):
         table.add_column(Text(text), justify="right")  # a unit is no markup
     for one in summary["causes"][:_MOST]:
         size = "" if one["size"] is None else f"{one['size']:.3g} {one['unit'] if one['unit'] != '1' else ''}"
