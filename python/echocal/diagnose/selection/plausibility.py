@@ -68,6 +68,6 @@ def _sentence(claim: Claim) -> str:
     )
     times = abs(float(claim.mean[place]))
     return (
-        f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not named, and "
-        f"the model leaves it out: {value}, where {usual} is usual"
+        f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not named: "
+        f"{value}, where {usual} is usual"
     )

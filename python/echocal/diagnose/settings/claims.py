@@ -103,7 +103,7 @@ class ClaimSettings:
     implausible: float = number(
         5.0,
         "prior standard deviations",
-        "a cause with a larger size is not named, and the model leaves it out",
+        "a cause with a larger size is not named",
         "argument: 1 in 31 sizes is larger by Eq. 6; the prior of an effect outside the catalogue is 1 in 20",
     )
     leverage_pieces: int = number(
