@@ -46,9 +46,11 @@ def numpy_chunked(out: Array, time: Array, t: Array, h: Array, p: Array) -> None
         np.multiply(0.5 * time[rows], cramer(t[rows], h[rows], p[rows]), out=out[rows])
 
 
-def numpy_linear(out: Array, time: Array, t: Array) -> None:
-    """The study's law, as one expression."""
-    np.multiply(0.5 * time, 331.4 + 0.6 * t, out=out)
+def numpy_linear_in_place(out: Array, time: Array, t: Array) -> None:
+    """The study's law, its constants halved by hand, in three calls that write where the result belongs."""
+    np.multiply(t, 0.3, out=out)
+    np.add(out, 165.7, out=out)
+    np.multiply(out, time, out=out)
 
 
 _cramer_numba = njit(cramer)

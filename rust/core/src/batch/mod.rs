@@ -29,13 +29,11 @@ use crate::scalar::Rows;
 
 /// A function of `K` numbers, in any [`Rows`].
 pub trait Formula<const K: usize>: Send + Sync + 'static {
-    /// Constants of the formula that are not known when it is compiled.
-    fn parameters(&self) -> Vec<f64> {
-        Vec::new()
-    }
+    /// Which inputs it reads: the others are not fetched from memory.
+    const READS: [bool; K] = [true; K];
 
-    /// The function; `parameters` as from [`Formula::parameters`].
-    fn evaluate<S: Rows>(&self, inputs: [S; K], parameters: &[S]) -> S;
+    /// The function.
+    fn evaluate<S: Rows>(&self, inputs: [S; K]) -> S;
 }
 
 /// Where a batch finds, or puts, one number per row.
