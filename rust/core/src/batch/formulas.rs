@@ -3,7 +3,7 @@
 //! Each law with each output is compiled apart, so that a kernel holds nothing that it does not
 //! need: what all laws need at once does not fit the registers.
 
-use super::{Formula, Kernel, kernel};
+use super::{Formula, Kernel, kernel, threads};
 use crate::air::{self, Air, Law, LawOfRows, LawVisitor, SpeedLaw};
 use crate::conditions::Quantity;
 use crate::echo;
@@ -127,6 +127,15 @@ fn moist<S: Scalar>(air: [S; 4]) -> Air<S> {
     }
 }
 
+/// Rows below which one more thread does not pay, given which inputs of [`moist`] are read.
+const fn rows_of_a_thread([_, humidity, pressure, _]: [bool; 4]) -> usize {
+    if humidity || pressure {
+        threads::OF_A_FORMULA
+    } else {
+        threads::OF_A_SHORT_FORMULA
+    }
+}
+
 /// Which inputs of [`moist`] are among these.
 const fn read_of(reads: &[Quantity]) -> [bool; 4] {
     let mut found = [false; 4];
@@ -153,6 +162,7 @@ struct Speed<L>(L);
 
 impl<L: LawOfRows> Formula<4> for Speed<L> {
     const READS: [bool; 4] = read_of(L::READS);
+    const ROWS_OF_A_THREAD: usize = rows_of_a_thread(Self::READS);
 
     #[inline(always)]
     fn evaluate<S: Rows>(&self, air: [S; 4]) -> S {
@@ -184,6 +194,10 @@ impl<O: OfSound, L: LawOfRows> Formula<5> for Echo<O, L> {
             index += 1;
         }
         reads
+    };
+    const ROWS_OF_A_THREAD: usize = {
+        let [_, t, h, p, c] = Self::READS;
+        rows_of_a_thread([t, h, p, c])
     };
 
     #[inline(always)]

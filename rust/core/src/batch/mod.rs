@@ -32,6 +32,9 @@ pub trait Formula<const K: usize>: Send + Sync + 'static {
     /// Which inputs it reads: the others are not fetched from memory.
     const READS: [bool; K] = [true; K];
 
+    /// Rows below which one more thread does not pay.
+    const ROWS_OF_A_THREAD: usize = threads::OF_A_FORMULA;
+
     /// The function.
     fn evaluate<S: Rows>(&self, inputs: [S; K]) -> S;
 }
@@ -182,7 +185,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
             unsafe { block::run_f64(&self.0, inputs, output.skip(first), count) }
         };
-        threads::split(rows, threads, threads::OF_A_FORMULA, &span);
+        threads::split(rows, threads, F::ROWS_OF_A_THREAD, &span);
     }
 
     unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
@@ -192,7 +195,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
             unsafe { block::run_f32(&self.0, inputs, output.skip(first), count) }
         };
-        threads::split(rows, threads, threads::OF_A_FORMULA, &span);
+        threads::split(rows, threads, F::ROWS_OF_A_THREAD, &span);
     }
 }
 

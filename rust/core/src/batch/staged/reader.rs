@@ -31,7 +31,7 @@ impl BlockReader {
     /// Some rows, with no derivative yet; the first column stands for the distance.
     ///
     /// # Safety
-    /// The columns have `first + count` rows of the precision, `count` from 1 to [`BLOCK`]; nobody
+    /// The columns have `first + count` rows of the precision, `count` from 1 to [`BLOCK`](super::BLOCK); nobody
     /// writes to these rows while the result is in use.
     pub(crate) unsafe fn block(&mut self, first: usize, count: usize) -> Reading<'_> {
         const WIDEST: usize = 16;
