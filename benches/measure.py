@@ -1,7 +1,7 @@
 """Measure every case side by side and write results.json and docs/speed.md.
 
-The machine may be busy: the cases take turns, the best time of each is kept, only ratios within one run are
-quoted. What is counted is processor time divided by the threads: on a quiet machine the time that passes.
+The machine may be busy: the cases take turns, the best time of each is kept, and only ratios within one run
+are quoted. Of one thread the processor time counts, of several the time that passes.
 """
 
 import json
@@ -9,7 +9,7 @@ import os
 import platform
 from collections.abc import Mapping
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 from timeit import Timer
 
 import numpy as np
@@ -30,10 +30,11 @@ def best(cases: Mapping[str, Case], rows: int, turns: int) -> dict[str, list[flo
     for turn in range(turns + 1):
         for name, case in cases.items():
             _core.set_instruction_set(case.instruction_set)
-            start = process_time()
+            clock = process_time if case.threads == 1 else perf_counter
+            start = clock()
             for _ in range(repeat):
                 case.run()
-            elapsed = (process_time() - start) / case.threads
+            elapsed = clock() - start
             if turn:  # the first one warms up
                 times[name].append(elapsed / repeat / rows)
     _core.set_instruction_set(None)
@@ -48,7 +49,9 @@ def nanoseconds(times: Mapping[str, list[float]]) -> dict[str, float]:
 def short_calls() -> dict[str, float]:
     """Calls with little data [ns]."""
     statements, names = calls()
-    timers = {name: Timer(statement, globals=names) for name, statement in statements.items()}
+    timers = {
+        name: Timer(statement, timer=process_time, globals=names) for name, statement in statements.items()
+    }
     times: dict[str, list[float]] = {name: [] for name in timers}
     for _ in range(300):
         for name, timer in timers.items():
