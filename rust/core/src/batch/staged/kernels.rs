@@ -60,14 +60,14 @@ unsafe fn each_avx2<W: Work>(work: &W, rows: usize) {
 unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
     const IN_FLIGHT: usize = 3; // as in `block`
     let together = IN_FLIGHT * V::WIDTH;
-    let long = if W::LONG {
-        rows / together * together
-    } else {
-        0
-    };
-    for row in (0..long).step_by(together) {
-        // SAFETY: the caller's.
-        unsafe { work.at::<Lanes<V, IN_FLIGHT>>(row) };
+    let mut long = 0;
+    // a condition known to the compiler: what is not long is compiled for one vector alone
+    if W::LONG {
+        long = rows / together * together;
+        for row in (0..long).step_by(together) {
+            // SAFETY: the caller's.
+            unsafe { work.at::<Lanes<V, IN_FLIGHT>>(row) };
+        }
     }
     for row in (long..rows).step_by(V::WIDTH) {
         // SAFETY: the caller's.
