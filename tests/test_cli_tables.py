@@ -80,8 +80,9 @@ def test_sweep_notes_where_the_law_does_not_hold(run: Run) -> None:
 
 def test_correct_csv(run: Run) -> None:
     code, out, err = run("correct", str(EXAMPLE), "-o", "out.csv", "--law", "linear", "--json", "report.json")
-    assert (code, out, err) == (0, "out.csv: 27 of 27 rows corrected\n", "")
-    assert len(pd.read_csv("out.csv")) == 27
+    assert (code, out) == (0, "out.csv: 27 of 27 rows corrected\n")
+    assert err.startswith("note: the readings are taken to be made with the law 'linear' itself")
+    assert len(pd.read_csv("out.csv", comment="#")) == 27
     report = json.loads(Path("report.json").read_text())
     assert report["files"]["out.csv"] == {"rows": {"total": 27, "used": 27, "unusable": {}}}
 
@@ -92,10 +93,10 @@ def test_correct_a_loggers_file(run: Run) -> None:
     options = ["--skip-lines", "1", "--decimal", ",", "--column", "map.toml", "--missing", "D=9999"]
     code, out, err = run("correct", "log.csv", "-o", "out.csv", "--law", "linear", *options)
     assert (code, out) == (0, "out.csv: 1 of 2 rows corrected\n")
-    assert "note: 1 of 2 rows cannot be used: 1 D missing" in err
-    assert (
-        Path("out.csv").read_text()
-        == "T;D;corrected_distance_m;unusable\n20,5;2000;2,0;\n21,0;9999;;D missing\n"
+    assert "note: no distance in 1 row: D missing, first at row 2" in err
+    assert Path("out.csv").read_text() == (
+        "id 7\nT;D;corrected_distance_m;distance_standard_uncertainty_m;status;unusable\n"
+        "20,5;2000;2;;;\n21,0;9999;;;D missing;D missing\n"
     )
 
 
@@ -105,7 +106,7 @@ def test_correct_a_folder(run: Run) -> None:
         pd.DataFrame({"echo_us": [11660.0], "temperature_C": [20.0]}).to_parquet(f"logs/{month}.parquet")
     code, out, _ = run("correct", "logs", "-o", "done", "--law", "cramer")
     assert (code, out) == (0, "2 files: 2 of 2 rows corrected\n")
-    assert sorted(path.name for path in Path("done").iterdir()) == ["june.parquet", "may.parquet"]
+    assert sorted(path.name for path in Path("done").iterdir()) == ["_echocal", "june.parquet", "may.parquet"]
 
 
 def test_verify_says_passed_or_failed(run: Run) -> None:
@@ -155,7 +156,7 @@ def test_verify_a_model(run: Run) -> None:
         ("sweep --temperature 20 --json no/a.json", 2, "no/a.json cannot be written"),
         ("sweep --temperature 20 --model absent.json", 2, "absent.json"),
         ("correct absent.csv -o out.csv", 3, "echocal: no file absent.csv"),
-        ("correct . -o out", 3, "has no .parquet file"),
+        ("correct . -o out", 3, "has no file that can be corrected"),
         ("correct EXAMPLE -o out.csv --column reading_m", 2, "is neither a pair"),
         ("correct EXAMPLE -o out.csv --column a=reading_m", 2, "echocal: no column 'a'"),
         ("correct EXAMPLE -o out.csv --missing a=3", 2, "error codes for column 'a', which is not there"),
@@ -192,7 +193,7 @@ def test_what_belongs_to_one_campaign_is_told_and_left_out(run: Run) -> None:
     _, _, told = run(*words)
     assert "step_change" in " ".join(told.split())
     assert "--transferable" in told
-    assert pd.read_csv("out.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 0.995])
+    assert pd.read_csv("out.csv", comment="#")["corrected_distance_m"].tolist() == pytest.approx([1.0, 0.995])
     _, _, told = run(*words[:-1], "lasting.csv", "--transferable")
     assert "step_change" not in told
     assert pd.read_csv("lasting.csv")["corrected_distance_m"].tolist() == pytest.approx([1.0, 1.0])

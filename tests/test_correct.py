@@ -42,11 +42,13 @@ def test_readings_of_a_device_with_errors_of_indication(speed: str | None) -> No
 
 
 def test_every_row_comes_out_in_order_with_its_reason() -> None:
-    table = echoes(DEVICE, [1.0, 1.0, 1.0, 1.0], [20.0, 20.0, 20.0, 20.0])
+    device = echocal.Model("cramer", DEVICE.effects)
+    table = echoes(device, [1.0, 1.0, 1.0, 1.0], [20.0, 20.0, 20.0, 20.0])
     table["humidity_percent"] = [40.0, 143.0, 40.0, np.nan]
+    table["supply_V"] = np.nan  # no part of the model reads it
     table.loc[2, "echo_s"] = 0.0
     table.index = pd.Index([7, 7, 3, 1])
-    corrected = correct_table(table, DEVICE)
+    corrected = correct_table(table, device)
     assert corrected.table.index.tolist() == [7, 7, 3, 1]
     reasons = ["", "humidity_percent out of range", "echo_s out of range", "humidity_percent missing"]
     assert corrected.table["unusable"].tolist() == reasons
@@ -84,9 +86,11 @@ def test_text_stays_letter_for_letter(tmp_path: Path) -> None:
     source.write_text('# logger 7\necho_us,temperature_C,remark\n11660.50,20.10,"a, b"\n-9999,20,NA\n')
     corrected = correct_file(source, out, DEVICE, missing=[-9999])
     lines = out.read_text().splitlines()
-    assert lines[0] == "echo_us,temperature_C,remark,corrected_distance_m,unusable"
-    assert lines[1].startswith('11660.50,20.10,"a, b",1.99')
-    assert lines[2] == "-9999,20,NA,,echo_us missing"
+    assert lines[0] == "# logger 7"
+    appended = "corrected_distance_m,distance_standard_uncertainty_m,status,unusable"
+    assert lines[1] == f"echo_us,temperature_C,remark,{appended}"
+    assert lines[2].startswith('11660.50,20.10,"a, b",1.99')
+    assert lines[3] == "-9999,20,NA,,,echo_us missing,echo_us missing"
     assert corrected.rows == 2
     assert set(tmp_path.iterdir()) == {source, out}
 
@@ -126,14 +130,15 @@ def test_a_folder_goes_file_by_file(tmp_path: Path) -> None:
     assert all(len(pd.read_parquet(path)) == 2 for path in done)
 
 
-def test_a_bad_file_of_a_folder_leaves_nothing_half(tmp_path: Path) -> None:
+def test_a_bad_file_of_a_folder_is_set_aside_and_the_rest_is_done(tmp_path: Path) -> None:
     source, out = tmp_path / "logs", tmp_path / "out"
     source.mkdir()
     echoes(DEVICE, [1.0], [20.0]).to_parquet(source / "a.parquet")
     (source / "b.parquet").write_bytes(b"PAR1 broken")
-    with pytest.raises(echocal.DataError, match=r"b.parquet.*\(1 of 2 files are done\)"):
+    echoes(DEVICE, [1.0], [20.0]).to_parquet(source / "c.parquet")
+    with pytest.raises(echocal.DataError, match=r"b.parquet.*\(2 of 3 files are done\)"):
         correct_folder(source, out, DEVICE)
-    assert [path.name for path in out.iterdir()] == ["a.parquet"]
+    assert sorted(path.name for path in out.iterdir()) == ["_echocal", "a.parquet", "c.parquet"]
 
 
 def test_outputs_that_are_refused(tmp_path: Path) -> None:
@@ -143,5 +148,6 @@ def test_outputs_that_are_refused(tmp_path: Path) -> None:
         correct_file(path, path, DEVICE)
     with pytest.raises(echocal.UsageError, match=r"cannot write .*out.xls; endings: .csv, .tsv,"):
         correct_file(path, tmp_path / "out.xls", DEVICE)
-    with pytest.raises(echocal.DataError, match=r"has no .parquet file"):
+    path.unlink()
+    with pytest.raises(echocal.DataError, match=r"has no file that can be corrected"):
         correct_folder(tmp_path, tmp_path / "out", DEVICE)

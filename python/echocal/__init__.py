@@ -1,6 +1,8 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
 from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
+from typing import TYPE_CHECKING, Any
+
 from echocal import firmware
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 from echocal.calibrate import Calibration, Regression, calibrate
@@ -22,6 +24,9 @@ from echocal.registry import effects
 from echocal.sweep import sweep
 from echocal.verify import Verification, verify, verify_model
 
+if TYPE_CHECKING:
+    from echocal.correct import correct_files
+
 __all__ = [
     "DEPARTURES",
     "DOMAIN_VIOLATIONS",
@@ -42,6 +47,7 @@ __all__ = [
     "__version__",
     "absorption",
     "calibrate",
+    "correct_files",
     "departures",
     "diagnose",
     "diagnose_many",
@@ -60,3 +66,13 @@ __all__ = [
     "verify",
     "verify_model",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what takes long to import when it is asked for."""
+    if name == "correct_files":
+        from echocal.correct import correct_files
+
+        return correct_files
+    message = f"module 'echocal' has no attribute '{name}'"
+    raise AttributeError(message)

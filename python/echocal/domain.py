@@ -1,6 +1,9 @@
 """Domains of the laws: a code for each row, or one warning; values are never clamped."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,10 +13,32 @@ from echocal.conditions import numbers
 from echocal.errors import DomainWarning, UsageError
 from echocal.quantities import AIR, DEFAULTS
 
-__all__ = ["DOMAIN_VIOLATIONS", "describe", "domain_violations", "warn_outside"]
+__all__ = ["DOMAIN_VIOLATIONS", "counting", "describe", "domain_violations", "warn_outside"]
 
 DOMAIN_VIOLATIONS: tuple[str, ...] = tuple(_core.departure_names())
 """The quantity outside its range, by code of `domain_violations`; empty for a row inside the domain."""
+
+
+_Counts = dict[str, tuple[int, int, float]]
+_COUNTS: ContextVar[tuple[_Counts, set[str | None]] | None] = ContextVar("counts", default=None)
+
+
+@contextmanager
+def counting() -> Iterator[_Counts]:
+    """Count rows outside of domains, in place of a warning, in this thread; each law is looked at once.
+
+    Yields
+    ------
+    dict of str to (int, int, float)
+        By domain in words, ``law 'cramer' holds for temperature 0 .. 30 degC``: rows outside, place of the
+        first one, and its value.
+    """
+    counts: _Counts = {}
+    token = _COUNTS.set((counts, set()))
+    try:
+        yield counts
+    finally:
+        _COUNTS.reset(token)
 
 
 _NAMES = (*AIR, "frequency")
@@ -110,8 +135,11 @@ def warn_outside(
     >>> from echocal.domain import warn_outside
     >>> warn_outside([10.0, 20.0], 0.5)
     """
-    if _unheard():
+    counted = _COUNTS.get()
+    if _unheard() if counted is None else law in counted[1]:
         return
+    if counted is not None:
+        counted[1].add(law)
     values = _arrays(temperature, relative_humidity, pressure, co2_mole_fraction, frequency)
     if min(value.size for value in values) == 0:
         return
@@ -129,6 +157,10 @@ def warn_outside(
         return
     first = int(outside[0])
     row = [float(value.flat[first]) for value in np.broadcast_arrays(*values)]
+    if counted is not None:
+        domain, _, value = describe(law, row, "").partition(": : ")
+        counted[0].setdefault(domain, (outside.size, first, float(value.partition(";")[0])))
+        return
     where = f"{outside.size} of {codes.size} rows lie outside, first at row {first + 1} (row 1 is the first)"
     message = f"{describe(law, row, where)} (echocal.domain_violations gives every row)"
     warnings.warn(message, DomainWarning, stacklevel=stacklevel + 1)
@@ -143,7 +175,11 @@ def _unheard() -> bool:
 
 
 def _extreme(which: np.ufunc, values: NDArray[np.float64]) -> float:
-    return float(values) if values.ndim == 0 else float(which.reduce(values, axis=None))
+    if values.ndim == 0:
+        return float(values)
+    # several times as fast, and NaN only where one of the values is
+    plain = float((np.minimum if which is np.fmin else np.maximum).reduce(values, axis=None))
+    return plain if plain == plain else float(which.reduce(values, axis=None))
 
 
 def describe(law: str | None, row: list[float], where: str) -> str:

@@ -13,6 +13,7 @@ __all__ = [
     "DomainWarning",
     "EchocalError",
     "ModelError",
+    "OutputError",
     "UsageError",
     "writing",
 ]
@@ -28,6 +29,10 @@ class UsageError(EchocalError, ValueError):
     """A request that cannot be understood: an unknown name, an impossible combination."""
 
     exit_code = 2
+
+
+class OutputError(UsageError):
+    """A file that cannot be written: a full disk, a missing permission."""
 
 
 class ModelError(UsageError):
@@ -70,10 +75,10 @@ def writing(path: str | Path) -> Iterator[None]:
     ...     file.write("never")
     Traceback (most recent call last):
     ...
-    echocal.errors.UsageError: absent/a.txt cannot be written: No such file or directory
+    echocal.errors.OutputError: absent/a.txt cannot be written: No such file or directory
     """
     try:
         yield
     except OSError as error:
         message = f"{path} cannot be written: {error.strerror or error}"
-        raise UsageError(message) from None
+        raise OutputError(message) from None

@@ -5,6 +5,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,8 @@ _COLUMNS = {"correct": _CORRECTED, "sweep": _SWEPT, "diagnose": _FATES}
 
 _SEAL = "data_sha256"
 """Where a model file has the checksum of what else its ``data`` says."""
+
+_ABOVE = 100  # lines among which the header is looked for
 
 _PICTURES = (b"\x89PNG", b"%PDF", b"%!PS", b"<?xml")
 """What pictures begin with."""
@@ -152,4 +155,6 @@ def _columns(file: Path) -> set[str]:
         return set(pyarrow.parquet.read_schema(file).names)
     opened = gzip.open if ending == ".gz" else open
     with opened(file, "rt", encoding="utf-8") as lines:
-        return set(re.split("[,;\t]", lines.readline().strip()))
+        # what a logger writes above the header stays there
+        headers = (set(re.split("[,;\t|]", line.strip())) for line in islice(lines, _ABOVE))
+        return max(headers, key=lambda names: len(names & _CORRECTED), default=set())

@@ -1,15 +1,15 @@
-"""``echocal correct``: the same table with a corrected distance."""
+"""``echocal correct``: the same tables with a corrected distance."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import Progress
 
 from echocal.cli import _made_by
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
+from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
     Columns,
     Decimal,
@@ -21,20 +21,25 @@ from echocal.cli._tables import (
     SkipLines,
     TimeZone,
     Trust,
-    noted,
     notes,
     options_of,
     toml_files,
     write_json,
 )
-from echocal.correct import Corrected, correct_file, correct_folder
+from echocal.correct import Summary, correct_files
+from echocal.correct.files import refuse_ending
+from echocal.correct.inputs import Inputs, find_inputs
+from echocal.correct.manifest import FOLDER
+from echocal.correct.said import sentences
+from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.source import is_folder
 from echocal.observations.text import Layout
 
 
 def command(
-    data: Annotated[Path, typer.Argument(help="CSV, TSV, Parquet, or a folder of Parquet.")],
+    data: Annotated[
+        str, typer.Argument(metavar="IN", help="CSV, TSV, Parquet; a folder of them, or a glob in quotes.")
+    ],
     out: Annotated[Path, typer.Option("--out", "-o", metavar="OUT", help="File or folder to write.")],
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
@@ -43,6 +48,19 @@ def command(
         str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
     ] = None,
     effect: Effects = None,
+    models: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder with one model for each key of --by.")
+    ] = None,
+    by: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN", help="Column or partition with the key of a row: sensor_id."),
+    ] = None,
+    logs: Annotated[
+        str | None,
+        typer.Option(
+            metavar="file|key|all", help="Which files are one log, for a model that depends on other rows."
+        ),
+    ] = None,
     transferable: Annotated[
         bool,
         typer.Option(
@@ -56,6 +74,21 @@ def command(
             help="Mark rows that are as those which the diagnosis of the model left out.",
         ),
     ] = True,
+    uncertainty: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=U", help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ..."
+        ),
+    ] = None,
+    append_only: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN,...", help="Write these columns and the results only."),
+    ] = None,
+    round_mm: Annotated[
+        float | None, typer.Option(metavar="MM", help="Round distances to multiples of this.")
+    ] = None,
+    memory: Annotated[str, typer.Option(help="Memory that the run may use.")] = "512MB",
+    processes: Annotated[int, typer.Option(min=1, help="Processes; threads for a single file.")] = 2,
     column: Columns = None,
     missing: Missing = None,
     trust: Trust = None,
@@ -68,71 +101,97 @@ def command(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Append corrected_distance_m and a reason code; same rows, same order."""
-    folder = is_folder(data)
-    made = [file.relative_to(data) for file in data.rglob("*.parquet")] if folder else []
+    """Append corrected_distance_m, its standard uncertainty and a reason code; same rows, same order."""
+    inputs = find_inputs(data)
+    if inputs.single:
+        refuse_ending(out)
     check_outputs(
         Output("--json", json, _made_by.result("echocal.correct")),
-        Output("--out", None if folder else out, _made_by.table("correct")),
-        *made_in(out if folder else None, "--out", map(str, made), _made_by.table("correct")),
-        inputs=[data, model, *toml_files(column)],
-        folder=out if folder else None,
+        Output("--out", out if inputs.single else None, _made_by.table("correct")),
+        *_made(inputs, out),
+        inputs=[*(source.path for source in inputs.files), model, *toml_files(column)],
+        folder=None if inputs.single else out,
         force=force,
     )
-    options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
-    options["mark_rows"] = mark_rows
-    correction = model_of(law, model, effect)
+    if models is not None and (model is not None or law is not None or effect):
+        raise UsageError("--models has the models; leave --model, --law and --effect out")
+    correction = None if models is not None else model_of(law, model, effect)
     if transferable:
+        if correction is None:
+            raise UsageError("--transferable is for one model, not for --models")
         correction = correction.transferable()
-    with noted(quiet):
-        if folder:
-            done = _folder(data, out, correction, quiet, options)
-        else:
-            layout = Layout(skip_lines, decimal, encoding)
-            done = {out: correct_file(data, out, correction, layout=layout, **options)}
-    for result in done.values():
-        notes(result.notes, quiet)
-    if correction.campaign_effects:
-        named = ", ".join(correction.campaign_effects)
-        told = (
-            f"the model has {named}, counted from the first row of the campaign that it was found in: if "
-            "this is another one, say --transferable to leave it out"
-        )
-        notes([told], quiet)
-    if correction.air:
-        air = ", ".join(f"{name} = {value:g}" for name, value in correction.air.items())
-        notes([f"where the table does not give them, the model's own values are used: {air}"], quiet)
-    write_json(
-        {"schema": "echocal.correct/1", "files": {str(path): _rows(it) for path, it in done.items()}}, json
-    )
-    if not quiet and json != "-":
-        _print(done)
-
-
-def _folder(
-    data: Path, out: Path, correction: Model, quiet: bool, options: dict[str, Any]
-) -> dict[Path, Corrected]:
-    with Progress(console=Console(stderr=True, quiet=quiet), transient=True) as bar:
-        task = bar.add_task("correcting", total=None)
-        return correct_folder(
+    options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
+    with rows_bar(quiet) as progress:
+        summary = correct_files(
             data,
             out,
             correction,
+            models=models,
+            by=by,
+            uncertainties=uncertainty or (),
+            logs=logs,
+            append_only=None if append_only is None else [n.strip() for n in append_only.split(",") if n],
+            round_mm=round_mm,
+            memory=memory,
+            processes=processes,
+            layout=Layout(skip_lines, decimal, encoding),
+            force=force,
+            progress=progress,
+            mark_rows=mark_rows,
             **options,
-            progress=lambda count, total: bar.update(task, completed=count, total=total),
         )
+    notes([*inputs.left_out(), *sentences(summary.results.values()), *_of_model(correction)], quiet)
+    files = {str(out if inputs.single else out / place): it for place, it in summary.results.items()}
+    write_json(
+        {"schema": "echocal.correct/1", "files": {path: _rows(it) for path, it in files.items()}}, json
+    )
+    if not quiet and json != "-":
+        _print(summary, files)
+    if summary.set_aside:
+        shown = "; ".join(list(summary.set_aside.values())[:3])
+        message = f"{len(summary.set_aside)} of {len(files)} files were set aside: {shown}"
+        raise DataError(message)
 
 
-def _rows(result: Corrected) -> dict[str, Any]:
-    bad = sum(result.unusable.values())
-    rows = {"total": result.rows, "used": result.rows - bad, "unusable": result.unusable}
-    return {"rows": rows | ({"outside_smooth": result.marked} if result.marked else {})}
+def _made(inputs: Inputs, out: Path) -> list[Output]:
+    """Outputs in a folder; those that its manifest has may be replaced."""
+    if inputs.single or (out / FOLDER).is_dir():
+        return []
+    names = [source.place.as_posix() for source in inputs.files]
+    return made_in(out, "--out", names, _made_by.table("correct"))
 
 
-def _print(done: dict[Path, Corrected]) -> None:
-    total = sum(result.rows for result in done.values())
-    bad = sum(sum(result.unusable.values()) for result in done.values())
-    files = str(next(iter(done))) if len(done) == 1 else f"{len(done)} files"
+def _of_model(correction: Model | None) -> list[str]:
+    """What a person should know of the model."""
+    if correction is None:
+        return []
+    said = []
+    if correction.campaign_effects:
+        named = ", ".join(correction.campaign_effects)
+        said.append(
+            f"the model has {named}, counted from the first row of the campaign that it was found in: if "
+            "this is another one, say --transferable to leave it out"
+        )
+    if correction.air:
+        air = ", ".join(f"{name} = {value:g}" for name, value in correction.air.items())
+        said.append(f"where the table does not give them, the model's own values are used: {air}")
+    return said
+
+
+def _rows(result: dict[str, Any]) -> dict[str, Any]:
+    if result["error"] is not None:
+        return {"error": result["error"]["text"]}
+    bad = sum(result["unusable"].values())
+    rows = {"total": result["rows"], "used": result["rows"] - bad, "unusable": result["unusable"]}
+    return {"rows": rows | ({"outside_smooth": result["marked"]} if result["marked"] else {})}
+
+
+def _print(summary: Summary, files: dict[str, Any]) -> None:
+    done = len(files) - len(summary.set_aside)
+    named = next(iter(files)) if len(files) == 1 else f"{done} files"
+    before = f" ({summary.skipped} files were done before)" if summary.skipped else ""
     Console(soft_wrap=True).print(
-        f"{files}: {total - bad} of {total} rows corrected", highlight=False, markup=False
+        f"{named}: {summary.rows - summary.unusable} of {summary.rows} rows corrected{before}",
+        highlight=False,
+        markup=False,
     )

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from echocal.correct.tables import RESULTS
+from echocal.correct.results import DISTANCE, RESULTS, UNCERTAINTY
 from echocal.errors import DataError
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.fields import row
 from echocal.observations.numbers import EMPTY, EXACT
 
-__all__ = ["as_text", "from_text", "with_results"]
+__all__ = ["as_text", "from_text", "labels_as_text", "with_results"]
 
 _WHOLE = r"^(0|-?[1-9][0-9]*)$"  # "007" is a name, and stays one
 _INTEGER = r"^[-+]?[0-9]+$"
@@ -26,9 +26,9 @@ def with_results(table: Table, results: pd.DataFrame) -> Table:
     """Append the two columns of a correction; all others stay unchanged."""
     pa = arrow()
     for name in RESULTS:
-        values = results[name].astype("category") if name == RESULTS[1] else results[name]
+        values = results[name] if name in (DISTANCE, UNCERTAINTY) else results[name].astype("category")
         table = table.append_column(name, pa.Array.from_pandas(values))
-    return table.replace_schema_metadata(_labels_as_text(table.schema.metadata))
+    return table.replace_schema_metadata(labels_as_text(table.schema.metadata))
 
 
 def from_text(table: pd.DataFrame, decimal: str) -> Table:
@@ -59,7 +59,7 @@ def as_text(table: Table) -> tuple[pd.DataFrame, list[str]]:
     return pd.DataFrame(columns).set_axis(_names(table), axis="columns"), notes
 
 
-def _labels_as_text(notes: dict[bytes, bytes] | None) -> dict[bytes, bytes] | None:
+def labels_as_text(notes: dict[bytes, bytes] | None) -> dict[bytes, bytes] | None:
     """Notes on a schema that pandas can follow: it would turn every name into a number or a date again."""
     try:
         own = json.loads((notes or {})[b"pandas"])

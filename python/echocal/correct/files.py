@@ -1,27 +1,21 @@
-"""Correct files: CSV and Parquet, one or a folder of them. An output is complete or absent."""
+"""Correct one file or a folder, by the functions of an earlier version."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from echocal.correct.columns import as_text, from_text, with_results
-from echocal.correct.tables import RESULTS, Corrected, correct_table
+from echocal.correct.batch import correct_files
+from echocal.correct.inputs import ENDINGS
+from echocal.correct.said import sentences
+from echocal.correct.tables import Corrected
 from echocal.errors import DataError, UsageError, writing
 from echocal.model import Model
-from echocal.observations.arrow import Table, arrow, read_parquet
-from echocal.observations.source import is_folder, is_parquet, load
+from echocal.observations.source import is_folder
 from echocal.observations.text import Layout
-from echocal.outputs import replacing
 
 __all__ = ["correct_file", "correct_folder"]
-
-_TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
-_COMPRESSIONS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
-"""Names for writing, where files call them differently."""
 
 
 def correct_file(
@@ -38,7 +32,7 @@ def correct_file(
     Parameters
     ----------
     source, out : Path
-        Text or Parquet; `out` by its ending (.csv, .tsv, either with .gz, .parquet).
+        Text or Parquet; `out` by its ending (.csv, .tsv, either with .gz, .parquet, .pq).
     model : Model
         The model of air and device.
     columns : mapping of str to str, optional
@@ -46,7 +40,12 @@ def correct_file(
     layout : Layout, optional
         How a text file is written.
     **options
-        As in `echocal.read_observations`.
+        As in `echocal.correct_files`.
+
+    Returns
+    -------
+    Corrected
+        Without the table.
 
     Raises
     ------
@@ -55,32 +54,19 @@ def correct_file(
     UsageError
         If the ending of `out` is unknown, or `out` is `source`.
     """
-    ending = _ending(out)
-    parquet = is_parquet(source)
+    source, out = Path(source), Path(out)
+    refuse_ending(out)
     with writing(out):
         same = out.exists() and out.samefile(source)
     if same:
         message = f"{out} is the input itself; choose another output"
         raise UsageError(message)
-    layout = layout or Layout()
-    if ending == ".parquet":
-        arrow()  # fail early without it
-    stored, compression = read_parquet(source) if parquet else (None, "SNAPPY")
-    corrected = correct_table(load(source if stored is None else stored, layout), model, columns, **options)
-    results = corrected.table[list(RESULTS)]
-    notes: list[str] = []
-    if ending == ".parquet":
-        if stored is None:
-            kept = [name for name in corrected.table.columns if name not in RESULTS]
-            stored = from_text(load(source, layout, verbatim=True)[kept], layout.decimal)
-        whole = with_results(stored, results)
-        with replacing(out) as unfinished:
-            _write_parquet(whole, unfinished, compression)
-    else:
-        fields, notes = as_text(stored) if parquet else (load(source, layout, verbatim=True), [])
-        with replacing(out) as unfinished:
-            _write_text(fields.join(results), unfinished, ending, layout.decimal)
-    return replace(corrected, notes=(*corrected.notes, *notes))
+    if is_folder(source):
+        message = f"{source} is a folder; correct_files corrects all files of it"
+        raise DataError(message)
+    summary = correct_files(source, out, model, columns=columns, layout=layout, **options)
+    (result,) = summary.results.values()
+    return _corrected(result)
 
 
 def correct_folder(
@@ -92,56 +78,49 @@ def correct_folder(
     progress: Callable[[int, int], None] = lambda done, total: None,
     **options: Any,
 ) -> dict[Path, Corrected]:
-    """Correct every Parquet file of a folder into another folder, under the same names.
+    """Correct every file of a folder into another folder, under the same names.
 
     Parameters
     ----------
     progress : callable
         Called with the files done and their total, after each.
+    **options
+        As in `echocal.correct_files`.
 
     Returns
     -------
     dict of Path to Corrected
         By output file, without the tables.
+
+    Raises
+    ------
+    DataError
+        If a file cannot be corrected; all others are.
     """
-    files = sorted(source.rglob("*.parquet")) if is_folder(source) else []
-    if not files:
-        message = f"{source} has no .parquet file"
+    seen = 0
+
+    def tell(state: Any) -> None:
+        nonlocal seen
+        if state.files > seen:
+            seen = state.files
+            progress(state.files, state.of_files)
+
+    summary = correct_files(source, out, model, columns=columns, progress=tell, **options)
+    if summary.set_aside:
+        done = len(summary.results) - len(summary.set_aside)
+        first = next(iter(summary.set_aside.values()))
+        message = f"{first} ({done} of {len(summary.results)} files are done)"
         raise DataError(message)
-    if source.resolve() in (out.resolve(), *out.resolve().parents):
-        message = f"{out} is or lies in the input itself; choose another output"
+    return {Path(out) / place: _corrected(result) for place, result in summary.results.items()}
+
+
+def refuse_ending(path: Path) -> None:
+    """Raise `UsageError` for an output of an unknown kind."""
+    if not path.name.lower().endswith(ENDINGS):
+        message = f"cannot write {path}; endings: {', '.join(ENDINGS)}"
         raise UsageError(message)
-    done: dict[Path, Corrected] = {}
-    for file in files:
-        target = out / file.relative_to(source)
-        try:
-            with writing(target.parent):
-                target.parent.mkdir(parents=True, exist_ok=True)
-            result = correct_file(file, target, model, columns, **options)
-        except (DataError, UsageError) as error:
-            message = f"{file}: {error} ({len(done)} of {len(files)} files are done)"
-            raise type(error)(message) from None
-        done[target] = replace(result, table=result.table.iloc[:0])
-        progress(len(done), len(files))
-    return done
 
 
-def _ending(path: Path) -> str:
-    ending = next((ending for ending in (*_TEXTS, ".parquet") if path.name.lower().endswith(ending)), None)
-    if ending is None:
-        message = f"cannot write {path}; endings: {', '.join(_TEXTS)}, .parquet"
-        raise UsageError(message)
-    return ending
-
-
-def _write_parquet(table: Table, path: Path, compression: str) -> None:
-    arrow().parquet.write_table(table, path, compression=_COMPRESSIONS.get(compression, compression))
-
-
-def _write_text(table: pd.DataFrame, path: Path, ending: str, decimal: str) -> None:
-    # a separator at the end of lines made columns without a name
-    names = ["" if str(name).startswith("Unnamed ") else str(name) for name in table.columns]
-    separator = "\t" if ending.startswith(".tsv") else ";" if decimal == "," else ","
-    compression: Literal["gzip"] | None = "gzip" if ending.endswith(".gz") else None
-    rounded = table.assign(**{RESULTS[0]: np.round(table[RESULTS[0]], 9)})  # to a nanometer
-    rounded.to_csv(path, index=False, header=names, sep=separator, decimal=decimal, compression=compression)
+def _corrected(result: Mapping[str, Any]) -> Corrected:
+    notes = tuple(sentences([result]))
+    return Corrected(pd.DataFrame(), result["rows"], result["unusable"], notes, result["marked"])

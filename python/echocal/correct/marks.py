@@ -13,7 +13,6 @@ from echocal.observations import Observations
 from echocal.observations.marks import MARKS, RowRule, marked, rules_from
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import make
-from echocal.observations.source import load
 
 __all__ = ["context_of", "reference_of", "rules_of", "with_marks"]
 
@@ -68,7 +67,6 @@ def reference_of(
     """Reference distances [m], shape (n,), for rules that need them; None where there are none."""
     if not any("reference" in rule.kind + rule.quantity for rule in rules_of(model)):
         return None
-    table = load(table)
     source = make(list(table.columns), dict(requests)).assignments.get("reference_distance")
     if source is None:
         return None

@@ -1,7 +1,6 @@
 """Append a corrected distance and a reason code to a table."""
 
-import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,23 +8,17 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.correct.marks import reference_of, with_marks
-from echocal.errors import DataError, DataWarning, UsageError
+from echocal.correct.needed import needed
+from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
+from echocal.correct.rows import Reading, Rows, correct_rows
+from echocal.correct.uncertainty import Uncertainties
+from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations import read_observations
-from echocal.observations.correction import corrected_distance, outside_smooth
-from echocal.observations.marks import MARKS
-from echocal.observations.names import IGNORE
-from echocal.observations.plan import make, read_columns
+from echocal.observations.numbers import Missing
+from echocal.observations.plan import read_columns
 from echocal.observations.source import load
 
-__all__ = ["RESULTS", "Corrected", "correct_table"]
-
-RESULTS = ("corrected_distance_m", "unusable")
-"""Names of the two columns that a correction appends."""
-
-_REFERENCES = ("reference_distance", "stand", "group", "order")
-_BURSTS = ("group", "order")  # what the position in a burst is derived from
+__all__ = ["Corrected", "correct_table", "refuse_corrected", "results_of"]
 
 
 @dataclass(frozen=True)
@@ -34,8 +27,9 @@ class Corrected:
 
     Attributes
     ----------
-    table : pandas.DataFrame, shape (n, m + 2)
-        The unchanged table, and ``corrected_distance_m`` [m] and ``unusable``, a reason code. A row
+    table : pandas.DataFrame, shape (n, m + 4)
+        The unchanged table, and ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
+        ``status``, a reason code, and ``unusable``, its former name. A row
         outside of the range of a smooth correction has a reason and the distance without this correction.
     rows : int
         Number of rows.
@@ -61,6 +55,7 @@ def correct_table(
     *,
     reading_speed: str | None = None,
     mark_rows: bool = True,
+    uncertainties: Sequence[str] | Mapping[str, float] = (),
     **options: Any,
 ) -> Corrected:
     """Correct every row of a table, in its order.
@@ -78,8 +73,10 @@ def correct_table(
     mark_rows : bool
         Whether rows that are as those which the diagnosis of the model left out get no corrected
         distance, but the name of the fault as reason.
+    uncertainties : sequence of str, or mapping of str to float
+        Standard uncertainties of recorded or assumed values: ``["temperature_C=0.5", "echo_us=10"]``.
     **options
-        As in `echocal.read_observations`.
+        `missing`, `trust` and `time_zone` of `echocal.read_observations`.
 
     Returns
     -------
@@ -104,48 +101,71 @@ def correct_table(
     if not isinstance(table, pd.DataFrame):
         message = f"correct_table corrects a pandas table, got {type(table).__name__}"
         raise UsageError(message)
-    taken = [name for name in RESULTS if name in table.columns]
+    refuse_corrected(table.columns)
+    whole = load(table)
+    requests = read_columns(columns)
+    reading = Reading(
+        missing=options.pop("missing", ()),
+        trust=as_names(options.pop("trust", ())),
+        time_zone=options.pop("time_zone", "UTC"),
+        reading_speed=None if reading_speed is None else str(reading_speed),
+        mark_rows=mark_rows,
+        uncertainties=Uncertainties.of(uncertainties),
+    )
+    Missing(reading.missing).refuse_unknown(whole.columns)
+    if options:
+        message = f"correct_table has no option '{next(iter(options))}' for a table"
+        raise UsageError(message)
+    read = needed(
+        list(whole.columns),
+        model,
+        requests,
+        reading_speed=reading.reading_speed,
+        trust=reading.trust,
+        mark_rows=mark_rows,
+    )
+    rows = correct_rows(whole, model, read, reading)
+    unusable, marked = counts(rows)
+    notes = (*rows.notes, *said_of(marked))
+    return Corrected(table.assign(**results_of(rows)), len(table), unusable, notes, marked)
+
+
+def results_of(rows: Rows) -> dict[str, NDArray[Any]]:
+    """The appended columns by name."""
+    reasons = np.array(rows.reasons)[rows.codes]
+    return {DISTANCE: rows.distance, UNCERTAINTY: rows.uncertainty, STATUS: reasons, UNUSABLE: reasons}
+
+
+def refuse_corrected(names: Collection[str]) -> None:
+    """Raise `DataError` for a table that has a column which a correction appends."""
+    taken = [name for name in RESULTS if name in names]
     if taken:
         message = f"the table already has a column '{taken[0]}': it was corrected before; rename or remove it"
         raise DataError(message)
-    requests = read_columns(columns)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DataWarning)  # the notes say the same
-        observations = read_observations(
-            table,
-            _without_references(table, requests, model),
-            reading_speed=reading_speed or model.law,
-            **options,
-        )
-    distance = corrected_distance(observations, model)
-    reasons = np.where(observations.usable & np.isnan(distance), "no distance fits", observations.unusable)
-    for column in model.columns.values():
-        lacks = observations.usable & np.isnan(observations.thermometers[column])
-        reasons = np.where(lacks, f"{column} missing", reasons)
-    notes: tuple[str, ...] = observations.notes
-    if mark_rows and MARKS in model.provenance:
-        reference = reference_of(table, requests, options.get("missing", ()), model)
-        distance, faults, more = with_marks(observations, distance, reference, model)
-        reasons, notes = np.where(reasons == "", faults, reasons), (*notes, *more)
-    marks = np.where(reasons == "", outside_smooth(observations, model), "")
-    unusable, marked = _counts(reasons), _counts(marks)
-    if marked:
-        said = "; ".join(f"{count} x {reason}" for reason, count in marked.items())
-        notes += (f"rows with the distance by the model without its smooth correction: {said}",)
-    results: tuple[NDArray[Any], ...] = (distance, np.where(marks == "", reasons, marks))
-    whole = table.assign(**dict(zip(RESULTS, results, strict=True)))
-    return Corrected(whole, len(table), unusable, notes, marked)
 
 
-def _counts(reasons: NDArray[Any]) -> dict[str, int]:
-    codes, counts = np.unique(reasons[reasons != ""], return_counts=True)
-    return dict(zip(codes.tolist(), counts.tolist(), strict=True))
+def counts(rows: Rows) -> tuple[dict[str, int], dict[str, int]]:
+    """Rows without a distance, and rows with a distance and a reason; by reason."""
+    found = np.bincount(rows.codes, minlength=len(rows.reasons)).tolist()
+    by_kind: tuple[dict[str, int], dict[str, int]] = ({}, {})
+    for reason, count, lost in zip(rows.reasons, found, rows.unusable, strict=True):
+        if count and reason:
+            by_kind[0 if lost else 1][reason] = count
+    return by_kind
 
 
-def _without_references(table: pd.DataFrame, requests: dict[str, str], model: Model) -> dict[str, str]:
-    """Requests that ignore columns that a correction does not need, so that they make no row unusable."""
-    held = make(list(load(table).columns), requests).assignments
-    needed = _BURSTS if "position_in_group" in model.reads else ()
-    return requests | {
-        held[role].column: IGNORE for role in _REFERENCES if role in held and role not in needed
-    }
+def said_of(marked: Mapping[str, int]) -> tuple[str, ...]:
+    """A sentence on rows outside of the range of a smooth correction."""
+    if not marked:
+        return ()
+    said = "; ".join(f"{count} x {reason}" for reason, count in marked.items())
+    return (f"rows with the distance by the model without its smooth correction: {said}",)
+
+
+def as_names(trust: Any) -> Collection[str]:
+    """Trusted columns as a list of names."""
+    listed = [trust] if isinstance(trust, str) else trust
+    if not isinstance(listed, Collection) or not all(isinstance(name, str) for name in listed):
+        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
+        raise UsageError(message)
+    return listed

@@ -63,10 +63,13 @@ class _File(_Entry):
     data: dict[str, Any] = {}
 
 
-def read(path: Path) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
-    """Return a model's arguments, its covariance, and the names of the covariance's rows."""
+def read(path: Path, text: str | None = None) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
+    """Return a model's arguments, its covariance, and the names of the covariance's rows.
+
+    With a text, this is the content of the file.
+    """
     try:
-        document = _parse(path)
+        document = _parse(path, text)
         _check_schema(document)
         file = _File.model_validate(document)
         arguments, covariance = _arguments(file), _covariance(file)
@@ -85,13 +88,13 @@ def read(path: Path) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
     return arguments, covariance, tuple(_uncertainties(file))
 
 
-def _parse(path: Path) -> dict[str, Any]:
+def _parse(path: Path, text: str | None) -> dict[str, Any]:
     def refuse(constant: str) -> NoReturn:
         message = f"has {constant} for a number; a model has finite values only"
         raise ModelError(message)
 
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = path.read_text(encoding="utf-8-sig") if text is None else text
     except UnicodeDecodeError:
         raise ModelError("is not JSON, not even text") from None
     except ValueError as error:  # a NUL byte, a lone surrogate

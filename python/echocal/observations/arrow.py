@@ -9,7 +9,7 @@ import pandas as pd
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Table", "arrow", "read_parquet", "to_pandas"]
+__all__ = ["Table", "arrow", "has_arrow", "read_parquet", "to_pandas"]
 
 Table: TypeAlias = Any
 """A ``pyarrow.Table``; the library has no types, and may be absent."""
@@ -33,6 +33,15 @@ def arrow(what: str = "Parquet") -> Any:
     except ImportError:
         message = f"{what} needs pyarrow: pip install 'echocal[batch]'"
         raise UsageError(message) from None
+
+
+def has_arrow() -> bool:
+    """Whether the Arrow library is installed."""
+    try:
+        arrow()
+    except UsageError:
+        return False
+    return True
 
 
 def read_parquet(path: Path) -> tuple[Table, str]:

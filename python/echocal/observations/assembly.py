@@ -1,7 +1,7 @@
 """Assemble observations from the columns of a table."""
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
@@ -17,6 +17,7 @@ from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows
 from echocal.observations.names import looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
+from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
@@ -38,6 +39,7 @@ class Assembly:
     missing: Missing
     trusted: Collection[str]
     time_zone: str
+    part: Part | None = None
     reasons: list[str] = field(init=False, default_factory=lambda: [""])
     reason: NDArray[np.int16] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
@@ -63,7 +65,7 @@ class Assembly:
         extra, texts = self._extra()
         return Observations(
             echo_time=echo_time,
-            conditions={**conditions, **derived(conditions, named), **self._hour()},
+            conditions={**conditions, **self._derived(conditions, named), **self._hour()},
             reference_distance=values.get("reference_distance"),
             unusable=self._unusable(),
             reading=values.get("reading"),
@@ -83,26 +85,40 @@ class Assembly:
         if source.name == "time":
             given = self.table[source.column]
             self.time, outside = clock.instants(given, source.column, self.time_zone)
-            values = clock.elapsed(self.time)
+            values = clock.elapsed(self.time, None if self.part is None else self.part.start)
             self._mark(outside, f"{source.column} out of range", source)
-            self.notes += checks.outside_years(given, outside, source)
             self._check_filled(np.where(outside, np.inf, values), source)
-            self.notes += checks.newest_first(values, source)
+            if self.part is None:
+                self.notes += checks.outside_years(given, outside, source)
+                self.notes += checks.newest_first(values, source)
             return values
         checks.refuse_truth(self.table[source.column], source)
         values = to_numbers(self.table[source.column], source.column, self.missing)
         self._check_filled(values, source)
         seen = checks.ends(values)
-        self._refuse_other_unit(values, seen, source)
-        self.notes += checks.suspected_codes(values, seen, source)
         wrong, notes = checks.impossible(values, seen, source)
+        if self.part is None:
+            self._refuse_other_unit(values, seen, source)
+            self.notes += [*checks.suspected_codes(values, seen, source), *notes]
+        else:
+            self.part.count(source, values, seen)
         self._mark(wrong, f"{source.column} out of range", source)
-        self.notes += notes
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
-            values = values - np.min(values, where=np.isfinite(values), initial=np.inf)
-            self.notes += checks.newest_first(values, source)
+            values = self._since_start(values)
+            if self.part is None:
+                self.notes += checks.newest_first(values, source)
         return values
+
+    def _since_start(self, values: Column) -> Column:
+        if self.part is not None and isinstance(self.part.start, float):
+            return values - self.part.start
+        return values - np.min(values, where=np.isfinite(values), initial=np.inf)
+
+    def _derived(
+        self, conditions: dict[str, Column], named: dict[str, NDArray[np.int64]]
+    ) -> Mapping[str, Column]:
+        return derived(conditions, named) if self.part is None else self.part.derived
 
     def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
         """Refuse a column in another unit; where everything is trusted, keep the sentence."""
@@ -123,10 +139,11 @@ class Assembly:
         return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
 
     def _check_filled(self, values: Column, source: Assignment) -> None:
-        checks.refuse_without_values(values, source, self.trusted)
+        if self.part is None:
+            checks.refuse_without_values(values, source, self.trusted)
         empty = np.isnan(values)
         self._mark(empty, f"{source.column} missing", source)
-        if empty.any():
+        if self.part is None and empty.any():
             first = row(np.flatnonzero(empty)[0])
             self.notes.append(f"{source.column} has no value in {rows(empty.sum())}, first at {first}")
 
@@ -163,7 +180,7 @@ class Assembly:
         if reading_speed is not None or "temperature" in conditions:
             sources = (self.plan.assignments["echo_time"], self.plan.assignments["reading"])
             speed = FirmwareSpeed(reading_speed, conditions, self._thermometer)
-            apart = disagreeing(reading, echo_time, speed, sources)
+            apart = disagreeing(reading, echo_time, speed, sources, self.part)
             reason = f"{sources[0].column} and {sources[1].column} disagree"
             self._give(apart, reason)
         return echo_time
@@ -201,7 +218,7 @@ class Assembly:
             low, high = source.form.physical
             values = source.unit.to_si(values)
             wrong = np.isfinite(values) & ~((low <= values) & (values <= high))
-            if wrong.any():
+            if self.part is None and wrong.any():
                 first = row(np.flatnonzero(wrong)[0])
                 self.notes.append(
                     f"{column} is outside {low:g} to {high:g} degC in {rows(wrong.sum())}, first at {first}; "
@@ -221,6 +238,8 @@ class Assembly:
                 )
 
     def _summarize(self) -> None:
+        if self.part is not None:
+            return
         counts = np.bincount(self.reason, minlength=len(self.reasons)).tolist()
         given: Counter[str] = Counter()
         for reason, count in zip(self.reasons[1:], counts[1:], strict=True):

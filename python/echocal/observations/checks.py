@@ -226,6 +226,9 @@ def ends(values: Column) -> Ends:
     """Least and largest of the values that are known; most tables need no closer look."""
     if not len(values):
         return np.nan, np.nan
+    least, most = float(values.min()), float(values.max())  # several times as fast as fmin and fmax
+    if least == least:
+        return least, most
     return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
 
 

@@ -55,10 +55,11 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> tuple[Insta
     return np.array(times.dt.tz_convert("UTC").dt.tz_localize(None), dtype="datetime64[ns]"), outside
 
 
-def elapsed(times: Instants) -> NDArray[np.float64]:
-    """Seconds since the earliest time; NaN where there is none."""
-    known = times[~np.isnat(times)]
-    start = known.min() if len(known) else np.datetime64("NaT")
+def elapsed(times: Instants, start: object = None) -> NDArray[np.float64]:
+    """Seconds since the earliest time, or since a given instant in UTC; NaN where there is none."""
+    if not isinstance(start, np.datetime64):
+        known = times[~np.isnat(times)]
+        start = known.min() if len(known) else np.datetime64("NaT")
     return np.asarray((times - start) / np.timedelta64(1, "s"), dtype=np.float64)
 
 

@@ -18,7 +18,9 @@ def base_indication(observations: Observations, law: str) -> Column:
 
     Where readings were turned into echo times with this law, these are the readings again.
     """
-    echo_time = np.where(observations.usable, observations.echo_time, np.nan)
+    usable, echo_time = observations.usable, observations.echo_time
+    if not usable.all():
+        echo_time = np.where(usable, echo_time, np.nan)
     return np.asarray(Model(law).distance(echo_time, **_conditions(observations)))
 
 
@@ -72,4 +74,6 @@ def _conditions(observations: Observations, model: Model | None = None) -> dict[
     usable = observations.usable
     bound = {} if model is None else observations.bound(model.columns)
     given = {**observations.conditions, **bound}
+    if usable.all():
+        return given
     return {name: np.where(usable, values, np.nan) for name, values in given.items()}

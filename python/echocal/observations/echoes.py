@@ -10,6 +10,7 @@ from echocal import _core
 from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
 from echocal.observations.fields import row
+from echocal.observations.part import Part
 from echocal.observations.plan import Assignment
 
 __all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]
@@ -103,7 +104,11 @@ class FirmwareSpeed:
 
 
 def disagreeing(
-    reading: Column, echo_time: Column, speed: FirmwareSpeed, sources: tuple[Assignment, Assignment]
+    reading: Column,
+    echo_time: Column,
+    speed: FirmwareSpeed,
+    sources: tuple[Assignment, Assignment],
+    part: Part | None = None,
 ) -> NDArray[np.bool_]:
     """Rows whose reading is not what the firmware makes of the echo time.
 
@@ -117,7 +122,9 @@ def disagreeing(
     tolerance = 0.01 + 0.10 * np.abs(expected)
     known = np.isfinite(reading) & np.isfinite(expected)
     apart = known & (np.abs(reading - expected) > tolerance)
-    if 2 * apart.sum() > known.sum():
+    if part is not None:
+        part.disagreeing[:] = int(apart[part.counted].sum()), int(known[part.counted].sum())
+    elif 2 * apart.sum() > known.sum():
         ratio = float(np.median(reading[known] / expected[known]))
         echo, indicated = (source.column for source in sources)
         message = (

@@ -6,7 +6,7 @@ shows which of the two it is: swallowed lines are rows of the table.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 
 from echocal.errors import DataError
@@ -66,32 +66,42 @@ class Marks:
         DataError
             If a quotation mark is not closed, is closed within a field, or swallows rows.
         """
-        count = 0
+        return sum(bool(record) for record, _ in self.records(lines, first))
+
+    def records(self, lines: Iterable[str], first: int) -> Iterator[tuple[list[str], list[str]]]:
+        """Lines of each row, without and with what ends them; a blank line is no row.
+
+        Raises
+        ------
+        DataError
+            As `rows`.
+        """
         record: list[str] = []
+        held: list[str] = []
         usual = ""  # the last line that is a whole row
         whole, blanks = self._whole.fullmatch, " \t".replace(self._separator, "")
         for number, ended in enumerate(lines, first):
             line = ended.rstrip("\r\n")
             if not record and '"' not in line:
-                count += line.strip(blanks) != ""
+                yield [line] if line.strip(blanks) != "" else [], [ended]
                 usual = line
                 continue
             if not record and whole(line):
-                count += 1
+                yield [line], [ended]
                 continue
             record.append(line)
+            held.append(ended)
             if not self._closed(record, number):
                 continue
             self._refuse_swallowed(record, number - len(record) + 1, usual)
-            count += 1
-            record = []
+            yield record, held
+            record, held = [], []
         if record:
             message = (
                 f"{self._path}: nothing closes the quotation mark of line {number - len(record) + 1} "
                 f"({record[0]:.60}); {_MEND}"
             )
             raise DataError(message)
-        return count
 
     def _closed(self, record: list[str], number: int) -> bool:
         """Whether a record ends with the line that was added last."""

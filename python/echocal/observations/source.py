@@ -13,7 +13,7 @@ from echocal.errors import DataError, UsageError
 from echocal.observations import text
 from echocal.observations.arrow import arrow, read_parquet, to_pandas
 
-__all__ = ["is_folder", "is_parquet", "load"]
+__all__ = ["is_folder", "is_parquet", "load", "refuse_other_kinds"]
 
 _PARQUET = b"PAR1"
 _NO_TEXT = {
@@ -85,14 +85,19 @@ def is_parquet(path: Path) -> bool:
     return _head(path).startswith(_PARQUET)
 
 
-def _file(path: Path, layout: text.Layout, verbatim: bool) -> pd.DataFrame:
+def refuse_other_kinds(path: Path) -> None:
+    """Raise `DataError` for a file that is neither Parquet nor text."""
     head = _head(path)
-    if head.startswith(_PARQUET):
-        return _index_as_columns(to_pandas(read_parquet(path)[0]))
     for start, told in _NO_TEXT.items():
         if head.startswith(start):
             message = f"{path} is {told}"
             raise DataError(message)
+
+
+def _file(path: Path, layout: text.Layout, verbatim: bool) -> pd.DataFrame:
+    if is_parquet(path):
+        return _index_as_columns(to_pandas(read_parquet(path)[0]))
+    refuse_other_kinds(path)
     return text.read(path, layout, verbatim)
 
 

@@ -21,7 +21,7 @@ from echocal.errors import DataError, UsageError
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 
-__all__ = ["Layout", "read"]
+__all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read"]
 
 _SEPARATORS = ",;\t|"
 _PART = 1 << 20  # characters that are searched at a time
@@ -49,8 +49,26 @@ class Layout:
             raise UsageError(_no_encoding(self.encoding)) from None
 
 
-def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
-    """Read a text file; the separator is the one that its header has most of.
+@dataclass(frozen=True)
+class Head:
+    """What a text file begins with.
+
+    Attributes
+    ----------
+    above : int
+        Lines down to the header, which is the last of them.
+    separator : str
+    names : list of str
+        Columns; one without a name has one by its place.
+    """
+
+    above: int
+    separator: str
+    names: list[str]
+
+
+def head_of(path: Path, layout: Layout) -> Head:
+    """Read the header of a text file; the separator is the one that it has most of.
 
     Raises
     ------
@@ -68,7 +86,20 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
         raise DataError(message)
     names = _names(next(csv.reader([header], delimiter=separator, skipinitialspace=True)))
     Marks(str(path), separator, len(names)).rows([header], skip + 1)
-    body = _Body(path, layout, skip + 1, separator, len(names))
+    return Head(skip + 1, separator, names)
+
+
+def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
+    """Read a text file.
+
+    Raises
+    ------
+    DataError
+        If the file is not delimited text.
+    """
+    head = head_of(path, layout)
+    names = head.names
+    body = _Body(path, layout, head.above, head.separator, len(names))
     count = body.rows()
     table = body.texts() if verbatim else body.values()
     if count not in {None, len(table)}:
@@ -97,10 +128,10 @@ class _Body:
 
     def rows(self) -> int | None:
         """Number of rows that quotation marks leave; None where there are no such marks."""
-        with _below(self.path, self.layout, self.above) as file:
+        with below(self.path, self.layout, self.above) as file:
             if not any('"' in part for part in iter(lambda: file.read(_PART), "")):
                 return None
-        with _below(self.path, self.layout, self.above) as file:
+        with below(self.path, self.layout, self.above) as file:
             return Marks(str(self.path), self.separator, self.width).rows(file, self.above + 1)
 
     def texts(self) -> pd.DataFrame:
@@ -122,7 +153,7 @@ class _Body:
 
     def _parsed(self, **options: Any) -> pd.DataFrame:
         try:
-            with _below(self.path, self.layout, self.above) as file, warnings.catch_warnings():
+            with below(self.path, self.layout, self.above) as file, warnings.catch_warnings():
                 warnings.simplefilter("error", pd.errors.ParserWarning)  # fields would be lost
                 table: pd.DataFrame = pd.read_csv(
                     file, sep=self.separator, header=None, names=range(self.width), index_col=False,
@@ -141,7 +172,7 @@ class _Body:
 def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
     """Lines to skip, and the header and the line after it."""
     skip = layout.skip_lines
-    with _below(path, layout, skip) as file:
+    with below(path, layout, skip) as file:
         lines = list(islice(file, 100))
     while lines and (lines[0].startswith("#") or not lines[0].strip()):
         skip += 1
@@ -159,7 +190,8 @@ def _no_encoding(name: object) -> str:
     return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
 
 
-def _no_text(path: Path, layout: Layout) -> str:
+def no_text(path: Path, layout: Layout) -> str:
+    """Say that a file is not text in its encoding."""
     encoding = layout.encoding.removesuffix("-sig")
     with path.open("rb") as file:
         wide = file.read(2) in {b"\xff\xfe", b"\xfe\xff"}
@@ -171,13 +203,14 @@ def _names(fields: list[str]) -> list[str]:
     return [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
 
 
-def _zipped(path: Path) -> bool:
+def is_zipped(path: Path) -> bool:
+    """Whether a file begins as gzip does."""
     with path.open("rb") as file:
         return file.read(2) == b"\x1f\x8b"
 
 
 @contextmanager
-def _below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
+def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
     """Open a file below its first lines."""
     try:
         with _open(path, layout.encoding) as file:
@@ -185,7 +218,7 @@ def _below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
                 pass
             yield file
     except UnicodeError:
-        raise DataError(_no_text(path, layout)) from None
+        raise DataError(no_text(path, layout)) from None
     except LookupError:  # one for bytes, such as zip
         raise UsageError(_no_encoding(layout.encoding)) from None
     except (OSError, EOFError, zlib.error) as error:
@@ -194,6 +227,6 @@ def _below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
 
 
 def _open(path: Path, encoding: str) -> TextIO:
-    if _zipped(path):
+    if is_zipped(path):
         return gzip.open(path, "rt", encoding=encoding, newline="")
     return path.open(encoding=encoding, newline="")

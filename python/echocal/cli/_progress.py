@@ -1,0 +1,44 @@
+"""Progress of a run over files: share done, rows per second, time left."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import monotonic
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from echocal.correct.driver import Progress as State
+
+__all__ = ["rows_bar"]
+
+
+@contextmanager
+def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
+    """Progress bar on a terminal; none in a log or a pipe."""
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TextColumn("{task.fields[speed]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=quiet or not console.is_terminal
+    ) as shown:
+        task = shown.add_task("correcting", total=None, speed="")
+        begun = monotonic()
+
+        def tell(state: State) -> None:
+            speed = state.rows / max(monotonic() - begun, 1e-3)
+            shown.update(
+                task,
+                total=max(state.of_bytes, 1),
+                completed=state.bytes,
+                description=f"{state.files} of {state.of_files} files"
+                if state.of_files > 1
+                else "correcting",
+                speed=f"{speed:,.0f} rows/s",
+            )
+
+        yield tell

@@ -1,0 +1,247 @@
+"""Correct files: one or many, by one model or by one for each sensor."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from echocal._core import __version__
+from echocal.correct.driver import Progress, Summary, run, task_of
+from echocal.correct.executors import Executor, Here, Processes
+from echocal.correct.inputs import Inputs, find_inputs, refuse_nested
+from echocal.correct.job import plain_job
+from echocal.correct.logs import logs_of
+from echocal.correct.memory import in_bytes
+from echocal.correct.tables import as_names
+from echocal.correct.task import run_task
+from echocal.correct.uncertainty import Uncertainties
+from echocal.errors import UsageError
+from echocal.model import Model
+from echocal.model.folder import ModelFolder
+from echocal.model.plain import to_plain
+from echocal.observations.plan import read_columns
+from echocal.observations.text import Layout
+
+__all__ = ["correct_files", "job_of"]
+
+_SMALL = 64 << 20
+"""Bytes of inputs below which starting processes takes longer than the work; judgement."""
+
+
+def correct_files(
+    source: str | Path,
+    out: str | Path,
+    model: Model | None = None,
+    *,
+    models: str | Path | None = None,
+    by: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    uncertainties: Sequence[str] | Mapping[str, float] = (),
+    logs: str | None = None,
+    append_only: Sequence[str] | None = None,
+    round_mm: float | None = None,
+    memory: int | str = "512MB",
+    processes: int = 2,
+    executor: Executor | None = None,
+    layout: Layout | None = None,
+    force: bool = False,
+    progress: Callable[[Progress], None] = lambda state: None,
+    **options: Any,
+) -> Summary:
+    r"""Correct a file, or every file of a folder or a glob, in constant memory.
+
+    Parameters
+    ----------
+    source : path
+        CSV, TSV, either gzipped, Parquet; a folder of them, or a glob. Folders may be partitions
+        (``sensor_id=17/``).
+    out : path
+        The file to write; a folder for a folder or a glob. There, what is done is recorded, and is not done
+        again.
+    model : Model, optional
+        The model of all rows.
+    models : path, optional
+        Folder of models, one for each key; see `echocal.model.folder`.
+    by : str, optional
+        Column, or partition, that has the key: ``"sensor_id"``.
+    columns : mapping of str to str, optional
+        Meaning of columns, by their names.
+    uncertainties : sequence of str, or mapping of str to float
+        Standard uncertainties of recorded or assumed values: ``["temperature_C=0.5", "echo_us=10"]``.
+    logs : str, optional
+        Which files are one log, for a model that depends on other rows: ``"file"`` (each its own), ``"all"``
+        (all files are one), ``"key"`` (those of a key are one; the default with `by`).
+    append_only : sequence of str, optional
+        Write these columns and the results only.
+    round_mm : float, optional
+        Round distances to multiples of this [mm].
+    memory : int or str
+        Memory that the run may use: ``"512MB"``.
+    processes : int
+        Processes, or threads for a single file.
+    executor : Executor, optional
+        Who runs the tasks; default: this machine.
+    layout : Layout, optional
+        How text files are written.
+    force : bool
+        Begin anew where the folder was begun with another model.
+    progress : callable
+        Told how far the run is.
+    **options
+        `reading_speed`, `mark_rows`, `missing`, `trust`, `time_zone` as in `correct_table`.
+
+    Returns
+    -------
+    Summary
+        Result of each file; files that cannot be corrected are set aside, with the reason.
+
+    Raises
+    ------
+    UsageError
+        If the request cannot be understood, or the output cannot be written.
+    DataError
+        If there is no file to correct; of a single file, also if it cannot be corrected.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import echocal
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = (folder / "log.csv").write_text("echo_us,temperature_C\n11680,20\n-1,20\n")
+    >>> device = echocal.Model("linear", {"fixed_delay": {"delay": 30e-6}})
+    >>> summary = echocal.correct_files(folder / "log.csv", folder / "out.csv", device)
+    >>> summary.rows, summary.unusable
+    (2, 1)
+    >>> (folder / "out.csv").read_text().splitlines()[1]
+    '11680,20,2.000305,,,'
+    """
+    inputs, target = find_inputs(source), Path(out)
+    refuse_nested(inputs, source, target)
+    if (model is None) == (models is None):
+        raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
+    if (models is None) != (by is None) and models is not None:
+        raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
+    several = len(inputs.files) > 1 and sum(_size(file.path) for file in inputs.files) > _SMALL
+    spread = several and processes > 1 and executor is None
+    limit = in_bytes(memory)
+    job = job_of(
+        model,
+        models,
+        by,
+        columns,
+        uncertainties,
+        layout or Layout(),
+        append_only=append_only,
+        round_mm=round_mm,
+        memory=limit // processes if spread else limit,
+        threads=1 if spread else processes,
+        options=options,
+        several=not inputs.single,
+        logs=logs,
+    )
+    folder = None if models is None else ModelFolder(Path(models))
+    digest = model.hash if model is not None else str(folder and folder.digest())
+    targets = {s.place.as_posix(): target if inputs.single else target / s.place for s in inputs.files}
+    keys = {s.place.as_posix(): s.partition.get(by) if by else None for s in inputs.files}
+    found = logs_of(inputs, keys, model, folder, logs, job)
+    tasks = {
+        s.place.as_posix(): task_of(
+            s, targets[s.place.as_posix()], job, keys[s.place.as_posix()], found[s.place.as_posix()]
+        )
+        for s in inputs.files
+    }
+    if inputs.single:
+        return _single(inputs, next(iter(tasks.values())), progress)
+    run_by = executor or (Processes(processes) if spread else Here())
+    return run(inputs, tasks, target, run_by, digest, force=force, progress=progress)
+
+
+def _single(inputs: Inputs, task: Mapping[str, Any], progress: Callable[[Progress], None]) -> Summary:
+    """Correct one file; a mistake in it is an error."""
+    import echocal.errors as errors
+
+    state = Progress(1, _size(inputs.files[0].path))
+
+    def tell(rows: int) -> None:
+        state.rows += rows
+        progress(state)
+
+    result = run_task(task, tell)
+    if result["error"] is not None:
+        kind = getattr(errors, result["error"]["kind"], errors.DataError)
+        raise kind(result["error"]["text"])
+    return Summary({inputs.files[0].place.as_posix(): result})
+
+
+def job_of(
+    model: Model | None,
+    models: str | Path | None,
+    by: str | None,
+    columns: Mapping[str, str] | None,
+    uncertainties: Sequence[str] | Mapping[str, float],
+    layout: Layout,
+    *,
+    append_only: Sequence[str] | None,
+    round_mm: float | None,
+    memory: int,
+    threads: int,
+    options: Mapping[str, Any],
+    several: bool = False,
+    logs: str | None = None,
+) -> dict[str, Any]:
+    """The job of all tasks, as plain data."""
+    known = {"reading_speed": None, "mark_rows": True, "missing": (), "trust": (), "time_zone": "UTC"}
+    unknown = next((name for name in options if name not in known), None)
+    if unknown is not None:
+        message = f"no option '{unknown}'; known: {', '.join(known)}"
+        raise UsageError(message)
+    if round_mm is not None and not round_mm > 0.0:
+        message = f"--round-mm {round_mm:g} is no step; give a positive number of millimeters"
+        raise UsageError(message)
+    given = {**known, **options}
+    stated = Uncertainties.of(uncertainties).stated
+    speed = given["reading_speed"]
+    reading = {
+        **given,
+        "reading_speed": None if speed is None else str(speed),
+        "missing": _plain_codes(given["missing"]),
+        "trust": list(as_names(given["trust"])),
+        "uncertainties": stated,
+    }
+    metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}
+    if model is not None:
+        metadata["echocal.model_hash"] = model.hash
+    else:
+        metadata["echocal.models_hash"] = ModelFolder(Path(str(models))).digest()
+        metadata["echocal.models_by"] = str(by)
+    if stated:
+        metadata["echocal.standard_uncertainties"] = json.dumps(stated, sort_keys=True)
+    if round_mm is not None:
+        metadata["echocal.rounded_to_mm"] = f"{round_mm:g}"
+    described = {"model": to_plain(model)} if model is not None else {"folder": str(models), "by": str(by)}
+    return plain_job(
+        described,
+        read_columns(columns),
+        reading,
+        layout,
+        metadata,
+        append_only=append_only,
+        round_m=None if round_mm is None else round_mm / 1000,
+        memory=memory,
+        threads=threads,
+        several=several,
+        logs=logs,
+    )
+
+
+def _plain_codes(missing: Any) -> Any:
+    if isinstance(missing, Mapping):
+        return {str(name): _plain_codes(codes) for name, codes in missing.items()}
+    return [str(code) for code in ([missing] if isinstance(missing, str | int | float) else missing)]
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0

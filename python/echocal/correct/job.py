@@ -1,0 +1,146 @@
+"""What a task says beyond its files: models, options. Plain data in, objects out."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from echocal.correct.rows import Reading
+from echocal.correct.uncertainty import Uncertainties
+from echocal.model import Model
+from echocal.model.folder import ModelFolder
+from echocal.model.plain import from_plain
+from echocal.observations.text import Layout
+
+__all__ = ["Job", "Models", "plain_job"]
+
+
+@dataclass(frozen=True)
+class Models:
+    """One model for all rows, or one for each key.
+
+    Attributes
+    ----------
+    one : Model or None
+    folder : ModelFolder or None
+    by : str
+        Column, or level of the folders (``sensor_id=17``), that has the key.
+    """
+
+    one: Model | None = None
+    folder: ModelFolder | None = None
+    by: str = ""
+
+    def model(self, key: str) -> Model | None:
+        """The model of a key; None where there is none."""
+        return self.one if self.folder is None else self.folder.model(key)
+
+
+@dataclass(frozen=True)
+class Job:
+    """How files are corrected.
+
+    Attributes
+    ----------
+    models : Models
+    requests : mapping of str to str
+        Meaning of columns.
+    reading : Reading
+    layout : Layout
+        How text files are written.
+    append_only : tuple of str or None
+        Columns to keep beside the results; None: all.
+    round_m : float or None
+        Distances are rounded to multiples of this [m].
+    memory : int
+        Bytes of memory that the process may use.
+    threads : int
+    metadata : mapping of str to str
+        What an output says of its origin.
+    several : bool
+        Whether the file is one of several: a column without any value is then no mistake.
+    logs : str or None
+        Which files are one log, if the user says it.
+    """
+
+    models: Models
+    requests: Mapping[str, str] = field(default_factory=dict)
+    reading: Reading = field(default_factory=Reading)
+    layout: Layout = field(default_factory=Layout)
+    append_only: tuple[str, ...] | None = None
+    round_m: float | None = None
+    memory: int = 512 << 20
+    threads: int = 2
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    several: bool = False
+    logs: str | None = None
+
+    @classmethod
+    def of(cls, task: Mapping[str, Any]) -> "Job":
+        """The job of a task."""
+        return _job(json.dumps(task["job"], sort_keys=True))
+
+
+@lru_cache(maxsize=4)
+def _job(text: str) -> Job:
+    plain = json.loads(text)
+    models = plain["models"]
+    reading = plain["reading"]
+    return Job(
+        Models(from_plain(models["model"]))
+        if "model" in models
+        else Models(None, ModelFolder(Path(models["folder"])), models["by"]),
+        plain["columns"],
+        Reading(
+            reading["missing"],
+            tuple(reading["trust"]),
+            reading["time_zone"],
+            reading["reading_speed"],
+            reading["mark_rows"],
+            Uncertainties(reading["uncertainties"]),
+        ),
+        Layout(**plain["layout"]),
+        None if plain["append_only"] is None else tuple(plain["append_only"]),
+        plain["round_m"],
+        plain["memory"],
+        plain["threads"],
+        plain["metadata"],
+        plain["several"],
+        plain["logs"],
+    )
+
+
+def plain_job(
+    models: Mapping[str, Any],
+    columns: Mapping[str, str],
+    reading: Mapping[str, Any],
+    layout: Layout,
+    metadata: Mapping[str, str],
+    *,
+    append_only: Sequence[str] | None = None,
+    round_m: float | None = None,
+    memory: int = 512 << 20,
+    threads: int = 2,
+    several: bool = False,
+    logs: str | None = None,
+) -> dict[str, Any]:
+    """A job as plain data."""
+    return {
+        "models": dict(models),
+        "columns": dict(columns),
+        "reading": dict(reading),
+        "layout": {
+            "skip_lines": layout.skip_lines,
+            "decimal": layout.decimal,
+            "encoding": layout.encoding,
+        },
+        "append_only": None if append_only is None else list(append_only),
+        "round_m": round_m,
+        "memory": memory,
+        "threads": threads,
+        "metadata": dict(metadata),
+        "several": several,
+        "logs": logs,
+    }

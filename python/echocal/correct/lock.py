@@ -1,0 +1,87 @@
+"""One run at a time on one output: a lock that a dead process does not keep."""
+
+import errno
+import json
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+from echocal.errors import UsageError, writing
+
+__all__ = ["locked"]
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+
+@contextmanager
+def locked(file: Path) -> Iterator[None]:
+    """Hold a lock for the time of a block.
+
+    The system gives a lock back when its process ends, however it ends. Where the file system has no such
+    locks, the process that the file names must be gone.
+
+    Raises
+    ------
+    UsageError
+        If another process has it; the text names the process.
+    """
+    with writing(file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        handle = file.open("a+", encoding="utf-8")
+    with handle:
+        if not _taken(handle):
+            owner = _owner(handle)
+            message = f"{file.parent.parent} is being written by {owner}; wait, or name another output"
+            raise UsageError(message)
+        with writing(file):
+            handle.seek(0)
+            handle.truncate()
+            json.dump({"host": socket.gethostname(), "process": os.getpid()}, handle)
+            handle.flush()
+        try:
+            yield
+        finally:
+            handle.seek(0)
+            handle.truncate()
+
+
+def _taken(handle: IO[str]) -> bool:
+    if fcntl is not None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except OSError as error:
+            if error.errno in (errno.EAGAIN, errno.EACCES):
+                return False
+    owner = _read(handle)
+    return not owner or (owner.get("host") == socket.gethostname() and not _lives(int(str(owner["process"]))))
+
+
+def _lives(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _owner(handle: IO[str]) -> str:
+    owner = _read(handle)
+    return f"process {owner['process']} on {owner['host']}" if owner else "another process"
+
+
+def _read(handle: IO[str]) -> dict[str, object]:
+    handle.seek(0)
+    try:
+        found = json.load(handle)
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) and {"host", "process"} <= set(found) else {}

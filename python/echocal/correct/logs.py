@@ -1,0 +1,193 @@
+"""Logs: rows that belong together, in one file or in several, for models that depend on other rows."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from echocal.correct.corrector import Context, Corrector
+from echocal.correct.inputs import Inputs, Source
+from echocal.correct.marks import context_of
+from echocal.correct.needed import remembered
+from echocal.errors import DataError, UsageError
+from echocal.model import Model
+from echocal.model.folder import ModelFolder
+
+__all__ = ["LOGS", "Surroundings", "logs_of", "surroundings"]
+
+LOGS = ("file", "key", "all")
+"""Which files may be one log."""
+
+_BYTES_A_ROW = 250
+"""What a row takes while the quantities that a log derives from its rows are computed; judgement."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the rows of a file depend on.
+
+    Attributes
+    ----------
+    context : Context
+        Of the rows before, of the file, and of the rows after.
+    before, after : pandas.DataFrame
+        Rows of the log just before and after the file.
+    """
+
+    context: Context
+    before: pd.DataFrame
+    after: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class _Log:
+    table: pd.DataFrame
+    places: Mapping[Path, tuple[int, int]]
+    context: Context
+
+
+_KEPT: dict[tuple[tuple[Path, ...], tuple[str, ...]], _Log] = {}
+"""The log that was used last: its files are mostly corrected one after the other."""
+
+
+def surroundings(
+    files: Sequence[Path],
+    place: int,
+    corrector: Corrector,
+    read: Callable[[Path], pd.DataFrame],
+    memory: int,
+) -> Surroundings:
+    """What the rows of one file of a log depend on.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        The files of the log. Their order is that of their first times.
+    place : int
+        Which of them.
+    read : callable
+        Reads the needed columns of a file.
+
+    Raises
+    ------
+    DataError
+        If the log is larger than the memory, or its files overlap in time.
+    """
+    key = (tuple(files), corrector.columns)
+    if key not in _KEPT:
+        log = _read_log(files, corrector, read, memory)
+        _KEPT.clear()
+        _KEPT[key] = log
+    log = _KEPT[key]
+    begin, end = log.places[files[place]]
+    first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(log.table))
+    return Surroundings(
+        log.context.rows(first, last),
+        log.table.iloc[first:begin].reset_index(drop=True),
+        log.table.iloc[end:last].reset_index(drop=True),
+    )
+
+
+def _read_log(
+    files: Sequence[Path], corrector: Corrector, read: Callable[[Path], pd.DataFrame], memory: int
+) -> _Log:
+    tables: list[pd.DataFrame] = []
+    rows = 0
+    for file in files:
+        tables.append(read(file))
+        rows += len(tables[-1])
+        if rows * _BYTES_A_ROW > memory:
+            message = (
+                f"the model has {', '.join(corrector.remembers) or 'marks'}, which depends on the other rows "
+                f"of a log, and this log has more than {memory // _BYTES_A_ROW} rows, which do not fit into "
+                f"{memory >> 20} MB; give more memory (--memory 4GB), or correct shorter logs"
+            )
+            raise DataError(message)
+    table, context, elapsed = _joined(tables, corrector)
+    ends = np.cumsum([len(own) for own in tables])
+    starts = [_earliest(times) for times in np.split(elapsed, ends[:-1])]
+    order = sorted(range(len(files)), key=lambda place: starts[place])
+    if order != list(range(len(files))):
+        tables, files = [tables[place] for place in order], [files[place] for place in order]
+        table, context, elapsed = _joined(tables, corrector)
+    sizes = [len(own) for own in tables]
+    _refuse_overlap(files, sizes, elapsed)
+    ends = np.cumsum([0, *sizes])
+    places = {file: (int(ends[n]), int(ends[n + 1])) for n, file in enumerate(files)}
+    return _Log(table, places, context)
+
+
+def _joined(
+    tables: Sequence[pd.DataFrame], corrector: Corrector
+) -> tuple[pd.DataFrame, Context, NDArray[np.float64]]:
+    table = pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+    return table, *corrector.whole_log(table)
+
+
+def _earliest(times: NDArray[np.float64]) -> float:
+    """Start of a file; one without times stays where it is named."""
+    known = times[np.isfinite(times)]
+    return float(known.min()) if len(known) else -np.inf
+
+
+def _refuse_overlap(files: Sequence[Path], sizes: Sequence[int], elapsed: NDArray[np.float64]) -> None:
+    latest, before = -np.inf, files[0]
+    for file, times in zip(files, np.split(elapsed, np.cumsum(sizes)[:-1]), strict=True):
+        known = times[np.isfinite(times)]
+        if len(known) and known.min() < latest:
+            message = (
+                f"{file} begins before {before} ends, and both are one log of a model that depends on the "
+                "other rows; if they are of different sensors, say so: --by COLUMN, or --logs file"
+            )
+            raise DataError(message)
+        if len(known):
+            latest, before = max(latest, float(known.max())), file
+
+
+def logs_of(
+    inputs: Inputs,
+    keys: Mapping[str, str | None],
+    model: Model | None,
+    folder: ModelFolder | None,
+    logs: str | None,
+    job: Mapping[str, Any],
+) -> dict[str, list[Path]]:
+    """Files of the log that each file belongs to, in the order of time, by the place of its output.
+
+    Only where the model depends on other rows; else every file is corrected by itself.
+
+    Raises
+    ------
+    UsageError
+        If it is not known which files are one log.
+    """
+    if logs not in (None, *LOGS):
+        message = f"--logs {logs} is not one of {', '.join(LOGS)}"
+        raise UsageError(message)
+    alone = {source.place.as_posix(): [source.path] for source in inputs.files}
+    if len(inputs.files) == 1 or logs == "file":
+        return alone
+    groups: dict[str | None, list[Source]] = {}
+    for source in inputs.files:
+        key = None if logs == "all" else keys[source.place.as_posix()]
+        groups.setdefault(key, []).append(source)
+    for key, sources in groups.items():
+        own = model if folder is None else folder.model(key) if key is not None else None
+        depends = [] if own is None else [*remembered(own), *(["marks"] if context_of(own) else [])]
+        if not depends or len(sources) < 2:
+            continue
+        if key is None and logs is None:
+            message = (
+                f"the model has {', '.join(depends)}, which depends on the other rows of a log, and there "
+                f"are {len(sources)} files; say which are one log: --logs all, --logs file (each by itself), "
+                "or --by COLUMN with one partition for each sensor"
+            )
+            raise UsageError(message)
+        ordered = [source.path for source in sources]
+        for source in sources:
+            alone[source.place.as_posix()] = ordered
+    return alone

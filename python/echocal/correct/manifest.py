@@ -1,0 +1,116 @@
+"""The manifest of a folder of outputs: what is done, with what, and what was set aside.
+
+Lines of JSON in ``_echocal/manifest.jsonl``: first what all files have in common, then a line for each file
+when it is in its place. A line that a crash cut off is no line.
+"""
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from echocal.correct.task import file_digest, stamp
+from echocal.errors import UsageError, writing
+from echocal.model.document import sha256
+from echocal.outputs import replace_text
+
+__all__ = ["FOLDER", "Manifest"]
+
+FOLDER = "_echocal"
+_SCHEMA = "echocal.manifest/1"
+_FILE = "manifest.jsonl"
+_OF_THE_MACHINE = ("memory", "threads")  # options that change no output
+
+
+class Manifest:
+    """What is done in a folder.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the outputs.
+    job : mapping
+        The job of all tasks; see `echocal.correct.job`.
+    models : str
+        Digest of the model, or of all models.
+    version : str
+        Version of echocal.
+    force : bool
+        Begin anew where another model or other options were used.
+
+    Raises
+    ------
+    UsageError
+        If the folder was begun with another model, other options or another version.
+    """
+
+    def __init__(
+        self, out: Path, job: Mapping[str, Any], models: str, version: str, *, force: bool = False
+    ) -> None:
+        self.out = out
+        self.file = out / FOLDER / _FILE
+        options = {name: own for name, own in job.items() if name not in (*_OF_THE_MACHINE, "models")}
+        self._head = {"schema": _SCHEMA, "version": version, "models": models, "options": sha256(options)}
+        lines = self._read()
+        self._done: dict[str, dict[str, Any]] = {}
+        if lines and lines[0] != self._head and not force:
+            raise UsageError(self._other(lines[0]))
+        if lines and lines[0] == self._head:
+            self._done = {line["place"]: line for line in lines[1:]}
+        with writing(self.file):
+            self.file.parent.mkdir(parents=True, exist_ok=True)
+        text = "".join(json.dumps(line) + "\n" for line in (self._head, *self._done.values()))
+        replace_text(self.file, text)  # without what a crash cut off
+
+    @property
+    def places(self) -> set[str]:
+        """Outputs that are known."""
+        return set(self._done)
+
+    def is_done(self, place: str, source: Path) -> bool:
+        """Whether an output is in its place, whole, and of this input as it is now."""
+        line = self._done.get(place)
+        if line is None or line["error"] is not None:
+            return False
+        target = self.out / place
+        if not target.is_file() or stamp(target) != line["output"]:
+            return False
+        now, then = stamp(source), dict(line["input"])
+        digest = then.pop("sha256")
+        return now == then or (now["size"] == then["size"] and file_digest(source) == digest)
+
+    def line(self, place: str) -> dict[str, Any]:
+        """What was recorded of an output."""
+        return self._done[place]
+
+    def add(self, place: str, result: Mapping[str, Any]) -> None:
+        """Record the result of a task; it is on the disk when this returns."""
+        line = {"place": place, **result}
+        with writing(self.file), self.file.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+        self._done[place] = line
+
+    def _read(self) -> list[dict[str, Any]]:
+        try:
+            text = self.file.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return []
+        lines = []
+        for line in text.splitlines():
+            try:
+                lines.append(json.loads(line))
+            except ValueError:
+                break  # cut off
+        return lines if lines and lines[0].get("schema") == _SCHEMA else []
+
+    def _other(self, head: Mapping[str, Any]) -> str:
+        what = {
+            "models": "another model",
+            "options": "other options",
+            "version": f"echocal {head.get('version')}",
+        }
+        other = next((what[name] for name in what if head.get(name) != self._head[name]), "another manifest")
+        return f"{self.out} was begun with {other}; name another output, or begin anew with --force"

@@ -1,0 +1,142 @@
+"""Which columns of a table a correction reads; no other column is parsed."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from echocal import _core
+from echocal.correct.marks import context_of, rules_of
+from echocal.model import Model
+from echocal.observations.marks import MARKS
+from echocal.observations.names import IGNORE
+from echocal.observations.plan import EVERYTHING, make
+from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
+from echocal.registry import find_effect
+
+__all__ = ["Needed", "needed", "refuse_repeated", "remembered"]
+
+_ECHOES = ("echo_time", "reading")
+_SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derived_from`
+
+
+@dataclass(frozen=True)
+class Needed:
+    """What a model reads of a table.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Columns to parse, in the order of the table.
+    requests : mapping of str to str
+        Meaning of these columns.
+    reference : tuple of str
+        Those of them that only rules for rows read.
+    assumed : tuple of str
+        Quantities of the air that the model reads, and that the table does not have.
+    remembers : tuple of str
+        What of the model depends on other rows of the log; empty if every row can be corrected by itself.
+    rows_around : int
+        Rows before and after a row that its marks depend on.
+    """
+
+    columns: tuple[str, ...]
+    requests: Mapping[str, str]
+    reference: tuple[str, ...]
+    assumed: tuple[str, ...]
+    remembers: tuple[str, ...]
+    rows_around: int
+
+
+def needed(
+    names: Collection[str],
+    model: Model,
+    requests: Mapping[str, str],
+    *,
+    reading_speed: str | None = None,
+    trust: Collection[str] = (),
+    mark_rows: bool = True,
+) -> Needed:
+    """Find the columns that a model reads among those of a table.
+
+    Raises
+    ------
+    UsageError, DataError
+        As `echocal.read_observations`, if a request or the name of a column cannot be understood.
+    """
+    refuse_repeated(names)
+    plan = make(list(names), requests, trust)
+    rules = rules_of(model) if mark_rows and MARKS in model.provenance else ()
+    reads = {*_ECHOES, *model.reads, *_law_reads(reading_speed or model.law), *(r.quantity for r in rules)}
+    reads |= {name for id_ in model.effects for name in find_effect(id_).excludes}
+    reads |= set(() if model.shape is None else model.shape.columns)
+    sources = {word for name in reads for word in _derived_from(name)}
+    wanted = reads | sources
+    held = {source.column: quantity for quantity, source in plan.assignments.items()}
+    thermometers, extra = set(model.columns.values()), wanted - set(QUANTITIES)
+    used = {
+        name for name, quantity in held.items() if quantity in wanted and quantity != "reference_distance"
+    }
+    used |= {name for name in plan.several if name in thermometers}
+    if thermometers - set(plan.several):  # for the message on it
+        used |= {*plan.several, *(thermometers & set(plan.others))}
+    used |= {name for name in (*plan.others, *plan.several) if name in extra}
+    reference: set[str] = set()
+    if any("reference" in rule.kind + rule.quantity for rule in rules):
+        reference = {name for name, quantity in held.items() if quantity == "reference_distance"}
+    columns = tuple(name for name in names if name in used | reference)
+    asked = {name: request for name, request in requests.items() if name in columns}
+    recorded = {*plan.assignments, *model.air}
+    stands_for = {name for id_ in model.effects for name in find_effect(id_).excludes}
+    return Needed(
+        columns,
+        asked | dict.fromkeys(reference, IGNORE),
+        tuple(name for name in columns if name in reference),
+        tuple(n for n in AIR if n in model.reads and n in DEFAULTS and n not in recorded | stands_for),
+        remembered(model),
+        context_of(model) if rules else 0,
+    )
+
+
+def remembered(model: Model) -> tuple[str, ...]:
+    """What of a model depends on other rows of the log: effects and terms, by their names."""
+
+    def depends(name: str) -> bool:
+        return name == "elapsed_time" or is_derived(name)
+
+    effects = [id_ for id_ in model.effects if any(map(depends, find_effect(id_).reads))]
+    shape = () if model.shape is None else model.shape.columns
+    return (*effects, *(f"the term against {name}" for name in shape if depends(name)))
+
+
+def is_derived(name: str) -> bool:
+    """Whether a quantity is derived from several rows of a log; the hour angle is not."""
+    return name != "hour_angle" and bool(_derived_from(name))
+
+
+def refuse_repeated(names: Collection[str]) -> None:
+    """Refuse a table that has two columns of one name."""
+    listed = list(names)
+    repeated = next((name for name in listed if listed.count(name) > 1), None)
+    if repeated is not None:
+        from echocal.errors import DataError
+
+        message = f"the table has more than one column '{repeated}'; rename all but one"
+        raise DataError(message)
+
+
+def trusted(trust: Collection[str], columns: Collection[str]) -> list[str]:
+    """Trusted columns among those that are read."""
+    return [name for name in trust if name in columns or name == EVERYTHING]
+
+
+def _law_reads(law: str) -> list[str]:
+    by_id = {facts["id"]: facts["reads"] for facts in _core.laws()}
+    return list(by_id.get(law, ["temperature"]))
+
+
+def _derived_from(name: str) -> list[str]:
+    """Quantities and labels that a derived quantity is made of; empty for one that is recorded."""
+    if name not in QUANTITIES or name in FROM_THERMOMETERS:
+        return []
+    words = (QUANTITIES[name].derived_from or "").split()
+    known = {*QUANTITIES, "group", "order"}
+    return [source for word in words if (source := _SOURCES.get(word, word)) in known]

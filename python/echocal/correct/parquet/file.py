@@ -1,0 +1,194 @@
+"""Correct one Parquet file: its columns are copied byte by byte, and the results are appended."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from echocal.correct.corrector import Context, Corrector, Tally
+from echocal.correct.job import Job
+from echocal.correct.logs import surroundings
+from echocal.correct.parquet import footer as f
+from echocal.correct.parquet.encode import Encoded, encode
+from echocal.correct.parquet.pieces import Piece, names_of, pieces_of, read_pieces
+from echocal.correct.parquet.splice import Splice
+from echocal.correct.rows import Rows
+from echocal.correct.stream import corrected
+from echocal.errors import DataError, UsageError
+from echocal.model.folder import label
+from echocal.observations.arrow import arrow
+
+__all__ = ["correct_parquet"]
+
+_CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
+"""Names for writing, where files call them differently."""
+
+_FIXED = 220 << 20
+"""Bytes that Python and the libraries take before the first row; measured."""
+
+_BYTES_A_ROW = 500
+"""Bytes that a row takes while it is corrected, by each thread; measured."""
+
+_PIECE = (4096, 1 << 18)
+"""Least and largest number of rows that are corrected together."""
+
+
+@dataclass(frozen=True)
+class _Open:
+    """A Parquet file that is open for reading."""
+
+    path: Path
+    file: Any
+    footer: f.Footer
+    pieces: list[Piece]
+
+
+def correct_parquet(
+    source: Path,
+    out: Path,
+    job: Job,
+    key: str | None,
+    log: Sequence[Path],
+    progress: Callable[[int], None],
+) -> Tally:
+    """Correct a Parquet file into a new one.
+
+    Parameters
+    ----------
+    source, out : Path
+    job : Job
+    key : str or None
+        Key of all rows; None: each row has its own.
+    log : sequence of Path
+        Files of the log that the file belongs to, in the order of time.
+    progress : callable
+        Told the rows of each row group that is done.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
+    """
+    pa = arrow()
+    with source.open("rb") as raw:
+        footer = f.read_footer(raw, str(source))
+        opened = _opened(source, footer, job)
+        with opened.file:
+            corrector = Corrector(names_of(opened.file), job, key)
+            if corrector.by:
+                corrector.prepare(_keys(opened, corrector.by))
+            around = _surroundings(opened, corrector, job, log)
+            tally = Tally(columns=[f"{own.name} ({own.type})" for own in opened.file.schema_arrow])
+            codec = _codec(footer)
+
+            def encoded(rows: Rows, place: int) -> list[Encoded]:
+                piece = opened.pieces[place]
+                return encode(rows, piece.sizes, codec, whole=piece.whole)
+
+            tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
+            made = corrected(tables, corrector, tally, encoded, **around, threads=job.threads)
+            with out.open("wb") as target:
+                splice = Splice(raw, footer, target, _kept(footer, job, corrector))
+                groups = footer.row_groups
+                for place, results in enumerate(_groups(made, opened.pieces, footer)):
+                    splice.add(groups[place], results)
+                    progress(results.rows)
+                metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
+                splice.finish(metadata)
+            if tally.doubtful(job):
+                _look_at_whole(opened, corrector)
+    pa.default_memory_pool().release_unused()
+    return tally
+
+
+def _opened(path: Path, footer: f.Footer, job: Job) -> _Open:
+    pa = arrow()
+    least, largest = _PIECE
+    most = (job.memory - _FIXED) // (_BYTES_A_ROW * (job.threads + 2))
+    try:
+        file = pa.parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
+    except (OSError, pa.ArrowException) as error:
+        reason = next(iter(str(error).splitlines()), type(error).__name__)
+        message = f"{path} begins like Parquet and cannot be read: {reason}"
+        raise DataError(message) from None
+    return _Open(path, file, footer, pieces_of(footer, min(max(most, least), largest)))
+
+
+def _name(path: Path) -> Any:
+    """The name of a file as Arrow takes it; the open file where the name is no text."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return path.open("rb")
+    return str(path)
+
+
+def _keys(opened: _Open, by: str) -> list[str]:
+    keys: dict[str, None] = {}
+    for table in read_pieces(opened.path, opened.file, opened.pieces, [by]):
+        keys |= dict.fromkeys(label(value) for value in table[by].unique().tolist())
+    return list(keys)
+
+
+def _surroundings(opened: _Open, corrector: Corrector, job: Job, log: Sequence[Path]) -> dict[str, Any]:
+    """What the rows depend on, besides themselves."""
+    if not corrector.remembers and (len(log) < 2 or not corrector.rows_around):
+        return {"context": Context()}
+    files = list(log) or [opened.path]
+
+    def read(path: Path) -> pd.DataFrame:
+        with path.open("rb") as raw:
+            footer = f.read_footer(raw, str(path))
+        other = _opened(path, footer, job)
+        with other.file:
+            tables = list(read_pieces(path, other.file, other.pieces, corrector.columns))
+        return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=corrector.columns)
+
+    found = surroundings(files, files.index(opened.path), corrector, read, job.memory)
+    return {"context": found.context, "before": found.before, "after": found.after}
+
+
+def _look_at_whole(opened: _Open, corrector: Corrector) -> None:
+    """Refuse a file whose columns, taken as a whole, have no value or are in another unit."""
+    tables = list(read_pieces(opened.path, opened.file, opened.pieces, corrector.columns))
+    whole = pd.concat(tables, ignore_index=True)
+    corrector.correct(whole, Context(), (0, len(whole)), whole=True)
+
+
+def _codec(footer: f.Footer) -> str:
+    """Compression of the first column, as pyarrow names it for writing."""
+    names = ("UNCOMPRESSED", "SNAPPY", "GZIP", "LZO", "BROTLI", "LZ4", "ZSTD", "LZ4_RAW")
+    for group in footer.row_groups[:1]:
+        for chunk in group[f.COLUMNS][1][1][:1]:
+            name = names[chunk[f.META][1][f.CODEC][1]]
+            return "SNAPPY" if name == "LZO" else _CODECS.get(name, name)
+    return "SNAPPY"
+
+
+def _kept(footer: f.Footer, job: Job, corrector: Corrector) -> list[f.Field]:
+    """Columns to copy."""
+    fields = f.fields_of(footer)
+    if job.append_only is None:
+        return fields
+    names = [field.name.strip() for field in fields]
+    absent = [name for name in job.append_only if name not in names]
+    if absent:
+        message = f"--append-only: there is no column '{absent[0]}'; the file has {', '.join(names)}"
+        raise UsageError(message)
+    return [field for field, name in zip(fields, names, strict=True) if name in job.append_only]
+
+
+def _groups(made: Iterator[list[Encoded]], pieces: Sequence[Piece], footer: f.Footer) -> Iterator[Encoded]:
+    """Results of each row group, joined where it came in several pieces."""
+    part: Encoded | None = None
+    for piece, results in zip(pieces, made, strict=True):
+        if piece.whole:
+            yield from results
+            continue
+        (one,) = results
+        part = one if part is None else part + one
+        if part.rows == footer.row_groups[piece.groups[0]][f.GROUP_ROWS][1]:
+            yield part
+            part = None

@@ -1,0 +1,231 @@
+"""Correct rows: the one place where a correction is computed, for a table and for a part of one."""
+
+import warnings
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from echocal.correct.marks import reference_of, with_marks
+from echocal.correct.needed import Needed, is_derived, trusted
+from echocal.correct.uncertainty import Uncertainties, standard_uncertainty
+from echocal.errors import DataWarning
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.observations.assembly import Assembly
+from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
+from echocal.observations.marks import MARKS
+from echocal.observations.numbers import Missing, to_numbers
+from echocal.observations.part import Part
+from echocal.observations.plan import make
+
+__all__ = ["Reading", "Rows", "correct_rows", "no_distance", "whole_log"]
+
+Column = NDArray[np.float64]
+
+_NONE = "no distance fits"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the columns of a table are read; see `echocal.read_observations`."""
+
+    missing: Any = ()
+    trust: Collection[str] = ()
+    time_zone: str = "UTC"
+    reading_speed: str | None = None
+    mark_rows: bool = True
+    uncertainties: Uncertainties = field(default_factory=Uncertainties)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Corrected rows.
+
+    Attributes
+    ----------
+    distance : ndarray, shape (n,)
+        Corrected distance [m]; NaN where there is none.
+    uncertainty : ndarray of float32, shape (n,)
+        Its standard uncertainty [m]; NaN where there is none, or none was stated.
+    codes : ndarray of int16, shape (n,)
+        Position of the reason in `reasons`; 0 is none.
+    reasons : tuple of str
+        The first one is empty.
+    unusable : tuple of bool
+        Whether rows with that reason have no distance.
+    notes : tuple of str
+        What a person should know.
+    """
+
+    distance: NDArray[np.float64]
+    uncertainty: NDArray[np.float32]
+    codes: NDArray[np.int16]
+    reasons: tuple[str, ...]
+    unusable: tuple[bool, ...]
+    notes: tuple[str, ...]
+    outside: Mapping[str, tuple[int, int, float]] = field(default_factory=dict)
+    """Rows outside of the domain of a law; see `echocal.domain.counting`."""
+
+    def cut(self, begin: int, end: int) -> "Rows":
+        """Some of the rows."""
+        if (begin, end) == (0, len(self.codes)):
+            return self
+        part = slice(begin, end)
+        return replace(
+            self, distance=self.distance[part], uncertainty=self.uncertainty[part], codes=self.codes[part]
+        )
+
+
+def correct_rows(
+    table: pd.DataFrame,
+    model: Model,
+    needed: Needed,
+    reading: Reading,
+    part: Part | None = None,
+    groups: Sequence[tuple[Model, slice]] = (),
+) -> Rows:
+    """Correct every row of a table, or of a part of one, that has the needed columns.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame, shape (n, m)
+        At least the columns of `needed`.
+    part : Part, optional
+        What a part needs to know of the whole table; what it counts is added there.
+    groups : sequence of (Model, slice), optional
+        Models of some rows each, which read the same columns in the same way as `model`, and have neither
+        terms without a cause nor rules for rows.
+
+    Raises
+    ------
+    DataError
+        If the columns cannot be read, or the model needs another one.
+    """
+    observations, assembly = _observed(table, model, needed, reading, part)
+    if groups:
+        base_indication(observations, model.law)  # counts rows outside of the domain of the law
+    each = [(own, rows, _some(observations, rows)) for own, rows in groups]
+    each = each or [(model, slice(None), observations)]
+    distance, uncertainty = np.empty(len(observations)), np.empty(len(observations), np.float32)
+    for own, rows, some in each:
+        distance[rows] = corrected_distance(some, own)
+    status = _Status(assembly)
+    status.give(np.isnan(distance), _NONE)
+    for column in model.columns.values():
+        status.give(np.isnan(observations.thermometers[column]), f"{column} missing", over=_NONE)
+    notes: tuple[str, ...] = observations.notes
+    if reading.mark_rows and MARKS in model.provenance:
+        asked = {name: own for name, own in needed.requests.items() if name not in needed.reference}
+        missing = _of(reading.missing, needed.columns)
+        read = table[list(needed.columns)]
+        reference = reference_of(read, asked, missing, model) if needed.reference else None
+        distance, faults, more = with_marks(observations, distance, reference, model)
+        for fault in dict.fromkeys(faults[faults != ""].tolist()):
+            status.give(faults == fault, fault)
+        notes = (*notes, *more)
+    unusable = len(status.reasons)
+    outside = outside_smooth(observations, model) if model.shape is not None else None
+    for mark in [] if outside is None else dict.fromkeys(outside[outside != ""].tolist()):
+        status.give(outside == mark, mark)
+    usable = [place == 0 or place >= unusable for place in range(len(status.reasons))]
+    for own, rows, some in each:
+        uncertainty[rows] = standard_uncertainty(some, own, distance[rows], reading.uncertainties)
+    return Rows(
+        distance,
+        uncertainty,
+        status.codes,
+        tuple(status.reasons),
+        tuple(not it for it in usable),
+        notes,
+    )
+
+
+def _some(observations: Observations, rows: slice) -> Observations:
+    """Some rows, with what a correction reads of them."""
+    return Observations(
+        observations.echo_time[rows],
+        {name: values[rows] for name, values in observations.conditions.items()},
+        None,
+        observations.unusable[rows],
+        reading=None if observations.reading is None else observations.reading[rows],
+        thermometers={name: values[rows] for name, values in observations.thermometers.items()},
+        source_names=observations.source_names,
+    )
+
+
+def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Reading) -> tuple[Part, Column]:
+    """What the parts of a table need to know of the whole: its start and its derived quantities.
+
+    Returns
+    -------
+    part : Part
+    elapsed : ndarray, shape (n,)
+        Seconds since the start; NaN where a row has no time, or the table has none.
+
+    Raises
+    ------
+    DataError
+        If the table cannot be read as a whole.
+    """
+    observations, assembly = _observed(table, model, needed, reading, None)
+    derived = {name: values for name, values in observations.conditions.items() if is_derived(name)}
+    elapsed = observations.conditions.get("elapsed_time", np.full(len(table), np.nan))
+    start: np.datetime64 | float | None = None
+    if assembly.time is not None and not np.isnat(assembly.time).all():
+        start = assembly.time[~np.isnat(assembly.time)].min()
+    elif "elapsed_time" in assembly.plan.assignments:
+        source = assembly.plan.assignments["elapsed_time"]
+        values = source.unit.to_si(to_numbers(table[source.column], source.column, assembly.missing))
+        start = float(np.min(values, where=np.isfinite(values), initial=np.inf))
+    return Part(start, derived), elapsed
+
+
+def no_distance(count: int, reason: str) -> Rows:
+    """Rows that no model corrects."""
+    nothing = np.full(count, np.nan)
+    codes = np.ones(count, dtype=np.int16)
+    return Rows(nothing, nothing.astype(np.float32), codes, ("", reason), (False, True), ())
+
+
+def _observed(
+    table: pd.DataFrame, model: Model, needed: Needed, reading: Reading, part: Part | None
+) -> tuple[Observations, Assembly]:
+    trust = trusted(reading.trust, needed.columns)
+    missing = Missing(_of(reading.missing, needed.columns))
+    plan = make(list(needed.columns), needed.requests, trust)
+    assembly = Assembly(table[list(needed.columns)], plan, missing, trust, reading.time_zone, part)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)  # the notes say the same
+        return assembly.observations(reading.reading_speed or model.law), assembly
+
+
+class _Status:
+    """Reason codes of rows; the first reason stays."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.reasons = list(dict.fromkeys(assembly.reasons))
+        places = np.array([self.reasons.index(reason) for reason in assembly.reasons], dtype=np.int16)
+        self.codes: NDArray[np.int16] = places[assembly.reason] if len(places) > 1 else assembly.reason.copy()
+
+    def give(self, where: NDArray[np.bool_], reason: str, over: str | None = None) -> None:
+        if not where.any():
+            return
+        free = self.codes == 0
+        if over in self.reasons:
+            free |= self.codes == self.reasons.index(str(over))
+        rows = where & free
+        if rows.any():
+            if reason not in self.reasons:
+                self.reasons.append(reason)
+            self.codes[rows] = self.reasons.index(reason)
+
+
+def _of(missing: Any, columns: Collection[str]) -> Any:
+    """Error codes of columns that are read."""
+    if not isinstance(missing, Mapping):
+        return missing
+    return {name: codes for name, codes in missing.items() if name in ("", *columns)}

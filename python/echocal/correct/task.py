@@ -1,0 +1,142 @@
+"""One task: one input file to one output file. Plain data in, plain data out; any ``map`` can run it.
+
+The output has a temporary name of its own until it is complete, so that a task can be run twice, at the same
+time too, or be killed at any moment. The same task makes the same file, byte for byte.
+"""
+
+import hashlib
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from echocal._core import __version__
+from echocal.correct.corrector import Tally
+from echocal.correct.inputs import PARQUETS, TEXTS
+from echocal.correct.job import Job
+from echocal.errors import DataError, EchocalError, UsageError, writing
+from echocal.observations.source import is_parquet, refuse_other_kinds
+from echocal.outputs import replacing
+
+__all__ = ["SCHEMA", "file_digest", "run_task", "stamp"]
+
+SCHEMA = "echocal.task/1"
+RESULT = "echocal.task_result/1"
+
+
+def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda rows: None) -> dict[str, Any]:
+    """Correct one file.
+
+    Parameters
+    ----------
+    task : mapping
+        Plain data, as `echocal.correct.driver.task_of` makes it: schema, version, source, target, key, log
+        and job.
+    progress : callable
+        Told the rows of each piece that is done.
+
+    Returns
+    -------
+    dict
+        Plain data: what was done, or under ``error`` why the file was set aside. A mistake in a file never
+        raises.
+    """
+    begun = time.perf_counter()
+    source, target = Path(task["source"]), Path(task["target"])
+    result: dict[str, Any] = {
+        "schema": RESULT,
+        "source": str(source),
+        "target": str(target),
+        "error": None,
+    }
+    try:
+        if task["schema"] != SCHEMA or task["version"] != __version__:
+            message = (
+                f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
+                f"{__version__} ({SCHEMA}); install the same version everywhere"
+            )
+            raise UsageError(message)
+        job = Job.of(task)
+        before = stamp(source)
+        with writing(target.parent):
+            target.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(target) as unfinished, ThreadPoolExecutor(1) as beside:
+            digesting = beside.submit(file_digest, source)
+            tally = _correct(source, unfinished, target, job, task, progress)
+            digest = digesting.result()
+            if stamp(source) != before:
+                message = f"{source} was written while it was read; run again when it is complete"
+                raise DataError(message)
+        result |= {
+            "input": {**before, "sha256": digest},
+            "output": stamp(target),
+            "rows": tally.rows,
+            "unusable": tally.unusable,
+            "marked": tally.marked,
+            "first": tally.first,
+            "outside": {domain: list(own) for domain, own in tally.outside.items()},
+            "columns": tally.columns,
+            "notes": list(tally.notes),
+        }
+    except EchocalError as error:
+        result["error"] = {"kind": type(error).__name__, "text": str(error)}
+    except MemoryError:
+        result["error"] = {"kind": "MemoryError", "text": f"{source}: memory ran out; give --memory less"}
+    except OSError as error:
+        text = f"{error.filename or source}: {error.strerror or error}"
+        result["error"] = {"kind": "OSError", "text": text}
+    result["seconds"] = round(time.perf_counter() - begun, 6)
+    return result
+
+
+def _correct(
+    source: Path,
+    unfinished: Path,
+    target: Path,
+    job: Job,
+    task: Mapping[str, Any],
+    progress: Callable[[int], None],
+) -> Tally:
+    """Correct a file by its kind: what it begins with, and the ending of the output."""
+    log = [Path(path) for path in task["log"]]
+    ending = next((own for own in (*TEXTS, *PARQUETS) if target.name.lower().endswith(own)), "")
+    parquet = is_parquet(source)
+    if parquet and ending in PARQUETS:
+        from echocal.correct.parquet.file import correct_parquet
+
+        return correct_parquet(source, unfinished, job, task["key"], log, progress)
+    refuse_other_kinds(source)
+    if not parquet and ending in TEXTS:
+        from echocal.correct.text.file import correct_text
+
+        zipped = ending.endswith(".gz")
+        return correct_text(source, unfinished, job, task["key"], log, progress, zipped=zipped)
+    from echocal.correct.convert import convert
+
+    return convert(source, unfinished, ending, job, task["key"])
+
+
+def stamp(path: Path) -> dict[str, int]:
+    """Size [B] and time of the last change [ns] of a file.
+
+    Raises
+    ------
+    DataError
+        If it cannot be read.
+    """
+    try:
+        facts = path.stat()
+    except FileNotFoundError:
+        message = f"no file {path}"
+        raise DataError(message) from None
+    except OSError as error:
+        message = f"{path} cannot be read: {error.strerror or error}"
+        raise DataError(message) from None
+    return {"size": facts.st_size, "mtime_ns": facts.st_mtime_ns}
+
+
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's content."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,212 @@
+"""Correct one text file: its lines stay letter for letter, and each is read once."""
+
+import codecs
+import gzip
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any
+
+import pandas as pd
+
+from echocal.correct.corrector import Context, Corrector, Tally
+from echocal.correct.job import Job
+from echocal.correct.logs import surroundings
+from echocal.correct.rows import Rows
+from echocal.correct.stream import corrected, in_order
+from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude
+from echocal.correct.text.parse import Lines, Parser
+from echocal.correct.text.write import header_with_results, with_results
+from echocal.errors import DataError, UsageError
+from echocal.model.folder import label
+from echocal.observations.part import Part
+from echocal.observations.plan import make
+from echocal.observations.text import Head, head_of, no_text
+
+__all__ = ["correct_text"]
+
+_BLOCK = (1 << 18, 1 << 22)
+"""Least and largest number of bytes that are corrected together."""
+
+_FIXED = 230 << 20
+"""Bytes that Python and the libraries take before the first row; measured."""
+
+_TIMES = 12
+"""Bytes of memory for each byte of a block, by each thread; measured."""
+
+
+class _Text:
+    """A text file that is corrected."""
+
+    def __init__(self, path: Path, job: Job, key: str | None) -> None:
+        self.path, self.job = path, job
+        self.head: Head = head_of(path, job.layout)
+        names = self.head.names
+        self.corrector = Corrector(names, job, key)
+        self.parser = Parser(path, self.head, job.layout, _kinds(names, job), _absent(job))
+        least, largest = _BLOCK
+        size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))
+        self.size = min(max(size, least), largest)
+        self._lock = threading.Lock()
+
+    def blocks(self) -> Iterator[Block]:
+        """Blocks of rows."""
+        return blocks_of(self.path, self.job.layout, self.head, self.size)
+
+    def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
+        """Lines of a block, and the columns that the models of its rows read."""
+        try:
+            if not block.data.isascii():
+                block.data.decode()
+        except UnicodeError:
+            raise DataError(no_text(self.path, self.job.layout)) from None
+        lines = self.parser.lines(block)
+        corrector = self.corrector
+        columns = corrector.columns
+        if corrector.by:
+            keys = self.parser.table(block, lines, [corrector.by])[corrector.by]
+            with self._lock:
+                corrector.prepare([label(value) for value in keys.unique().tolist()])
+                columns = corrector.columns
+        return lines, self.parser.table(block, lines, columns)
+
+    def tables(self) -> Iterator[pd.DataFrame]:
+        """Needed columns of all rows, block by block."""
+        return (self.parsed(block)[1] for block in self.blocks())
+
+
+def correct_text(
+    source: Path,
+    out: Path,
+    job: Job,
+    key: str | None,
+    log: Sequence[Path],
+    progress: Callable[[int], None],
+    *,
+    zipped: bool,
+) -> Tally:
+    """Correct a text file into a new one.
+
+    Parameters
+    ----------
+    source, out : Path
+    job : Job
+    key : str or None
+        Key of all rows; None: each row has its own.
+    log : sequence of Path
+        Files of the log that the file belongs to.
+    progress : callable
+        Told the rows of each block that is done.
+    zipped : bool
+        Whether the output is gzipped.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
+    """
+    text = _Text(source, job, key)
+    if job.append_only is not None:
+        raise UsageError("--append-only is for Parquet; in a text file every line stays as it is")
+    tally = Tally(columns=list(text.head.names))
+    separator = text.head.separator
+    with _writing(out, zipped) as file:
+        above, header, end = prelude(source, job.layout, text.head)
+        if job.layout.encoding == "utf-8-sig" and begins_with_mark(source):
+            file.write(codecs.BOM_UTF8)
+        file.write((above + header_with_results(header, separator) + end).encode())
+        for rows, data in _corrected(text, tally, log):
+            file.write(data)
+            progress(rows)
+    if tally.doubtful(job):
+        whole = pd.concat(list(text.tables()), ignore_index=True)
+        text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)
+    return tally
+
+
+def _corrected(text: _Text, tally: Tally, log: Sequence[Path]) -> Iterator[tuple[int, bytes]]:
+    """Lines with results, and the number of rows, block by block."""
+    job, corrector, separator = text.job, text.corrector, text.head.separator
+
+    def written(lines: Lines, rows: Rows) -> tuple[int, bytes]:
+        return len(rows.codes), with_results(lines, rows, separator, job.layout.decimal)
+
+    if not corrector.remembers and not corrector.rows_around:
+
+        def work(block: Block) -> tuple[Rows, list[Part], tuple[int, bytes]]:
+            lines, table = text.parsed(block)
+            rows, parts = corrector.correct(table, Context(), (0, len(table)))
+            return rows, parts, written(lines, rows)
+
+        for rows, parts, made in in_order(text.blocks(), work, job.threads):
+            tally.add(rows, parts)
+            yield made
+        return
+    held: dict[int, Lines] = {}
+
+    def tables() -> Iterator[pd.DataFrame]:
+        for place, block in enumerate(text.blocks()):
+            held[place], table = text.parsed(block)
+            yield table
+
+    around = _surroundings(text, log)
+    then = lambda rows, place: written(held.pop(place), rows)  # noqa: E731
+    yield from corrected(tables(), corrector, tally, then, **around, threads=job.threads)
+
+
+def _surroundings(text: _Text, log: Sequence[Path]) -> dict[str, Any]:
+    """What the rows depend on, besides themselves."""
+    if not text.corrector.remembers and len(log) < 2:
+        return {"context": Context()}
+    files = list(log) or [text.path]
+
+    def read(path: Path) -> pd.DataFrame:
+        tables = list(_Text(path, text.job, text.corrector.key).tables())
+        return (
+            pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=text.corrector.columns)
+        )
+
+    found = surroundings(files, files.index(text.path), text.corrector, read, text.job.memory)
+    return {"context": found.context, "before": found.before, "after": found.after}
+
+
+def _kinds(names: Sequence[str], job: Job) -> dict[str, str]:
+    """How to parse the columns that are no numbers."""
+    requests = {name: own for name, own in job.requests.items() if name in names}
+    kinds = {job.models.by: "text"}
+    for source in make(list(names), requests).assignments.values():
+        if source.form.label:
+            kinds[source.column] = "text"
+        elif source.name == "time":
+            kinds[source.column] = "time"
+    return kinds
+
+
+def _absent(job: Job) -> frozenset[str] | None:
+    """Error codes that are texts, where these are the same for every column."""
+    missing = job.reading.missing
+    by_column = missing if isinstance(missing, dict) else {"": missing}
+    texts = {name: [code for code in codes if not _is_number(code)] for name, codes in by_column.items()}
+    if any(own for name, own in texts.items() if name):
+        return None
+    return frozenset(texts.get("", ()))
+
+
+def _is_number(code: str) -> bool:
+    try:
+        float(code)
+    except ValueError:
+        return False
+    return True
+
+
+@contextmanager
+def _writing(out: Path, zipped: bool) -> Iterator[IO[bytes]]:
+    with out.open("wb") as raw:
+        if not zipped:
+            yield raw
+            return
+        # the same bytes each time: no name, no date
+        with gzip.GzipFile(filename="", mode="wb", fileobj=raw, compresslevel=6, mtime=0) as file:
+            yield file  # type: ignore[misc]

@@ -1,0 +1,224 @@
+"""The columns that are needed, from the lines of a block: fast where the text is plain, else with care.
+
+Both ways give the same numbers to the last bit: each is the double next to its decimal digits.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from echocal.correct.text.blocks import Block
+from echocal.errors import DataError
+from echocal.observations.arrow import arrow, has_arrow, to_pandas
+from echocal.observations.numbers import EMPTY
+from echocal.observations.quotes import Marks
+from echocal.observations.text import Head, Layout
+
+__all__ = ["Lines", "Parser"]
+
+_LINE_FEED = 10
+_CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The lines of a block, as they are written again.
+
+    Attributes
+    ----------
+    texts : Any
+        Arrow array of the lines without their ends, blank ones too; None where they are in `records`.
+    end : str
+        What ends each line.
+    last : str
+        What ends the last one.
+    records : list of (str, str), or None
+        Each row, or blank line, without and with its end; where the lines are not plain.
+    rows : ndarray of int, or None
+        Places of the rows among them; None where all are rows.
+    """
+
+    texts: Any = None
+    end: str = "\n"
+    last: str = "\n"
+    records: list[tuple[str, str]] | None = None
+    rows: Any = None
+
+
+class Parser:
+    """Parses blocks of one file.
+
+    Parameters
+    ----------
+    path : Path
+    head : Head
+    layout : Layout
+    kinds : mapping of str to str
+        ``"number"``, ``"time"`` or ``"text"`` by column.
+    absent : frozenset of str, or None
+        Texts that mean "no value" in each column, besides the usual ones; None: they differ by column.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        head: Head,
+        layout: Layout,
+        kinds: Mapping[str, str],
+        absent: frozenset[str] | None,
+    ) -> None:
+        self._path, self._head, self._layout, self._kinds = path, head, layout, kinds
+        self._absent = absent
+        self._place = {name: str(place) for place, name in enumerate(head.names)}
+
+    def lines(self, block: Block) -> Lines:
+        """The lines of a block, without a look into them."""
+        plain = self._plain(block.data) if has_arrow() else None
+        return self._records(block) if plain is None else plain
+
+    def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
+        """Some columns of the rows.
+
+        Raises
+        ------
+        DataError
+            If a row has more fields than the header.
+        """
+        if lines.records is None:
+            found = self._fast(block.data, len(lines.texts), columns)
+            if found is not None:
+                return found
+            lines = self._records(block)
+        return self._careful(block, lines, columns)
+
+    def _plain(self, data: bytes) -> Lines | None:
+        """The lines, if each is a row, all end alike, and marks enclose whole fields."""
+        ends = np.flatnonzero(np.frombuffer(data, np.uint8) == _LINE_FEED)
+        ended = data.endswith(b"\n")
+        end = b"\n"
+        if b"\r" in data:
+            end = b"\r\n"
+            if data.count(b"\r") != len(ends) or data.count(end) != len(ends):
+                return None
+        if not ended:
+            data += end
+            ends = np.append(ends, len(data) - 1)
+        if np.diff(ends, prepend=-1).min() <= len(end):
+            return None  # a blank line
+        if b'"' in data and not self._encloses(data):
+            return None
+        pa = arrow("writing text")
+        offsets = np.concatenate([[0], ends + 1]).astype(np.int32)
+        buffers = [None, pa.py_buffer(offsets), pa.py_buffer(data)]
+        held = pa.Array.from_buffers(pa.binary(), len(ends), buffers)
+        texts = pa.compute.binary_slice(held, 0, -len(end))
+        return Lines(texts, end.decode(), end.decode() if ended else "")
+
+    def _encloses(self, data: bytes) -> bool:
+        array = np.frombuffer(data, np.uint8)
+        marks = np.flatnonzero(array == 34)
+        outer = np.zeros(256, bool)
+        outer[[ord(self._head.separator), 10, 13, 34]] = True
+        before = outer[array[marks - 1]] | (marks == 0)
+        after = outer[array[np.minimum(marks + 1, len(array) - 1)]] | (marks == len(array) - 1)
+        return bool((before | after).all())
+
+    def _fast(self, data: bytes, rows: int, columns: Sequence[str]) -> pd.DataFrame | None:
+        """By Arrow; None where it does not take the text for what it is."""
+        if self._absent is None:
+            return None
+        pa = arrow("reading text")
+        from pyarrow import csv as reader
+
+        kinds = {
+            "number": pa.float64(),
+            "time": pa.timestamp("ns"),
+            "text": pa.string(),
+        }
+        if not columns:
+            return pd.DataFrame(index=range(rows))
+        places = [self._place[name] for name in columns]
+        try:
+            table = reader.read_csv(
+                pa.BufferReader(data),
+                read_options=reader.ReadOptions(
+                    use_threads=False, block_size=_CHUNK, column_names=list(self._place.values())
+                ),
+                parse_options=reader.ParseOptions(
+                    delimiter=self._head.separator, quote_char='"' if b'"' in data else False
+                ),
+                convert_options=reader.ConvertOptions(
+                    include_columns=places,
+                    column_types={
+                        self._place[name]: kinds[self._kinds.get(name, "number")] for name in columns
+                    },
+                    null_values=sorted(EMPTY | self._absent),
+                    strings_can_be_null=True,
+                    decimal_point=self._layout.decimal,
+                ),
+            )
+        except (pa.ArrowException, KeyError):
+            return None
+        if len(table) != rows:
+            return None
+        return to_pandas(table.rename_columns(list(columns)))
+
+    def _records(self, block: Block) -> Lines:
+        marks = Marks(str(self._path), self._head.separator, len(self._head.names))
+        text = io.StringIO(block.data.decode(), newline="")
+        records: list[tuple[str, str]] = []
+        rows: list[int] = []
+        for record, held in marks.records(text, block.first):
+            ended = "".join(held)
+            if record:
+                rows.append(len(records))
+            records.append((ended.rstrip("\r\n"), ended))
+        return Lines(records=records, rows=rows)
+
+    def _careful(self, block: Block, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
+        assert lines.records is not None
+        texts = [lines.records[place][0] for place in lines.rows]
+        width, places = len(self._head.names), [int(self._place[name]) for name in columns]
+        fields: list[list[str]] = [[] for _ in columns]
+        for number, text in enumerate(texts):
+            row = next(csv.reader([*text.splitlines(keepends=True)], **self._dialect))
+            if len(row) > width:
+                line = block.first + sum(held.count("\n") for _, held in lines.records[: lines.rows[number]])
+                message = (
+                    f"{self._path} cannot be read as rows of {width} fields like its header: "
+                    f"Expected {width} fields in line {line}, saw {len(row)}"
+                )
+                raise DataError(message)
+            for column, place in zip(fields, places, strict=True):
+                column.append(row[place] if place < len(row) else "")
+        found = {name: self._column(own, name) for name, own in zip(columns, fields, strict=True)}
+        return pd.DataFrame(found, index=range(len(texts)))
+
+    @property
+    def _dialect(self) -> dict[str, Any]:
+        return {"delimiter": self._head.separator, "skipinitialspace": True}
+
+    def _column(self, texts: list[str], name: str) -> Any:
+        """Numbers where all are such, as Arrow reads them; else texts, for others to refuse or to read."""
+        if self._kinds.get(name, "number") != "number":
+            return pd.Series([text or None for text in texts], dtype=object)
+        absent = EMPTY | (self._absent or frozenset())
+        numbers = []
+        for text in texts:
+            plain = text.strip().replace(self._layout.decimal, ".")
+            if plain in absent:
+                numbers.append(np.nan)
+            elif _NUMBER.fullmatch(plain) and (self._layout.decimal == "." or "." not in text):
+                numbers.append(float(plain))
+            else:
+                swapped = [own.replace(self._layout.decimal, ".") for own in texts]
+                return pd.Series(swapped, dtype=object)
+        return pd.Series(numbers, dtype=np.float64)

@@ -1,0 +1,170 @@
+"""Standard uncertainty of corrected distances: law of propagation of uncertainty (JCGM 100:2008, 5.1.2)."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DomainWarning, UsageError
+from echocal.model import Model
+from echocal.model.shape import DISTANCE, Shape
+from echocal.observations import Observations
+from echocal.observations.correction import base_indication, corrected_distance
+from echocal.observations.units import NAMES
+from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
+
+__all__ = ["Uncertainties", "standard_uncertainty"]
+
+Column = NDArray[np.float64]
+
+_ECHOES = ("echo_time", "reading")
+
+
+@dataclass(frozen=True)
+class Uncertainties:
+    """Standard uncertainties that the user states for recorded or assumed values.
+
+    Attributes
+    ----------
+    stated : mapping of str to float
+        By name of the quantity, or ``echo_time`` [s] or ``reading`` [m]; in SI units, temperatures in K.
+        They are independent of each other and of the parameters of the model.
+    """
+
+    stated: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, texts: Sequence[str] | Mapping[str, float]) -> "Uncertainties":
+        """From texts such as ``temperature_C=0.5``, or the same as a mapping.
+
+        Raises
+        ------
+        UsageError
+            If a name or a number cannot be understood.
+
+        Examples
+        --------
+        >>> Uncertainties.of(["temperature_F=0.9", "reading_mm=3"]).stated
+        {'temperature': 0.5, 'reading': 0.003}
+        """
+        pairs = texts.items() if isinstance(texts, Mapping) else [_pair(text) for text in texts]
+        stated: dict[str, float] = {}
+        for name, value in pairs:
+            if name not in NAMES or NAMES[name][0].label or NAMES[name][0].quantity == "reference_distance":
+                message = (
+                    f'--uncertainty "{name}={value}" names no quantity with its unit; '
+                    "e.g. temperature_C=0.5, humidity_percent=3, echo_us=10, reading_mm=1"
+                )
+                raise UsageError(message)
+            form, symbol = NAMES[name]
+            unit = form.units[symbol]
+            size = float(value) * unit.numerator / unit.denominator
+            if not 0.0 <= size < np.inf:
+                message = f'--uncertainty "{name}={value}" is no standard uncertainty; give a number >= 0'
+                raise UsageError(message)
+            if form.quantity in stated:
+                message = f"--uncertainty states {form.quantity.replace('_', ' ')} twice; state it once"
+                raise UsageError(message)
+            stated[form.quantity] = size
+        return cls(stated)
+
+
+def standard_uncertainty(
+    observations: Observations, model: Model, distance: Column, uncertainties: Uncertainties
+) -> Column:
+    """Standard uncertainty [m] of corrected distances, shape (n,).
+
+    It has the covariance of the model's parameters, and what the user states for the echo time or the
+    reading and for the influence quantities. The derivatives to parameters and distance are exact. For an
+    influence quantity it is half the change of the distance between one standard uncertainty above and
+    below (JCGM 100:2008, 5.1.3, note 2), at the recorded echo time.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        NaN where there is no distance, and everywhere if no uncertainty is known.
+    """
+    stated = {name: size for name, size in uncertainties.stated.items() if size}
+    known = model.covariance is not None or uncertainties.stated
+    if not known or not np.isfinite(distance).any():
+        return np.full(len(distance), np.nan)
+    variance = np.where(np.isnan(distance), np.nan, 0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DomainWarning)  # told when the distances were computed
+        echo = any(name in stated for name in _ECHOES)
+        if echo or model.shape is not None or (model.covariance is not None and model.covariance.any()):
+            variance += _of_device(observations, model, distance, stated)
+        for name in stated:
+            for quantity in _quantities(name, model):
+                variance += _of_quantity(observations, model, quantity, stated[name]) ** 2
+    return np.sqrt(variance)
+
+
+def _of_device(
+    observations: Observations, model: Model, distance: Column, stated: Mapping[str, float]
+) -> Column:
+    """Variance [m^2] from the parameters, the terms without a cause, and the echo time or the reading."""
+    given = {**observations.conditions, **observations.bound(model.columns)}
+    jacobian = model.without_shape().jacobian(distance, **given)
+    slope, tangents = jacobian[:, 0], jacobian[:, 1:]
+    variance = np.zeros(len(distance))
+    if model.covariance is not None:
+        variance += np.einsum("ij,jk,ik->i", tangents, model.covariance, tangents)
+    if model.shape is not None:
+        columns = {**given, **observations.extra, DISTANCE: distance}
+        terms = (model.shape,) if isinstance(model.shape, Shape) else model.shape.terms
+        for term in terms:
+            variance += np.nan_to_num(term.band(columns[term.against])) ** 2
+    reading = observations.reading
+    indication = base_indication(observations, model.law)
+    if reading is not None and "reading" in stated:
+        variance += (indication * stated["reading"] / reading) ** 2
+    elif "echo_time" in stated:
+        variance += (indication * stated["echo_time"] / observations.echo_time) ** 2
+    return np.asarray(variance / slope**2)
+
+
+def _of_quantity(observations: Observations, model: Model, quantity: str, size: float) -> Column:
+    """Half the change of the distance [m] between one standard uncertainty above and below."""
+    columns = model.columns
+    recorded = observations.conditions.get(quantity)
+    if quantity in columns:
+        recorded = observations.thermometers[columns[quantity]]
+    if recorded is None:
+        value = model.air.get(quantity, DEFAULTS.get(quantity))
+        if value is None:
+            return np.zeros(len(observations))
+        recorded = np.full(len(observations), value)
+    low, high = QUANTITIES[quantity].possible
+    above, below = np.minimum(recorded + size, high), np.maximum(recorded - size, low)
+    far, near = (
+        corrected_distance(_with(observations, columns, quantity, it), model) for it in (above, below)
+    )
+    return np.asarray((far - near) * (size / (above - below)))
+
+
+def _with(
+    observations: Observations, columns: Mapping[str, str], quantity: str, values: Column
+) -> Observations:
+    if quantity in columns:
+        return replace(observations, thermometers={**observations.thermometers, columns[quantity]: values})
+    return replace(observations, conditions={**observations.conditions, quantity: values})
+
+
+def _quantities(name: str, model: Model) -> list[str]:
+    """Influence quantities that a stated uncertainty belongs to, if the model reads them."""
+    if name in _ECHOES:
+        return []
+    names = FROM_THERMOMETERS if name == "thermometer" else (name,)
+    return [quantity for quantity in names if quantity in model.reads]
+
+
+def _pair(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name.strip(), float(value)
+    except ValueError:
+        message = f'--uncertainty "{text}" is not of the form NAME=VALUE; e.g. temperature_C=0.5'
+        raise UsageError(message) from None

@@ -1,0 +1,124 @@
+"""A folder of models, one for each key: the model of every sensor of a fleet.
+
+The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``
+(``echocal diagnose --by COLUMN --models DIR`` writes them so). An ``index.json`` in the folder names them
+instead: ``{"schema": "echocal.models/1", "models": {"KEY": "FILE.json", ...}}``.
+"""
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import DataError, ModelError
+from echocal.model.composition import Model
+
+__all__ = ["INDEX", "ModelFolder", "file_name", "label"]
+
+INDEX = "index.json"
+_SCHEMA = "echocal.models/1"
+_UNSAFE = re.compile(r"[^\w.-]+")
+
+
+def file_name(key: str) -> str:
+    """Name of the file that the model of a key is in.
+
+    Examples
+    --------
+    >>> file_name("tank 7/a")
+    'tank_7_a.json'
+    """
+    return (_UNSAFE.sub("_", key).strip(".") or "_") + ".json"
+
+
+def label(value: Any) -> str:
+    """A key as text; empty where there is none. Whole numbers have no fraction.
+
+    Examples
+    --------
+    >>> label(7.0), label(" a "), label(None)
+    ('7', 'a', '')
+    """
+    try:
+        absent = value is None or bool(value != value)  # not a number, not a time
+    except TypeError:  # missing, as pandas has it
+        absent = True
+    if absent:
+        return ""
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return str(value).strip()
+
+
+class ModelFolder:
+    """Models by key, read when they are asked for.
+
+    Raises
+    ------
+    ModelError
+        If the folder or its index cannot be read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        if not folder.is_dir():
+            message = f"--models {folder} is no folder of models"
+            raise ModelError(message)
+        self._index = _read_index(folder / INDEX)
+        self._models: dict[str, Model | None] = {}
+        self._claimed: dict[str, str] = {}
+
+    def model(self, key: str) -> Model | None:
+        """The model of a key; None where there is none.
+
+        Raises
+        ------
+        ModelError
+            If its file is no model.
+        DataError
+            If two keys would have the same file.
+        """
+        if key not in self._models:
+            file = self._file(key)
+            if file is None and key.isdecimal():  # 007 in a text is 7 in a table of numbers
+                file = self._file(str(int(key)))
+            self._models[key] = None if file is None else Model.load(self.folder / file)
+        return self._models[key]
+
+    def digest(self) -> str:
+        """SHA-256 of the names and contents of all files."""
+        total = hashlib.sha256()
+        for file in sorted(self.folder.glob("*.json")):
+            total.update(file.name.encode() + b"\0" + hashlib.sha256(file.read_bytes()).digest())
+        return total.hexdigest()
+
+    def _file(self, key: str) -> str | None:
+        if self._index is not None:
+            return self._index.get(key)
+        file = file_name(key)
+        first = self._claimed.setdefault(file.lower(), key)
+        if first != key:
+            message = (
+                f"the keys '{first}' and '{key}' would have the same model file {file}; name the files in "
+                f"{self.folder / INDEX}"
+            )
+            raise DataError(message)
+        return file if (self.folder / file).is_file() else None
+
+
+def _read_index(file: Path) -> Mapping[str, str] | None:
+    if not file.is_file():
+        return None
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+        models = content["models"]
+        if content["schema"] != _SCHEMA or not all(isinstance(name, str) for name in models.values()):
+            raise ValueError("another schema")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        message = (
+            f'{file} is no index of models ({error}); it is {{"schema": "{_SCHEMA}", "models": {{...}}}}'
+        )
+        raise ModelError(message) from None
+    return {str(key): name for key, name in models.items()}

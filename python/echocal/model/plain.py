@@ -1,0 +1,43 @@
+"""Models as plain data: what a task for another process contains, in place of a pickled object."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import ModelError
+from echocal.model import covariance as covariances
+from echocal.model import document
+from echocal.model.composition import Model
+from echocal.model.reading import read
+
+__all__ = ["from_plain", "to_plain"]
+
+
+def to_plain(model: Model) -> dict[str, Any]:
+    """The model as its file has it, schema ``echocal.model/1``, with its hash."""
+    content = document.content(model)
+    return {**content, "hash": document.digest(content), "data": model.provenance}
+
+
+def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> Model:
+    """The model of plain data; it is checked as a file is.
+
+    Raises
+    ------
+    ModelError
+        If it is no valid model, or does not match its hash; the text begins with `origin`.
+
+    Examples
+    --------
+    >>> from echocal.model import Model
+    >>> from_plain(to_plain(Model("linear", {"zero_error": {"offset": 2e-3}}))).effects
+    {'zero_error': {'offset': 0.002}}
+    """
+    arguments, covariance, listed = read(Path(origin), json.dumps(plain))
+    try:
+        model = Model(**arguments)
+        model.covariance = covariances.arranged(covariance, listed, model.parameter_names)
+        return model
+    except ModelError as error:
+        message = f"{origin}: {error}"
+        raise ModelError(message) from None

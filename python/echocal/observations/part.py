@@ -1,0 +1,88 @@
+"""A part of a table: what only the whole table can tell is counted, and decided when all parts are read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.observations.plan import Assignment
+
+__all__ = ["Part", "Seen"]
+
+Column = NDArray[np.float64]
+
+
+@dataclass
+class Seen:
+    """Counts of a column, from which follows whether its median is ordinary.
+
+    Attributes
+    ----------
+    rows, finite, possible : int
+        Rows; those with a number; those of them whose number can be.
+    below, above : int
+        Possible numbers below and above the usual range of the quantity.
+    """
+
+    rows: int = 0
+    finite: int = 0
+    possible: int = 0
+    below: int = 0
+    above: int = 0
+
+    def __iadd__(self, other: "Seen") -> "Seen":
+        for name in vars(self):
+            setattr(self, name, getattr(self, name) + getattr(other, name))
+        return self
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the whole column must be looked at: it may have no value, or be in another unit."""
+        if not self.finite:
+            return self.rows > 0
+        if not self.below and not self.above and self.possible == self.finite:
+            return False
+        return 2 * self.possible < self.finite or 2 * max(self.below, self.above) >= self.possible
+
+
+@dataclass
+class Part:
+    """What a part of a table needs to know of the whole, and what it counts for it.
+
+    Attributes
+    ----------
+    start : datetime64 or float or None
+        Earliest time of the whole log: an instant in UTC, or a number in s. None: that of this part.
+    derived : mapping of str to ndarray, shape (n,)
+        Quantities that are derived from several rows.
+    counted : slice
+        Rows to count; the others are neighbors, which belong to another part.
+    seen : dict of str to Seen
+        By column.
+    disagreeing : list of int
+        Rows whose echo time and reading disagree, and rows that have both.
+    """
+
+    start: np.datetime64 | float | None = None
+    derived: Mapping[str, Column] = field(default_factory=dict)
+    counted: slice = field(default_factory=lambda: slice(None))
+    seen: dict[str, Seen] = field(default_factory=dict)
+    disagreeing: list[int] = field(default_factory=lambda: [0, 0])
+
+    def count(self, source: Assignment, values: Column, ends: tuple[float, float]) -> None:
+        """Count the values of a column, in its own unit."""
+        form, unit = source.form, source.unit
+        values = values[self.counted]
+        low, high = form.typical or form.physical
+        if all(low <= unit.to_si(end) <= high for end in ends):
+            finite = len(values) - int(np.count_nonzero(np.isnan(values)))
+            self.seen[source.column] = Seen(len(values), finite, finite)
+            return
+        with np.errstate(invalid="ignore"):
+            least, most = (unit.from_si(bound) for bound in form.physical)
+            possible = (values > least if form.positive else values >= least) & (values <= most)
+            si = unit.to_si(values)
+            below, above = possible & (si < low), possible & (si > high)
+        counts = (np.isfinite(values), possible & np.isfinite(values), below, above)
+        self.seen[source.column] = Seen(len(values), *(int(np.count_nonzero(mask)) for mask in counts))
