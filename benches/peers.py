@@ -5,10 +5,11 @@ The formula stands here a second time on purpose: it is what somebody without ec
 
 import math
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
-from numba import get_num_threads, njit, prange, set_num_threads
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -46,9 +47,11 @@ def numpy_chunked(out: Array, time: Array, t: Array, h: Array, p: Array) -> None
         np.multiply(0.5 * time[rows], cramer(t[rows], h[rows], p[rows]), out=out[rows])
 
 
-def numpy_linear(out: Array, time: Array, t: Array) -> None:
-    """The study's law, as one expression."""
-    np.multiply(0.5 * time, 331.4 + 0.6 * t, out=out)
+def numpy_linear_in_place(out: Array, time: Array, t: Array) -> None:
+    """The study's law, its constants halved by hand, in three calls that write where the result belongs."""
+    np.multiply(t, 0.3, out=out)
+    np.add(out, 165.7, out=out)
+    np.multiply(out, time, out=out)
 
 
 _cramer_numba = njit(cramer)
@@ -59,32 +62,34 @@ def _exp(x: float) -> float:
     return math.exp(x)
 
 
-@njit(parallel=True)
+@njit(nogil=True)
 def _numba_distance(out: Array, time: Array, t: Array, h: Array, p: Array) -> None:
-    for i in prange(out.size):
+    for i in range(out.size):
         out[i] = 0.5 * time[i] * _cramer_numba(t[i], h[i], p[i], _exp)
 
 
-@njit(parallel=True)
-def _triad_of_five(out: Array, a: Array, b: Array, c: Array, d: Array) -> None:
-    for i in prange(out.size):
+@njit(nogil=True)
+def _sum_of_four(out: Array, a: Array, b: Array, c: Array, d: Array) -> None:
+    for i in range(out.size):
         out[i] = a[i] + b[i] + c[i] + d[i]
 
 
-@njit(parallel=True)
-def _triad_of_three(out: Array, a: Array, b: Array) -> None:
-    for i in prange(out.size):
+@njit(nogil=True)
+def _sum_of_two(out: Array, a: Array, b: Array) -> None:
+    for i in range(out.size):
         out[i] = a[i] + b[i]
 
 
 def threaded(function: Callable[..., None], threads: int) -> Callable[..., None]:
-    """Run a numba function on so many threads."""
+    """Run a function on so many threads, each with its share of the rows; none spins while it waits."""
+    if threads == 1:
+        return function
+    pool = ThreadPoolExecutor(threads)
 
     def call(*arguments: Array) -> None:
-        before = get_num_threads()
-        set_num_threads(threads)
-        function(*arguments)
-        set_num_threads(before)
+        share = -(-arguments[0].size // threads)
+        parts = [slice(first, first + share) for first in range(0, arguments[0].size, share)]
+        list(pool.map(lambda part: function(*(column[part] for column in arguments)), parts))
 
     return call
 
@@ -96,12 +101,12 @@ def numba_distance(threads: int) -> Callable[..., None]:
 
 def memory_of_five(threads: int) -> Callable[..., None]:
     """Read four arrays and write one, with the least arithmetic that does not vanish."""
-    return threaded(_triad_of_five, threads)
+    return threaded(_sum_of_four, threads)
 
 
 def memory_of_three(threads: int) -> Callable[..., None]:
-    """Read two arrays and write one: the triad."""
-    return threaded(_triad_of_three, threads)
+    """Read two arrays and write one."""
+    return threaded(_sum_of_two, threads)
 
 
 def pyfar_speed(t: Any, h: Any, p: Any) -> Any:

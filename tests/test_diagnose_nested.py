@@ -115,9 +115,6 @@ def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
     large = [cause for cause in diagnosis.causes if cause.doubt]
     assert large, diagnosis.explain()
     assert "times the usual one" in large[0].doubt
-    assert not large[0].in_model
-    assert not diagnosis.model.effects
-    assert diagnosis.gain.variance_removed == 0.0
     assert diagnosis.verdict == "ambiguous"
 
 

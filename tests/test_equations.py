@@ -5,8 +5,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "method.md"
-TAG = re.compile(r"\\tag\{(\d+a?)\}")
-CITED = re.compile(r"\bEq\. (\d+a?(?:(?:, | and | to )\d+a?)*)")
+TAG = re.compile(r"\\tag\{(\d+[ab]?)\}")
+CITED = re.compile(r"\bEq\. (\d+[ab]?(?:(?:, | and | to )\d+[ab]?)*)")
 
 
 def cited(text: str) -> set[str]:
@@ -14,11 +14,11 @@ def cited(text: str) -> set[str]:
     found: set[str] = set()
     unwrapped = re.sub(r"\s*\n\s*(?://[/!] ?)?", " ", text)
     for numbers in CITED.findall(unwrapped):
-        for first, last in re.findall(r"(\d+a?)(?: to (\d+a?))?", numbers):
+        for first, last in re.findall(r"(\d+[ab]?)(?: to (\d+[ab]?))?", numbers):
             found.add(first)
             if last:
                 found |= {
-                    str(number) for number in range(int(first.rstrip("a")) + 1, int(last.rstrip("a")) + 1)
+                    str(number) for number in range(int(first.rstrip("ab")) + 1, int(last.rstrip("ab")) + 1)
                 }
     return found
 

@@ -29,7 +29,19 @@ def test_a_narrow_encoding_is_no_error(command: str, encoding: str) -> None:
 
 def test_a_file_name_that_no_encoding_has_can_be_told(tmp_path: Path) -> None:
     name = os.fsdecode(b"caf\xe9.csv")
-    words = [sys.executable, "-m", "echocal", "correct", str(EXAMPLE), "--law", "linear", "-o", name]
+    words = [
+        sys.executable,
+        "-m",
+        "echocal",
+        "correct",
+        str(EXAMPLE),
+        "--law",
+        "linear",
+        "--reading-speed",
+        "linear",
+        "-o",
+        name,
+    ]
     run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (run.returncode, run.stderr) == (0, "")
     assert (tmp_path / name).is_file()

@@ -213,7 +213,7 @@ impl Device {
     /// How many combinations of condition codes there are.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.conditions.iter().map(Axis::len).product()
+        rows(&self.conditions)
     }
 
     /// How many inputs the function accepts in all.
@@ -225,14 +225,7 @@ impl Device {
     /// Condition codes of row `row`, the last condition running fastest.
     #[must_use]
     pub fn codes(&self, row: usize) -> Vec<i64> {
-        let mut rest = row;
-        let mut codes: Vec<i64> = Vec::with_capacity(self.conditions.len());
-        for axis in self.conditions.iter().rev() {
-            codes.push(axis.codes.minimum + (rest % axis.len()) as i64);
-            rest /= axis.len();
-        }
-        codes.reverse();
-        codes
+        codes(&self.conditions, row)
     }
 
     /// Rows that stand for all while forms are chosen: every code of the first condition, and about `columns` of the
@@ -267,10 +260,29 @@ impl Device {
     /// Condition values of row `row`, in the units of their axes.
     #[must_use]
     pub fn values(&self, row: usize) -> Vec<f64> {
-        self.conditions
-            .iter()
-            .zip(self.codes(row))
-            .map(|(axis, code)| axis.value(code))
-            .collect()
+        values(&self.conditions, row)
     }
+}
+
+/// How many combinations of the codes of some conditions there are.
+pub(crate) fn rows(conditions: &[Axis]) -> usize {
+    conditions.iter().map(Axis::len).product()
+}
+
+/// Codes of row `row`, the last condition running fastest.
+fn codes(conditions: &[Axis], row: usize) -> Vec<i64> {
+    let mut rest = row;
+    let mut codes: Vec<i64> = Vec::with_capacity(conditions.len());
+    for axis in conditions.iter().rev() {
+        codes.push(axis.codes.minimum + (rest % axis.len()) as i64);
+        rest /= axis.len();
+    }
+    codes.reverse();
+    codes
+}
+
+/// Values of row `row`, in the units of the axes.
+pub(crate) fn values(conditions: &[Axis], row: usize) -> Vec<f64> {
+    let pairs = conditions.iter().zip(codes(conditions, row));
+    pairs.map(|(axis, code)| axis.value(code)).collect()
 }

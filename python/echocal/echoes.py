@@ -88,9 +88,7 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
         return Accepted(tick, float(shortest), float(longest))
     most = _most(tick) if longest is None else float(longest)
     distances = [BLANKING_M, request["maximum_distance"]]
-    soonest, latest = zip(
-        *_core.echo_times(model, {**request, "echo": (tick, 0.0, most)}, distances), strict=True
-    )
+    soonest, latest = zip(*_core.echo_times(model, dict(request), distances), strict=True)
     first = _first(soonest[0] * 1e6, tick) if shortest is None else float(shortest)
     if longest is not None:
         if most <= first:

@@ -6,7 +6,7 @@ mod reference;
 
 pub use omission::Omission;
 
-use crate::device::{Axis, Device};
+use crate::device::{Axis, Device, rows, values};
 use crate::error::Error;
 use echocal_core::effects::{self, Firmware};
 use echocal_core::model::Term;
@@ -41,7 +41,50 @@ pub fn lower(
     accepted: &[String],
     distance: f64,
 ) -> Result<Lowered, Error> {
-    let base = Lowered::new(Model::new(model.law()), frozen, measured(device)?);
+    let range = Range {
+        conditions: &device.conditions,
+        longest: device.echo.value(device.echo.codes.maximum),
+        distance,
+    };
+    lower_within(model, &range, frozen, accepted)
+}
+
+/// [`lower`] onto a device whose echo times are not known yet: it accepts those of all distances.
+///
+/// # Errors
+/// As for [`lower`].
+pub fn lower_without_echo(
+    model: &Model,
+    conditions: &[Axis],
+    frozen: &Conditions<f64>,
+    accepted: &[String],
+    distance: f64,
+) -> Result<Lowered, Error> {
+    let range = Range {
+        conditions,
+        longest: f64::INFINITY,
+        distance,
+    };
+    lower_within(model, &range, frozen, accepted)
+}
+
+/// Where costs are stated.
+struct Range<'a> {
+    conditions: &'a [Axis],
+    /// Echo time \[s\].
+    longest: f64,
+    /// \[m\].
+    distance: f64,
+}
+
+fn lower_within(
+    model: &Model,
+    range: &Range<'_>,
+    frozen: &Conditions<f64>,
+    accepted: &[String],
+) -> Result<Lowered, Error> {
+    let measured = measured(range.conditions)?;
+    let base = Lowered::new(Model::new(model.law()), frozen, measured);
     let mut kept = base.clone();
     // At neutral parameters an effect does nothing, whatever it needs.
     for term in model.terms().iter().filter(|term| !is_neutral(term)) {
@@ -49,7 +92,7 @@ pub fn lower(
             kept.extend(term)?;
             continue;
         };
-        let omission = base.omission(term, lack, device, distance)?;
+        let omission = base.omission(term, lack, range)?;
         if omission.assumed.is_some() {
             kept.extend(term)?;
         }
@@ -62,7 +105,7 @@ pub fn lower(
         }
         kept.omissions.push(omission);
     }
-    kept.state_law(device, distance);
+    kept.state_law(range);
     Ok(kept)
 }
 
@@ -72,12 +115,12 @@ fn is_neutral(term: &Term) -> bool {
 }
 
 /// The quantities that the device measures.
-fn measured(device: &Device) -> Result<Vec<Quantity>, Error> {
+fn measured(conditions: &[Axis]) -> Result<Vec<Quantity>, Error> {
     let find = |axis: &Axis| {
         let unknown = || Error::Codes(format!("no influence quantity is called {}", axis.quantity));
         Quantity::find(&axis.quantity).ok_or_else(unknown)
     };
-    device.conditions.iter().map(find).collect()
+    conditions.iter().map(find).collect()
 }
 
 /// The quantity that an effect needs, or the reason that it gives.
@@ -129,8 +172,7 @@ impl Lowered {
         &self,
         term: &Term,
         (quantity, reason): Lack,
-        device: &Device,
-        distance: f64,
+        range: &Range<'_>,
     ) -> Result<Omission, Error> {
         let unknown = self.unknown(term);
         let assumed = quantity
@@ -148,7 +190,7 @@ impl Lowered {
             quantity,
             assumed,
             reason,
-            left: alone.spread(settled, device, (quantity, &unknown), distance),
+            left: alone.spread(settled, range, (quantity, &unknown)),
         })
     }
 
@@ -162,13 +204,13 @@ impl Lowered {
     }
 
     /// State what the law reads and the device does not measure.
-    fn state_law(&mut self, device: &Device, distance: f64) {
+    fn state_law(&mut self, range: &Range<'_>) {
         let reads = self.model.law().facts().reads;
         for quantity in reads
             .iter()
             .filter(|quantity| !self.measured.contains(quantity))
         {
-            let left = self.spread(&self.model, device, (Some(*quantity), &[]), distance);
+            let left = self.spread(&self.model, range, (Some(*quantity), &[]));
             let (quantity, assumed) = (Some(*quantity), Some(self.frozen.get(*quantity)));
             self.omissions.push(Omission {
                 effect: None,
@@ -180,26 +222,25 @@ impl Lowered {
         }
     }
 
-    /// How far this model's distance is from one up to `distance`, at the echo time of a `settled` model there, while
+    /// How far this model's distance is from one in `range`, at the echo time of a `settled` model there, while
     /// `quantity` runs over the field, and with it what is `unknown`.
     fn spread(
         &self,
         settled: &Model,
-        device: &Device,
+        range: &Range<'_>,
         (quantity, unknown): (Option<Quantity>, &[Quantity]),
-        distance: f64,
     ) -> f64 {
         let steps = |used: bool| 0..=if used { STEPS } else { 0 };
         let mut largest = 0.0_f64;
-        for row in (0..=STEPS).map(|step| (device.rows() - 1) * step / STEPS) {
+        for row in (0..=STEPS).map(|step| (rows(range.conditions) - 1) * step / STEPS) {
             for step in steps(!unknown.is_empty()) {
-                let known = self.at(&device.values(row));
+                let known = self.at(&values(range.conditions, row));
                 let at = unknown
                     .iter()
                     .fold(known, |at, quantity| in_field(at, *quantity, step));
-                let longest = settled.distance(device.echo.value(device.echo.codes.maximum), &at);
+                let longest = settled.distance(range.longest, &at);
                 // At most the distance of the longest accepted echo; `min` ignores one that is not a number.
-                for far in NEARER.map(|share| share * distance.min(longest)) {
+                for far in NEARER.map(|share| share * range.distance.min(longest)) {
                     let time = settled.time_of_flight(far, &at);
                     for step in steps(quantity.is_some()) {
                         let there = quantity.map_or(at, |quantity| in_field(at, quantity, step));

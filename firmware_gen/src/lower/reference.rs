@@ -2,7 +2,7 @@
 
 use super::Lowered;
 use crate::affine::Affine;
-use crate::device::Device;
+use crate::device::{Axis, rows, values};
 use crate::reference::Reference;
 use echocal_core::chain::Stage;
 use echocal_core::dual::Dual;
@@ -34,20 +34,20 @@ impl Reference for Lowered {
 }
 
 impl Lowered {
-    /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all conditions that the device accepts.
+    /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all codes of the conditions.
     /// `go_on` is asked now and then; `None` if it said no.
     pub fn echo_times(
         &self,
-        device: &Device,
+        conditions: &[Axis],
         distances: &[f64],
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Vec<(f64, f64)>> {
         let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); distances.len()];
-        for row in 0..device.rows() {
+        for row in 0..rows(conditions) {
             if row % BETWEEN == BETWEEN - 1 && !go_on() {
                 return None;
             }
-            let at = self.at(&device.values(row));
+            let at = self.at(&values(conditions, row));
             for ((least, greatest), distance) in ends.iter_mut().zip(distances) {
                 let time = self.time(*distance, &at);
                 (*least, *greatest) = (least.min(time), greatest.max(time));
@@ -86,8 +86,8 @@ impl Lowered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::Axis;
-    use crate::lower::lower;
+    use crate::device::Device;
+    use crate::lower::{lower, lower_without_echo};
     use crate::output::Output;
     use echocal_core::{Law, Model};
 
@@ -120,19 +120,18 @@ mod tests {
     /// The echo comes soonest where it is warm and damp, latest where it is cold and dry; who says stop gets nothing.
     #[test]
     fn echo_times_are_those_of_the_ends_and_can_be_stopped() {
-        let device = Device {
-            echo: Axis::echo(1.0, 0.0, 30_000.0).unwrap(),
-            conditions: vec![
-                Axis::temperature(0.0625, -20.0, 60.0, 0.0).unwrap(),
-                Axis::humidity(0.01, 0.0, 1.0, 0.0).unwrap(),
-            ],
-            output: Output::MICROMETERS,
-        };
-        let model = Model::new(Law::parse("cramer").unwrap());
-        let lowered = lower(&model, &device, &Conditions::at(20.0), &[], 4.0).unwrap();
+        let conditions = [
+            Axis::temperature(0.0625, -20.0, 60.0, 0.0).unwrap(),
+            Axis::humidity(0.01, 0.0, 1.0, 0.0).unwrap(),
+        ];
+        let (model, at) = (
+            Model::new(Law::parse("cramer").unwrap()),
+            Conditions::at(20.0),
+        );
+        let lowered = lower_without_echo(&model, &conditions, &at, &[], 4.0).unwrap();
         let mut asked = 0;
         let mut count = |go_on: bool| {
-            lowered.echo_times(&device, &[0.02, 4.0], &mut || {
+            lowered.echo_times(&conditions, &[0.02, 4.0], &mut || {
                 asked += 1;
                 go_on
             })
@@ -142,6 +141,6 @@ mod tests {
         assert_eq!(times[0].0, expected(0.02, [60.0, 1.0]));
         assert_eq!(times[1].1, expected(4.0, [-20.0, 0.0]));
         assert_eq!(count(false), None);
-        assert_eq!(asked, device.rows() / BETWEEN + 1);
+        assert_eq!(asked, rows(&conditions) / BETWEEN + 1);
     }
 }

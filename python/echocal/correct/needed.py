@@ -76,6 +76,8 @@ def needed(
         name for name, quantity in held.items() if quantity in wanted and quantity != "reference_distance"
     }
     used |= {name for name in plan.several if name in thermometers}
+    if thermometers - set(plan.several):  # for the message on it
+        used |= {*plan.several, *(thermometers & set(plan.others))}
     used |= {name for name in (*plan.others, *plan.several) if name in extra}
     reference: set[str] = set()
     if any("reference" in rule.kind + rule.quantity for rule in rules):

@@ -1,7 +1,7 @@
 //! Firmware: a request in, texts and the bit-exact twin out.
 
 use echocal_core::{Conditions, Quantity};
-use echocal_firmware::lower::{Lowered, describe, lower};
+use echocal_firmware::lower::{Lowered, describe, lower, lower_without_echo};
 use echocal_firmware::target;
 use echocal_firmware::{
     Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
@@ -117,8 +117,8 @@ pub struct FirmwareRequest {
     package: String,
     prefer: String,
     form: Option<String>,
-    temperature: (f64, f64, f64, f64),
-    humidity: Option<(f64, f64, f64, f64)>,
+    temperature: Codes,
+    humidity: Option<Codes>,
     /// Tick, shortest and longest echo time \[us\].
     echo: (f64, f64, f64),
     output_unit: String,
@@ -133,20 +133,33 @@ pub struct FirmwareRequest {
     diagnosis: Vec<String>,
 }
 
+/// What the echo times of a device depend on.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct EchoTimesRequest {
+    temperature: Codes,
+    humidity: Option<Codes>,
+    maximum_distance: f64,
+    accept: Vec<String>,
+    assumed: [f64; Quantity::COUNT],
+}
+
 /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all conditions that the device accepts.
 #[pyfunction]
 pub fn echo_times(
     py: Python<'_>,
     model: &CoreModel,
-    request: FirmwareRequest,
+    request: EchoTimesRequest,
     distances: Vec<f64>,
 ) -> PyResult<Vec<(f64, f64)>> {
     let model = &model.model;
     let mut interrupted = None;
     let found = py.detach(|| {
-        let device = device(&request)?;
-        let lowered = lowered(model, &device, &request)?;
-        let times = lowered.echo_times(&device, &distances, &mut || {
+        let conditions = conditions(request.temperature, request.humidity)?;
+        let assumed = Conditions::new(request.assumed);
+        let (accept, far) = (&request.accept, request.maximum_distance);
+        let lowered = lower_without_echo(model, &conditions, &assumed, accept, far)?;
+        let times = lowered.echo_times(&conditions, &distances, &mut || {
             interrupted = Python::attach(|py| py.check_signals()).err();
             interrupted.is_none()
         });
@@ -203,18 +216,24 @@ impl Failure {
 
 /// What the device measures.
 fn device(request: &FirmwareRequest) -> Result<Device, Error> {
-    let (lsb, low, high, zero) = request.temperature;
     let (tick, shortest, longest) = request.echo;
-    let mut device = Device {
+    Ok(Device {
         echo: Axis::echo(tick, shortest, longest)?,
-        conditions: vec![Axis::temperature(lsb, low, high, zero)?],
+        conditions: conditions(request.temperature, request.humidity)?,
         output: Output::parse(&request.output_unit)?,
-    };
-    if let Some((lsb, low, high, zero)) = request.humidity {
-        let humidity = Axis::humidity(lsb, low, high, zero)?;
-        device.conditions.push(humidity);
+    })
+}
+
+/// LSB, lowest and highest value, and the value of code 0.
+type Codes = (f64, f64, f64, f64);
+
+fn conditions(temperature: Codes, humidity: Option<Codes>) -> Result<Vec<Axis>, Error> {
+    let (lsb, low, high, zero) = temperature;
+    let mut axes = vec![Axis::temperature(lsb, low, high, zero)?];
+    if let Some((lsb, low, high, zero)) = humidity {
+        axes.push(Axis::humidity(lsb, low, high, zero)?);
     }
-    Ok(device)
+    Ok(axes)
 }
 
 fn lowered(

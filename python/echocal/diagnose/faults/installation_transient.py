@@ -208,7 +208,10 @@ def _log_tailed(unit: Column, freedom: float) -> Column:
 
 
 def _contrast(value: Column, count: int, scatter: float, own: Thresholds) -> tuple[float, float, float]:
-    """How far the first stretch is from the rows after it, how far others are, and their rank as a part."""
+    """How far the first stretch is from the rows after it, how far others are, and their rank as a part.
+
+    These are the terms of docs/method.md, Eq. 30a.
+    """
     after = max(count, own.after)
     blocks = (len(value) - after) // count
     if blocks <= own.fewest_stretches:

@@ -35,7 +35,7 @@ from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import errors
 from echocal.diagnose.validation.judges import HeldOutRows, Judge
 from echocal.diagnose.validation.unexplained_term import with_its_function
-from echocal.diagnose.validation.validate import Validation, Withheld
+from echocal.diagnose.validation.validate import Validation
 from echocal.diagnose.verdict import credible_set, verdict
 from echocal.errors import DomainWarning
 from echocal.model import Model
@@ -106,7 +106,7 @@ def _causes(
 ) -> tuple[Cause, ...]:
     recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
     if validation.withheld is not None:
-        why = _withheld(validation.withheld)
+        why = _unearned(validation.withheld.gain)
         doubts |= {c.cause: why for c in validation.claims if c.cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
@@ -149,16 +149,6 @@ def _cause(
     text += "".join(f"; the further thermometer is the column {column}" for _, column in claim.variant.bound)
     alone = min(ranking.of([claim.cause]), claim.probability)
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone)
-
-
-def _withheld(withheld: Withheld) -> str:
-    """Why no cause is named, beside one of a size that is not plausible."""
-    if withheld.implausible and withheld.gain.earned:
-        return (
-            f"the model leaves it out together with {' and '.join(withheld.implausible)}, whose size is not "
-            "plausible"
-        )
-    return _unearned(withheld.gain)
 
 
 def _unearned(gain: Gain) -> str:

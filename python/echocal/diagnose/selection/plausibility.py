@@ -1,4 +1,4 @@
-"""Whether the size of a cause is one that such devices and such air have."""
+"""Whether the size of a cause is one that such devices and such air have: docs/method.md, Eq. 46."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -68,6 +68,6 @@ def _sentence(claim: Claim) -> str:
     )
     times = abs(float(claim.mean[place]))
     return (
-        f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not named, and "
-        f"the model leaves it out: {value}, where {usual} is usual"
+        f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not named: "
+        f"{value}, where {usual} is usual"
     )

@@ -101,10 +101,10 @@ class ClaimSettings:
         2, "rows", "fewest rows of a part, after subtracting its levels", "for a size and a variance"
     )
     implausible: float = number(
-        3.0,
+        5.0,
         "prior standard deviations",
-        "a cause with a larger size is not named, and the model leaves it out",
-        "argument: 1 in 370 normal sizes is larger; the prior of an effect outside the catalogue is 1 in 20",
+        "a cause with a larger size is not named",
+        "argument: 1 in 31 sizes is larger by Eq. 6; the prior of an effect outside the catalogue is 1 in 20",
     )
     leverage_pieces: int = number(
         40,

@@ -34,20 +34,17 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Withheld:
-    """Claims that the model does not have, because their gain may be chance or a size is not plausible.
+    """Claims whose gain may be chance.
 
     Attributes
     ----------
     claims : tuple of Claim
     gain : Gain
         Of the model that has them.
-    implausible : tuple of str
-        Those whose size is not plausible.
     """
 
     claims: tuple[Claim, ...]
     gain: Gain
-    implausible: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -70,8 +67,7 @@ class Validation:
     overruled : bool
         Whether claims that the folds do not refute were dropped with the model.
     withheld : Withheld or None
-        Claims that the model does not have, because the interval of their gain is not above zero, or
-        because a size is not plausible.
+        Claims that the model does not have, because the interval of their gain is not above zero.
     """
 
     kept: tuple[Claim, ...]
@@ -106,9 +102,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     """Compare the model with the base on rows that its choice has not seen, and measure its gain.
 
     A model that is no better than the base is dropped with all its causes. If it is better, but the
-    interval of its gain is not above zero, its causes are possible, and the model is the base. The same
-    holds if the size of one of its causes is not plausible: then something else acts, which need not act in
-    the same way under other conditions.
+    interval of its gain is not above zero, its causes are possible, and the model is the base.
 
     Parameters
     ----------
@@ -124,9 +118,8 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     claimed = rest.kept
     rest = against_the_base(trials, judge.judged(trials, rest), before)
     gain, withheld = _gain(trials, judge, rest, before, selection), None
-    implausible = tuple(claim.cause for claim in rest.kept if claim.cause in selection.implausible)
-    if rest.kept and (implausible or not gain.earned):
-        withheld = Withheld(rest.kept, gain, implausible)
+    if rest.kept and not gain.earned:
+        withheld = Withheld(rest.kept, gain)
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)

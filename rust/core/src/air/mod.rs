@@ -63,6 +63,49 @@ pub trait SpeedLaw: Copy + Send + Sync {
     }
 }
 
+/// A law as the batch kernels see it: one law, or [`Law`], which of them is found out for each vector of
+/// rows.
+pub(crate) trait LawOfRows: Copy + Send + Sync + 'static {
+    /// Speed of sound \[m/s\] of many rows, from the tabulated saturation pressure.
+    fn speed_of_rows<S: Rows>(&self, air: &Air<S>) -> S;
+
+    /// The influence quantities that the law reacts to.
+    const READS: &'static [Quantity];
+}
+
+impl<L: SpeedLaw + 'static> LawOfRows for L {
+    const READS: &'static [Quantity] = L::FACTS.reads;
+
+    /// The compiler leaves the water out where the law does not read it.
+    #[inline(always)]
+    fn speed_of_rows<S: Rows>(&self, air: &Air<S>) -> S {
+        self.at_composition(air, water_vapor_mole_fraction_of_rows(air))
+    }
+}
+
+impl LawOfRows for Law {
+    const READS: &'static [Quantity] = &[
+        Quantity::Temperature,
+        Quantity::RelativeHumidity,
+        Quantity::Pressure,
+        Quantity::Co2MoleFraction,
+    ];
+
+    #[inline(always)]
+    fn speed_of_rows<S: Rows>(&self, air: &Air<S>) -> S {
+        self.speed_of_each(air)
+    }
+}
+
+/// What is to be done with a law whose type is known when it is compiled.
+pub(crate) trait LawVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<L: SpeedLaw + 'static>(self, law: L) -> Self::Output;
+}
+
 macro_rules! laws {
     ($($law:ident),+ $(,)?) => {
         /// One of the laws for the speed of sound.
@@ -87,12 +130,16 @@ macro_rules! laws {
                 match self { $(Self::$law(law) => law.speed(air)),+ }
             }
 
-            /// Speed of sound \[m/s\] of many rows, from the tabulated saturation pressure.
             #[inline(always)]
-            pub(crate) fn speed_of_rows<S: Rows>(&self, air: &Air<S>) -> S {
-                let water = water_vapor_mole_fraction_of_rows(air);
-                match self { $(Self::$law(law) => law.at_composition(air, water)),+ }
+            fn speed_of_each<S: Rows>(&self, air: &Air<S>) -> S {
+                match self { $(Self::$law(law) => law.speed_of_rows(air)),+ }
             }
+
+            /// Does something with this law, each in a function of its own.
+            pub(crate) fn visit<V: LawVisitor>(self, visitor: V) -> V::Output {
+                match self { $(Self::$law(law) => visitor.visit(law)),+ }
+            }
+
 
             /// Speed of sound at a frequency \[m/s\]; the law itself at frequency zero.
             #[inline(always)]

@@ -29,13 +29,14 @@ use crate::scalar::Rows;
 
 /// A function of `K` numbers, in any [`Rows`].
 pub trait Formula<const K: usize>: Send + Sync + 'static {
-    /// Constants of the formula that are not known when it is compiled.
-    fn parameters(&self) -> Vec<f64> {
-        Vec::new()
-    }
+    /// Which inputs it reads: the others are not fetched from memory.
+    const READS: [bool; K] = [true; K];
 
-    /// The function; `parameters` as from [`Formula::parameters`].
-    fn evaluate<S: Rows>(&self, inputs: [S; K], parameters: &[S]) -> S;
+    /// Rows below which one more thread does not pay.
+    const ROWS_OF_A_THREAD: usize = threads::OF_A_FORMULA;
+
+    /// The function.
+    fn evaluate<S: Rows>(&self, inputs: [S; K]) -> S;
 }
 
 /// Where a batch finds, or puts, one number per row.
@@ -184,7 +185,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
             unsafe { block::run_f64(&self.0, inputs, output.skip(first), count) }
         };
-        threads::split(rows, threads, threads::OF_A_FORMULA, &span);
+        threads::split(rows, threads, F::ROWS_OF_A_THREAD, &span);
     }
 
     unsafe fn run_f32(&self, inputs: &[Column], output: Column, rows: usize, threads: usize) {
@@ -194,7 +195,7 @@ impl<F: Formula<K>, const K: usize> Kernel for Compiled<F, K> {
             // SAFETY: rows `first` to `first + count` of columns that the caller guarantees.
             unsafe { block::run_f32(&self.0, inputs, output.skip(first), count) }
         };
-        threads::split(rows, threads, threads::OF_A_FORMULA, &span);
+        threads::split(rows, threads, F::ROWS_OF_A_THREAD, &span);
     }
 }
 

@@ -93,13 +93,13 @@ impl OfModel {
     }
 
     fn block(&self, pass: &mut Pass, block: Reading<'_>, found: &mut Line) {
-        let (model, law) = (&self.model, self.model.law());
+        let model = &self.model;
         let last = match self.output {
             ModelOutput::Correction => {
-                return pass.invert(model, &block, Stage::Indication, None, found);
+                return pass.invert(model, &block, Stage::Indication, false, found);
             }
             ModelOutput::Distance => {
-                return pass.invert(model, &block, Stage::Timer, Some(law), found);
+                return pass.invert(model, &block, Stage::Timer, true, found);
             }
             ModelOutput::Indication => Stage::Indication,
             ModelOutput::TimeOfFlight => Stage::Timer,

@@ -68,13 +68,22 @@ fn run_f32(kernel: &dyn Kernel, inputs: &[Vec<f64>]) -> Vec<f32> {
 fn kernels() -> Vec<(Box<dyn Kernel>, Inputs)> {
     let mut all: Vec<(_, Inputs)> = vec![(absorption(), &[1, 2, 3, 5])];
     let fixed = Law::parse("343").unwrap();
+    let readings = [
+        fixed,
+        Law::parse("linear").unwrap(),
+        Law::parse("ideal_gas").unwrap(),
+    ];
     for law in Law::names()
         .into_iter()
         .map(|name| Law::parse(name).unwrap())
     {
         all.push((speed_of_sound(law, false), &[1, 2, 3, 4]));
         all.push((speed_of_sound(law, true), &[1, 2, 3, 4, 5]));
-        for output in [Output::TimeOfFlight, Output::Distance, Output::Error(fixed)] {
+        let errors = readings.into_iter().map(Output::Error);
+        for output in [Output::TimeOfFlight, Output::Distance]
+            .into_iter()
+            .chain(errors)
+        {
             all.push((echo(output, law, false), &[0, 1, 2, 3, 4]));
             all.push((echo(output, law, true), &[0, 1, 2, 3, 4, 5]));
         }
@@ -262,37 +271,93 @@ fn model_columns(rows: usize) -> Vec<Vec<f64>> {
     all
 }
 
+/// Models that take every way through the stages: with and without effects of the air, of the speed, of the
+/// firmware, and with one that depends on the distance.
+fn models() -> Vec<crate::Model> {
+    let of = |law: &str, effects: &[(&str, &[(&str, f64)])]| {
+        let base = crate::Model::new(Law::parse(law).unwrap());
+        let extended = effects.iter().try_fold(base, |m, (id, of)| m.with(id, of));
+        extended.unwrap()
+    };
+    let delay: (&str, &[(&str, f64)]) = ("fixed_delay", &[("delay", 31e-6)]);
+    let zero: (&str, &[(&str, f64)]) = ("zero_error", &[("offset", -4e-3)]);
+    let gain: (&str, &[(&str, f64)]) = ("temperature_gain", &[("gain", 0.01)]);
+    let fixed: (&str, &[(&str, f64)]) = ("fixed_speed", &[("weight", 0.3), ("speed", 343.0)]);
+    vec![
+        of("virial", &[delay, ("clock_error", &[]), gain, zero]),
+        of("cramer", &[delay, zero]),
+        of(
+            "cramer",
+            &[("speed_intercept", &[("intercept", 0.4)]), fixed, delay],
+        ),
+        of(
+            "ideal_gas",
+            &[gain, ("speed_slope", &[("slope", 0.01)]), fixed],
+        ),
+        of("linear", &[("humidity", &[]), gain, delay, zero]),
+        of(
+            "linear",
+            &[("temperature_gradient", &[("gradient", 0.5)]), fixed, zero],
+        ),
+    ]
+}
+
 #[test]
 fn models_have_the_same_bits_as_row_by_row() {
     let _turn = TURN.lock().unwrap();
-    let model = crate::Model::new(Law::parse("virial").unwrap())
-        .with("fixed_delay", &[("delay", 31e-6)])
-        .and_then(|m| m.with("clock_error", &[]))
-        .and_then(|m| m.with("temperature_gain", &[]))
-        .and_then(|m| m.with("zero_error", &[("offset", -4e-3)]))
-        .unwrap();
     let inputs = model_columns(505);
-    for output in [
+    let outputs = [
         ModelOutput::Indication,
         ModelOutput::SpeedOfSound,
         ModelOutput::TimeOfFlight,
         ModelOutput::Correction,
         ModelOutput::Distance,
-    ] {
-        let kernel = of_model(model.clone(), output);
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
-            assert!(force(Some(set)));
-            let batch = run_f64(&*kernel, &inputs, 1);
-            for (row, value) in batch.into_iter().enumerate() {
-                let inputs: Vec<_> = inputs.iter().map(|column| column[row]).collect();
-                assert_eq!(kernel.evaluate(&inputs), value, "{output:?} {}", set.name());
+    ];
+    for (place, model) in models().into_iter().enumerate() {
+        for output in outputs {
+            let kernel = of_model(model.clone(), output);
+            for set in InstructionSet::ALL
+                .into_iter()
+                .filter(|set| set.is_available())
+            {
+                assert!(force(Some(set)));
+                let batch = run_f64(&*kernel, &inputs, 1);
+                for (row, value) in batch.into_iter().enumerate() {
+                    let inputs: Vec<_> = inputs.iter().map(|column| column[row]).collect();
+                    let alone = kernel.evaluate(&inputs);
+                    let name = set.name();
+                    assert_eq!(alone, value, "model {place}, {output:?}, {name}, row {row}");
+                }
             }
+            force(None);
         }
-        force(None);
     }
+}
+
+/// A column that a law does not read may lie nowhere: whoever fetched it would be stopped by the system.
+#[test]
+fn a_law_fetches_only_what_it_reads() {
+    let _turn = TURN.lock().unwrap();
+    let nowhere = Column {
+        start: core::ptr::null_mut(),
+        stride: 8,
+    };
+    let kernel = echo(Output::Distance, Law::parse("linear").unwrap(), false);
+    let inputs = columns(&[0, 1, 2, 3, 4], 1_003);
+    let expected = run_f64(&*kernel, &inputs, 1);
+    let mut views: Vec<_> = inputs.iter().map(|column| pointer(column)).collect();
+    views[2..].fill(nowhere);
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
+        assert!(force(Some(set)));
+        let mut found = vec![0.0; 1_003];
+        // SAFETY: the columns that the law reads, and the output, have the rows.
+        unsafe { kernel.run_f64(&views, target(&mut found), 1_003, 1) };
+        assert_eq!(found, expected, "{}", set.name());
+    }
+    force(None);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Noise of warm cells that drift through the path of the echo: docs/method.md, Eq. 4.
+//! Noise of warm cells that drift through the path of the echo: docs/method.md, Eq. 4 and 45.
 //!
 //! The delays of cells that know nothing of each other add up, and so do their variances: that of the
 //! travel time grows in proportion to the path, until caustics bend it upward (Andreeva & Durgin 2005,

@@ -35,7 +35,8 @@ macro_rules! options {
 where : array_like of bool, optional
     Which rows to compute; the others keep what `out` holds, NaN without `out`.
 n_threads : int, optional
-    At most so many threads, for 100,000 rows and more; every processor by default.
+    At most so many threads; every processor by default. One works alone on less than 100,000 rows, or
+    500,000 where the law reads the temperature alone: starting a thread would take longer.
 
 Returns
 -------

@@ -1,19 +1,22 @@
 //! What is done to the rows of a block, one function for each effect and stage.
 
-use super::tracks::{BLOCK, Line, LineRef, Reading, SharedLine, Track};
-use crate::air::{Air, Law};
+use super::tracks::{BLOCK, Line, LineRef, Reading, Track};
+use crate::air::{Air, Law, LawVisitor, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::dual::Dual;
-use crate::echo;
 use crate::effects::{Effect, Visitor};
-use crate::model::{approach, enter as entered};
+use crate::model::enter as entered;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::x86::{F64x4, F64x8};
-use crate::simd::{InstructionSet, Vector, active};
+use crate::simd::{InstructionSet, Lanes, Vector, active};
 use core::cell::Cell;
+use core::marker::PhantomData;
 
 /// Something done to every row of a block, several at a time.
 pub(super) trait Work {
+    /// Whether it is long, so that several vectors in flight are faster than one.
+    const LONG: bool = false;
+
     /// Does it to rows `row..row + V::WIDTH`.
     ///
     /// # Safety
@@ -55,7 +58,18 @@ unsafe fn each_avx2<W: Work>(work: &W, rows: usize) {
 
 #[inline(always)]
 unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
-    for row in (0..rows).step_by(V::WIDTH) {
+    const IN_FLIGHT: usize = 3; // as in `block`
+    let together = IN_FLIGHT * V::WIDTH;
+    let mut long = 0;
+    // a condition known to the compiler: what is not long is compiled for one vector alone
+    if W::LONG {
+        long = rows / together * together;
+        for row in (0..long).step_by(together) {
+            // SAFETY: the caller's.
+            unsafe { work.at::<Lanes<V, IN_FLIGHT>>(row) };
+        }
+    }
+    for row in (long..rows).step_by(V::WIDTH) {
         // SAFETY: the caller's.
         unsafe { work.at::<V>(row) };
     }
@@ -69,9 +83,9 @@ unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
 /// # Panics
 /// If `target` is not as many tracks as the stage has variables.
 #[inline(always)]
-unsafe fn keep<V: Vector<Element = f64>>(
+unsafe fn keep<const N: usize, V: Vector<Element = f64>>(
     stage: Stage,
-    chain: &Chain<Dual<1, V>>,
+    chain: &Chain<Dual<N, V>>,
     target: &[Track],
     row: usize,
 ) {
@@ -93,16 +107,22 @@ unsafe fn keep<V: Vector<Element = f64>>(
     }
 }
 
-/// Writes values and derivatives of some rows.
+/// Writes values, and derivatives where there are any, of some rows.
 ///
 /// # Safety
 /// A block has rows `row..row + V::WIDTH`.
 #[inline(always)]
-unsafe fn put<V: Vector<Element = f64>>(dual: Dual<1, V>, track: &Track, row: usize) {
+unsafe fn put<const N: usize, V: Vector<Element = f64>>(
+    dual: Dual<N, V>,
+    track: &Track,
+    row: usize,
+) {
     // SAFETY: the caller's.
     unsafe {
         store(dual.value, track.value.cell(), row);
-        store(dual.derivatives[0], track.slope.cell(), row);
+        for derivative in dual.derivatives {
+            store(derivative, track.slope.cell(), row);
+        }
     }
 }
 
@@ -111,7 +131,11 @@ unsafe fn put<V: Vector<Element = f64>>(dual: Dual<1, V>, track: &Track, row: us
 /// # Safety
 /// A block has rows `row..row + V::WIDTH`.
 #[inline(always)]
-unsafe fn store<V: Vector<Element = f64>>(rows: V, line: &Cell<[f64; BLOCK]>, row: usize) {
+pub(super) unsafe fn store<V: Vector<Element = f64>>(
+    rows: V,
+    line: &Cell<[f64; BLOCK]>,
+    row: usize,
+) {
     // SAFETY: the caller's; a cell may be written to through a shared reference.
     unsafe { rows.store(line.as_ptr().cast::<f64>().add(row)) };
 }
@@ -121,6 +145,8 @@ pub(super) struct Apply<'a> {
     pub reading: &'a Reading<'a>,
     pub parameters: &'a [f64],
     pub seed: Option<usize>,
+    /// Whether no derivative is wanted: all are zero.
+    pub still: bool,
     /// As many tracks as the effect's stage has variables.
     pub target: &'a [Track],
     /// What the effect prepared for this block, see [`Prepare`].
@@ -132,18 +158,24 @@ impl Visitor for Apply<'_> {
 
     fn visit<E: Effect>(self) {
         let rows = self.reading.rows();
-        let work = Applied::<E>(self, core::marker::PhantomData);
         // SAFETY: a reading has its rows, at most a block, and so have the tracks.
-        unsafe { each(&work, rows) }
+        unsafe {
+            if self.still {
+                each(&Applied::<E, 0>(self, PhantomData), rows);
+            } else {
+                each(&Applied::<E, 1>(self, PhantomData), rows);
+            }
+        }
     }
 }
 
-struct Applied<'a, E>(Apply<'a>, core::marker::PhantomData<E>);
+/// With so many derivatives.
+struct Applied<'a, E, const N: usize>(Apply<'a>, PhantomData<E>);
 
 /// The most parameters that an effect has.
 pub(super) const MOST: usize = 4;
 
-impl<E: Effect> Work for Applied<'_, E> {
+impl<E: Effect, const N: usize> Work for Applied<'_, E, N> {
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
         const { assert!(E::FACTS.parameters.len() <= MOST) };
@@ -153,17 +185,18 @@ impl<E: Effect> Work for Applied<'_, E> {
             seed,
             target,
             prepared,
+            ..
         } = self.0;
         let mut own = [Dual::fixed(V::constant(0.0)); MOST];
         #[allow(clippy::needless_range_loop)] // the length is a constant
         for i in 0..E::FACTS.parameters.len() {
             let slope = if seed == Some(i) { 1.0 } else { 0.0 };
             own[i].value = V::constant(parameters[i]);
-            own[i].derivatives[0] = V::constant(slope);
+            own[i].derivatives = [V::constant(slope); N];
         }
         // SAFETY: the caller's.
         unsafe {
-            let mut chain = reading.chain::<V>(E::FACTS.stage, row);
+            let mut chain = reading.chain::<N, V>(E::FACTS.stage, row);
             let own = &own[..E::FACTS.parameters.len()];
             match prepared {
                 Some(prepared) if E::PREPARES => {
@@ -189,7 +222,7 @@ impl Visitor for Prepare<'_> {
     fn visit<E: Effect>(self) -> bool {
         if E::PREPARES {
             let rows = self.reading.rows();
-            let work = Prepared::<E>(self, core::marker::PhantomData);
+            let work = Prepared::<E>(self, PhantomData);
             // SAFETY: a reading has its rows, at most a block, and so has the target.
             unsafe { each(&work, rows) }
         }
@@ -197,42 +230,42 @@ impl Visitor for Prepare<'_> {
     }
 }
 
-struct Prepared<'a, E>(Prepare<'a>, core::marker::PhantomData<E>);
+struct Prepared<'a, E>(Prepare<'a>, PhantomData<E>);
 
 impl<E: Effect> Work for Prepared<'_, E> {
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
         // SAFETY: the caller's.
         unsafe {
-            let chain = self.0.reading.chain::<V>(E::FACTS.stage, row);
+            let chain = self.0.reading.chain::<0, V>(E::FACTS.stage, row);
             store(E::prepare(&chain).value, self.0.target, row);
         }
     }
 }
 
-/// What a stage does without any effect, where it does anything; whether it does.
-pub(super) fn enter(law: Law, stage: Stage, reading: &Reading<'_>, target: &Track) -> bool {
+/// What a stage does without any effect; `still`: no derivative is wanted.
+pub(super) fn enter(law: Law, stage: Stage, reading: &Reading<'_>, target: &Track, still: bool) {
     const SPEED: usize = Stage::Speed as usize;
     const FLIGHT: usize = Stage::Flight as usize;
-    const FIRMWARE: usize = Stage::Firmware as usize;
     const INDICATION: usize = Stage::Indication as usize;
-    match stage {
-        Stage::Speed => Entered::<SPEED>::run(law, reading, target),
-        Stage::Flight => Entered::<FLIGHT>::run(law, reading, target),
-        Stage::Firmware => Entered::<FIRMWARE>::run(law, reading, target),
-        Stage::Indication => Entered::<INDICATION>::run(law, reading, target),
-        Stage::Air | Stage::Path | Stage::Transducer | Stage::Timer => return false,
+    match (stage, still) {
+        (Stage::Speed, true) => speed(law, reading.air(), reading, target.value.cell()),
+        (Stage::Speed, false) => Entered::<SPEED, 1>::run(law, reading, target),
+        (Stage::Flight, true) => Entered::<FLIGHT, 0>::run(law, reading, target),
+        (Stage::Flight, false) => Entered::<FLIGHT, 1>::run(law, reading, target),
+        (Stage::Indication, true) => Entered::<INDICATION, 0>::run(law, reading, target),
+        (Stage::Indication, false) => Entered::<INDICATION, 1>::run(law, reading, target),
+        _ => unreachable!("{} computes nothing of its own", stage.name()),
     }
-    true
 }
 
-struct Entered<'a, const STAGE: usize> {
+struct Entered<'a, const STAGE: usize, const N: usize> {
     law: Law,
     reading: &'a Reading<'a>,
     target: &'a Track,
 }
 
-impl<'a, const STAGE: usize> Entered<'a, STAGE> {
+impl<'a, const STAGE: usize, const N: usize> Entered<'a, STAGE, N> {
     fn run(law: Law, reading: &'a Reading<'a>, target: &'a Track) {
         let work = Self {
             law,
@@ -244,122 +277,63 @@ impl<'a, const STAGE: usize> Entered<'a, STAGE> {
     }
 }
 
-impl<const STAGE: usize> Work for Entered<'_, STAGE> {
+impl<const STAGE: usize, const N: usize> Work for Entered<'_, STAGE, N> {
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
         let stage = const { Stage::ALL[STAGE] };
         // SAFETY: the caller's.
         unsafe {
-            let mut chain = self.reading.chain::<V>(stage, row);
+            let mut chain = self.reading.chain::<N, V>(stage, row);
             entered(self.law, stage, &mut chain);
             keep(stage, &chain, core::slice::from_ref(self.target), row);
         }
     }
 }
 
-/// The state of Newton's method over a block.
-pub(super) struct Newton<'a> {
-    target: LineRef<'a>,
-    distance: SharedLine,
-    settled: SharedLine,
+/// The speed of sound in some air, as the stages of the speed and of the firmware begin with it.
+pub(super) fn speed(
+    law: Law,
+    air: [LineRef<'_>; 4],
+    reading: &Reading<'_>,
+    into: &Cell<[f64; BLOCK]>,
+) {
+    let rows = reading.rows();
+    law.visit(SpeedIn { air, rows, into });
 }
 
-impl<'a> Newton<'a> {
-    /// Starts at the values of a block, or, where these are times, at the distances that a law
-    /// gives them in the recorded air.
-    pub(super) fn new(block: &Reading<'a>, law: Option<Law>) -> Self {
-        let [target, _] = block.distance;
-        let newton = Self {
-            target,
-            distance: SharedLine::of(0.0),
-            settled: SharedLine::of(-1.0),
-        };
-        let guess = Guess {
-            block,
-            law,
-            into: newton.distance.cell(),
-        };
-        // SAFETY: a reading has its rows, at most a block, and so has a line.
-        unsafe { each(&guess, block.rows()) };
-        newton
-    }
-
-    /// The present distances.
-    pub(super) fn distance(&self) -> LineRef<'_> {
-        LineRef::shared(&self.distance)
-    }
-
-    /// One step for every row, given what the present distances reach in a stage; whether all have
-    /// settled.
-    pub(super) fn settle(&self, reached: &Reading<'_>, stage: Stage) -> bool {
-        let step = Step {
-            newton: self,
-            reached: reached.of(stage),
-        };
-        // SAFETY: a reading has its rows, at most a block, and so have the lines.
-        unsafe { each(&step, reached.rows()) };
-        let settled = &self.settled.cells()[..reached.rows()];
-        settled.iter().all(|settled| settled.get() >= 0.0)
-    }
-
-    /// The distance of each row; NaN where it did not settle.
-    pub(super) fn found(&self, into: &mut Line) {
-        let rows = self.distance.cells().iter().zip(self.settled.cells());
-        for (found, (distance, settled)) in into.0.iter_mut().zip(rows) {
-            let settled = settled.get() >= 0.0;
-            *found = if settled { distance.get() } else { f64::NAN };
-        }
-    }
-}
-
-struct Guess<'a> {
-    block: &'a Reading<'a>,
-    law: Option<Law>,
+struct SpeedIn<'a> {
+    air: [LineRef<'a>; 4],
+    rows: usize,
     into: &'a Cell<[f64; BLOCK]>,
 }
 
-impl Work for Guess<'_> {
-    #[inline(always)]
-    unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
-        // SAFETY: the caller's.
-        unsafe {
-            let given = self.block.chain::<V>(Stage::Air, row);
-            let guess = match self.law {
-                None => given.distance,
-                Some(law) => {
-                    let speed = law.speed(&Air::recorded(&given.recorded));
-                    echo::distance(given.distance, speed)
-                }
-            };
-            store(guess.value, self.into, row);
-        }
+impl LawVisitor for SpeedIn<'_> {
+    type Output = ();
+
+    fn visit<L: SpeedLaw + 'static>(self, law: L) {
+        let rows = self.rows;
+        // SAFETY: the lines are those of a reading with these rows, at most a block.
+        unsafe { each(&SpeedBy(law, self), rows) }
     }
 }
 
-struct Step<'a> {
-    newton: &'a Newton<'a>,
-    reached: (LineRef<'a>, LineRef<'a>),
-}
+struct SpeedBy<'a, L>(L, SpeedIn<'a>);
 
-impl Work for Step<'_> {
+impl<L: SpeedLaw> Work for SpeedBy<'_, L> {
+    const LONG: bool = true;
+
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
-        let Newton {
-            target,
-            distance,
-            settled,
-        } = self.newton;
+        let Self(law, SpeedIn { air, into, .. }) = self;
         // SAFETY: the caller's.
         unsafe {
-            let reached = Dual {
-                value: self.reached.0.load(row),
-                derivatives: [self.reached.1.load(row)],
+            let air = Air {
+                temperature: air[0].load::<V>(row),
+                relative_humidity: air[1].load(row),
+                pressure: air[2].load(row),
+                co2_mole_fraction: air[3].load(row),
             };
-            let present: V = LineRef::shared(distance).load(row);
-            let before: V = LineRef::shared(settled).load(row);
-            let (next, done) = approach(target.load(row), reached, present, before);
-            store(next, distance.cell(), row);
-            store(done, settled.cell(), row);
+            store(law.speed(&air), into, row);
         }
     }
 }

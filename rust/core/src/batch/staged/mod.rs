@@ -7,9 +7,12 @@
 //! [`Model::simulate`](crate::Model::simulate), in the same order: the same bits.
 
 mod kernels;
+mod newton;
 mod pass;
+mod reader;
 mod tracks;
 
 pub(crate) use pass::{Pass, is_alone, prepare};
+pub(crate) use reader::BlockReader;
 pub use tracks::{BLOCK, Line};
-pub(crate) use tracks::{BlockReader, Reading, TRACKS, tracks_of};
+pub(crate) use tracks::{Reading, TRACKS, tracks_of};

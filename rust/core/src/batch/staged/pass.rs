@@ -1,17 +1,22 @@
 //! A block of rows through the chain, with the effects of a model and one more.
 
-use super::kernels::{Apply, Newton, Prepare, enter};
-use super::tracks::{Line, Reading, TRACKS, Track, tracks_of};
+use super::kernels::{Apply, Prepare, enter, speed};
+use super::newton::Newton;
+use super::tracks::{AIR, Line, LineRef, Reading, SharedLine, TRACKS, Track, tracks_of};
 use crate::air::Law;
 use crate::chain::Stage;
-use crate::conditions::Quantity;
 use crate::effects::{self, ALL};
 use crate::model::{ENOUGH, Model, Term};
 use core::cell::Cell;
 
 /// Memory for one block on its way.
 pub(crate) struct Pass {
-    tracks: Box<[Track; TRACKS]>,
+    memory: Box<Memory>,
+}
+
+struct Memory {
+    tracks: [Track; TRACKS],
+    recorded_speed: SharedLine,
 }
 
 /// One term at work: the derivative to one of its parameters may be wanted.
@@ -20,7 +25,10 @@ type Applied<'a> = (usize, &'a [f64], Option<usize>);
 impl Pass {
     pub(crate) fn new() -> Self {
         Self {
-            tracks: Box::new([const { Track::new() }; TRACKS]),
+            memory: Box::new(Memory {
+                tracks: [const { Track::new() }; TRACKS],
+                recorded_speed: SharedLine::of(0.0),
+            }),
         }
     }
 
@@ -42,29 +50,30 @@ impl Pass {
         last: Stage,
         seed: Option<(usize, usize)>,
     ) -> Reading<'a> {
-        Steps(&self.tracks).through(model, reading, |stage| stage <= last, seed)
+        Steps(&self.memory).through(model, reading, |stage| stage <= last, seed)
     }
 
     /// The distance at which a block's values are reached in a stage, by Newton's method as in
-    /// [`Model::invert`]; NaN where there is none. `guess`: the law with which times become first guesses.
+    /// [`Model::invert`]; NaN where there is none. `times`: the values are times, which become first guesses
+    /// at the speed in the recorded air.
     pub(crate) fn invert(
         &mut self,
         model: &Model,
         block: &Reading<'_>,
         last: Stage,
-        guess: Option<Law>,
+        times: bool,
         found: &mut Line,
     ) {
-        let moved = model.terms().iter().any(|term| term.facts().of_distance);
-        let stays = |stage| !moved && matches!(stage, Stage::Air | Stage::Speed | Stage::Firmware);
-        let (steps, newton) = (Steps(&self.tracks), Newton::new(block, guess));
+        let (steps, mut block) = (Steps(&self.memory), *block);
+        let speed = times.then(|| steps.recorded_speed(model.law(), &mut block));
+        let newton = Newton::new(&block, speed);
         let here = block.to_distance(true).at_line(newton.distance());
         let mut here = steps.through(model, here, |stage| stage <= last, None);
         for _ in 0..ENOUGH {
             if newton.settle(&here, last) {
                 break;
             }
-            let again = |stage| stage <= last && !stays(stage);
+            let again = |stage| stage <= last && !is_of_air(model, stage);
             here = steps.through(model, here.to_distance(true), again, None);
         }
         newton.found(found);
@@ -81,12 +90,12 @@ impl Pass {
         term: &Term,
         seed: Option<usize>,
     ) -> Reading<'a> {
-        let (steps, mut reading) = (Steps(&self.tracks), base.to_distance(false));
+        let (steps, mut reading) = (Steps(&self.memory), base.to_distance(false));
         let own = ALL[term.index].stage;
         for stage in Stage::ALL.into_iter().filter(|&stage| stage >= own) {
             let extra: Applied<'_> = (term.index, &term.parameters, seed);
             if stage == own && is_alone(model, stage) {
-                steps.apply(extra, None, &mut reading); // the variable is what the stage's entry made it
+                steps.apply(extra, None, false, &mut reading); // the variable is what the stage's entry made it
             } else if stage == own {
                 steps.stage(model, stage, Some(extra), &mut reading);
             } else {
@@ -107,7 +116,7 @@ impl Pass {
     ) -> Reading<'a> {
         let mut reading = base.to_distance(false);
         let term: Applied<'_> = (term.index, &term.parameters, Some(seed));
-        Steps(&self.tracks).apply(term, prepared, &mut reading);
+        Steps(&self.memory).apply(term, prepared, false, &mut reading);
         reading
     }
 
@@ -122,7 +131,7 @@ impl Pass {
     ) -> Reading<'a> {
         let mut reading = base.to_distance(false).seeded(track);
         for stage in Stage::ALL.into_iter().filter(|&stage| stage > own) {
-            Steps(&self.tracks).after(model, stage, &mut reading);
+            Steps(&self.memory).after(model, stage, &mut reading);
         }
         reading
     }
@@ -140,7 +149,7 @@ impl Pass {
                 &term.parameters[..],
                 None,
             ));
-            Steps(&self.tracks).stage(model, stage, own, &mut reading);
+            Steps(&self.memory).stage(model, stage, own, &mut reading);
         }
         reading
     }
@@ -150,7 +159,7 @@ impl Pass {
 ///
 /// Every write goes through a cell: a stage may read a variable where it writes it.
 #[derive(Clone, Copy)]
-struct Steps<'a>(&'a [Track; TRACKS]);
+struct Steps<'a>(&'a Memory);
 
 impl<'a> Steps<'a> {
     fn through(
@@ -161,12 +170,18 @@ impl<'a> Steps<'a> {
         seed: Option<(usize, usize)>,
     ) -> Reading<'a> {
         for stage in Stage::ALL.into_iter().filter(|&stage| wanted(stage)) {
-            self.enter(model.law(), stage, &mut reading);
+            let still = seed.is_none() && (!reading.varies() || is_of_air(model, stage));
+            self.enter(model, stage, still, &mut reading);
             let terms = model.terms().iter().enumerate();
             for (position, term) in terms.filter(|(_, t)| t.facts().stage == stage) {
                 let own = seed.filter(|&(of, _)| of == position);
                 let seed = own.map(|(_, parameter)| parameter);
-                self.apply((term.index, &term.parameters, seed), None, &mut reading);
+                self.apply(
+                    (term.index, &term.parameters, seed),
+                    None,
+                    still,
+                    &mut reading,
+                );
             }
         }
         reading
@@ -187,27 +202,32 @@ impl<'a> Steps<'a> {
         extra: Option<Applied<'_>>,
         reading: &mut Reading<'a>,
     ) {
-        self.enter(model.law(), stage, reading);
+        self.enter(model, stage, false, reading);
         let own = model.terms().iter().filter(|t| t.facts().stage == stage);
         let mut terms: Vec<Applied<'_>> = own.map(|t| (t.index, &t.parameters[..], None)).collect();
         terms.extend(extra);
         terms.sort_by_key(|&(index, ..)| index);
         for term in terms {
-            self.apply(term, None, reading);
+            self.apply(term, None, false, reading);
         }
     }
 
-    fn enter(self, law: Law, stage: Stage, reading: &mut Reading<'a>) {
-        let first = tracks_of(stage).start;
+    /// The speed of sound in the recorded air, which both the speed and the firmware begin with.
+    fn recorded_speed(self, law: Law, reading: &mut Reading<'a>) -> LineRef<'a> {
+        if let Some(known) = reading.recorded_speed {
+            return known;
+        }
+        let memory = &self.0.recorded_speed;
+        speed(law, reading.recorded_air(), reading, memory.cell());
+        *reading.recorded_speed.insert(LineRef::shared(memory))
+    }
+
+    /// `still`: no derivative is wanted.
+    fn enter(self, model: &Model, stage: Stage, still: bool, reading: &mut Reading<'a>) {
+        let (law, first) = (model.law(), tracks_of(stage).start);
         match stage {
             Stage::Air => {
-                let air = [
-                    Quantity::Temperature,
-                    Quantity::RelativeHumidity,
-                    Quantity::Pressure,
-                    Quantity::Co2MoleFraction,
-                ];
-                for (track, quantity) in tracks_of(stage).zip(air) {
+                for (track, quantity) in tracks_of(stage).zip(AIR) {
                     reading.copy(track, reading.constant(quantity));
                 }
             }
@@ -217,11 +237,18 @@ impl<'a> Steps<'a> {
             }
             Stage::Transducer => reading.copy(first, reading.of(Stage::Flight)),
             Stage::Timer => reading.copy(first, reading.of(Stage::Transducer)),
-            _ => {
-                let target = &self.0[first];
-                if enter(law, stage, reading, target) {
-                    reading.place(first, target);
-                }
+            Stage::Speed if still && is_alone(model, Stage::Air) => {
+                let speed = self.recorded_speed(law, reading);
+                reading.place_still(first, speed);
+            }
+            Stage::Firmware => {
+                let speed = self.recorded_speed(law, reading);
+                reading.place_still(first, speed);
+            }
+            Stage::Speed | Stage::Flight | Stage::Indication => {
+                let target = &self.0.tracks[first];
+                enter(law, stage, reading, target, still);
+                reading.place(first, target, still);
             }
         }
     }
@@ -230,6 +257,7 @@ impl<'a> Steps<'a> {
         self,
         (index, parameters, seed): Applied<'_>,
         prepared: Option<&Line>,
+        still: bool,
         reading: &mut Reading<'a>,
     ) {
         let tracks = tracks_of(ALL[index].stage);
@@ -237,14 +265,21 @@ impl<'a> Steps<'a> {
             reading,
             parameters,
             seed,
-            target: &self.0[tracks.clone()],
+            still,
+            target: &self.0.tracks[tracks.clone()],
             prepared,
         };
         effects::visit(index, work);
         for track in tracks {
-            reading.place(track, &self.0[track]);
+            reading.place(track, &self.0.tracks[track], still);
         }
     }
+}
+
+/// Whether what a stage leaves is the same at every distance.
+fn is_of_air(model: &Model, stage: Stage) -> bool {
+    let moved = || model.terms().iter().any(|term| term.facts().of_distance);
+    matches!(stage, Stage::Air | Stage::Speed | Stage::Firmware) && !moved()
 }
 
 /// Whether one more effect of a stage would be the only one.

@@ -1,7 +1,6 @@
 //! Where the variables of the chain lie while a block of rows passes it.
 
 use crate::air::Air;
-use crate::batch::{Column, Precision};
 use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
@@ -93,7 +92,7 @@ impl<'a> LineRef<'a> {
     ///
     /// # Safety
     /// The rows of every block that is read from here are valid for reading during `'a`.
-    unsafe fn new(start: *const f64) -> Self {
+    pub(super) unsafe fn new(start: *const f64) -> Self {
         Self {
             start,
             memory: PhantomData,
@@ -110,6 +109,14 @@ impl<'a> LineRef<'a> {
         unsafe { V::load(self.start.add(row)) }
     }
 }
+
+/// The quantities that describe the air.
+pub(super) const AIR: [Quantity; 4] = [
+    Quantity::Temperature,
+    Quantity::RelativeHumidity,
+    Quantity::Pressure,
+    Quantity::Co2MoleFraction,
+];
 
 /// How many variables there are; each stage that changes the time has its own.
 pub(crate) const TRACKS: usize = 11;
@@ -139,11 +146,32 @@ pub(crate) struct Reading<'a> {
     pub(super) distance: [LineRef<'a>; 2],
     value: [LineRef<'a>; TRACKS],
     slope: [LineRef<'a>; TRACKS],
+    /// The speed of sound in the recorded air, where it was needed before.
+    pub(super) recorded_speed: Option<LineRef<'a>>,
+    /// Whether derivatives are those to the distance.
+    varies: bool,
     /// Rows, rounded up to whole vectors, at most a block: what follows the last row may be read.
     rows: usize,
 }
 
 impl<'a> Reading<'a> {
+    /// Rows with no derivative yet; every variable is what stands for the distance.
+    pub(super) fn new(
+        distance: LineRef<'a>,
+        recorded: [LineRef<'a>; Quantity::COUNT],
+        rows: usize,
+    ) -> Self {
+        Self {
+            recorded,
+            distance: [distance, LineRef::fixed(&ZEROS)],
+            value: [distance; TRACKS],
+            slope: [LineRef::fixed(&ZEROS); TRACKS],
+            recorded_speed: None,
+            varies: false,
+            rows,
+        }
+    }
+
     /// Rows, rounded up to whole vectors.
     pub(super) fn rows(&self) -> usize {
         self.rows
@@ -151,6 +179,7 @@ impl<'a> Reading<'a> {
 
     /// The same block with derivatives to the distance (`true`) or to something else.
     pub(crate) fn to_distance(mut self, yes: bool) -> Self {
+        self.varies = yes;
         self.distance[1] = LineRef::fixed(if yes { &ONES } else { &ZEROS });
         self.slope = [LineRef::fixed(&ZEROS); TRACKS];
         self
@@ -201,10 +230,34 @@ impl<'a> Reading<'a> {
         into.0[..self.rows].copy_from_slice(self.numbers(self.of(stage).1));
     }
 
-    /// A variable is read from here on.
-    pub(super) fn place(&mut self, track: usize, from: &'a Track) {
-        let lines = (LineRef::shared(&from.value), LineRef::shared(&from.slope));
-        self.copy(track, lines);
+    /// Whether derivatives are those to the distance.
+    pub(super) fn varies(&self) -> bool {
+        self.varies
+    }
+
+    /// A variable is read from here on; `still`: its derivatives are zero, and were not written.
+    pub(super) fn place(&mut self, track: usize, from: &'a Track, still: bool) {
+        let value = LineRef::shared(&from.value);
+        if still {
+            self.place_still(track, value);
+        } else {
+            self.copy(track, (value, LineRef::shared(&from.slope)));
+        }
+    }
+
+    /// A variable is read here from now on, and has no derivative.
+    pub(super) fn place_still(&mut self, track: usize, value: LineRef<'a>) {
+        self.copy(track, (value, LineRef::fixed(&ZEROS)));
+    }
+
+    /// The air on the path: temperature, relative humidity, pressure, CO2 mole fraction.
+    pub(super) fn air(&self) -> [LineRef<'a>; 4] {
+        [self.value[0], self.value[1], self.value[2], self.value[3]]
+    }
+
+    /// The air as recorded.
+    pub(super) fn recorded_air(&self) -> [LineRef<'a>; 4] {
+        AIR.map(|quantity| self.recorded[quantity as usize])
     }
 
     /// Variables are what was recorded, or what other variables are.
@@ -223,11 +276,11 @@ impl<'a> Reading<'a> {
     /// # Safety
     /// The block has rows `row..row + V::WIDTH`.
     #[inline(always)]
-    pub(super) unsafe fn chain<V: Vector<Element = f64>>(
+    pub(super) unsafe fn chain<const N: usize, V: Vector<Element = f64>>(
         &self,
         stage: Stage,
         row: usize,
-    ) -> Chain<Dual<1, V>> {
+    ) -> Chain<Dual<N, V>> {
         let mut values = [Dual::fixed(V::constant(0.0)); Quantity::COUNT];
         let time = match stage {
             Stage::Transducer => 7,
@@ -258,105 +311,22 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// Values and derivatives of some rows; no closure, which would not inherit the instruction set.
+/// Values, and derivatives where any are wanted, of some rows; no closure, which would not inherit the instruction set.
 ///
 /// # Safety
 /// Both lines have rows `row..row + V::WIDTH`.
 #[inline(always)]
-unsafe fn dual<V: Vector<Element = f64>>(
+unsafe fn dual<const N: usize, V: Vector<Element = f64>>(
     value: LineRef<'_>,
     slope: LineRef<'_>,
     row: usize,
-) -> Dual<1, V> {
+) -> Dual<N, V> {
     // SAFETY: the caller's.
     unsafe {
-        Dual {
-            value: value.load(row),
-            derivatives: [slope.load(row)],
+        let mut dual = Dual::fixed(value.load(row));
+        for derivative in &mut dual.derivatives {
+            *derivative = slope.load(row);
         }
-    }
-}
-
-/// Columns of a batch, of which blocks are read where they lie if they can be.
-pub(crate) struct BlockReader {
-    precision: Precision,
-    columns: [Column; 1 + Quantity::COUNT],
-    buffers: Box<[Line; 1 + Quantity::COUNT]>,
-    filled: [bool; 1 + Quantity::COUNT],
-}
-
-impl BlockReader {
-    /// Columns: the quantity that a model is applied to, then every recorded one.
-    pub(crate) fn new(
-        precision: Precision,
-        first: Column,
-        recorded: [Column; Quantity::COUNT],
-    ) -> Self {
-        let column = |k: usize| if k == 0 { first } else { recorded[k - 1] };
-        Self {
-            precision,
-            columns: core::array::from_fn(column),
-            buffers: Box::new([Line::of(0.0); 1 + Quantity::COUNT]),
-            filled: [false; 1 + Quantity::COUNT],
-        }
-    }
-
-    /// Some rows, with no derivative yet; the first column stands for the distance.
-    ///
-    /// # Safety
-    /// The columns have `first + count` rows of the precision, `count` from 1 to [`BLOCK`]; nobody
-    /// writes to these rows while the result is in use.
-    pub(crate) unsafe fn block(&mut self, first: usize, count: usize) -> Reading<'_> {
-        const WIDEST: usize = 16;
-        let padded = count.next_multiple_of(WIDEST);
-        let double = self.precision == Precision::Double;
-        let in_place = |column: Column| {
-            double && column.stride == size_of::<f64>().cast_signed() && padded == count
-        };
-        for k in 0..self.columns.len() {
-            if !in_place(self.columns[k]) {
-                // SAFETY: the caller's.
-                unsafe { self.fill(k, first, count, padded) };
-            }
-        }
-        let place = |k: usize| {
-            let column: Column = self.columns[k];
-            if in_place(column) {
-                // SAFETY: the caller guarantees `count` rows, which are all that is read.
-                unsafe { LineRef::new(column.skip(first).start.cast()) }
-            } else {
-                LineRef::fixed(&self.buffers[k])
-            }
-        };
-        Reading {
-            recorded: core::array::from_fn(|q| place(1 + q)),
-            distance: [place(0), LineRef::fixed(&ZEROS)],
-            value: [place(0); TRACKS],
-            slope: [LineRef::fixed(&ZEROS); TRACKS],
-            rows: padded,
-        }
-    }
-
-    /// Copies rows of a column side by side; the last one fills up to `padded`.
-    ///
-    /// # Safety
-    /// As for [`Self::block`].
-    unsafe fn fill(&mut self, k: usize, first: usize, count: usize, padded: usize) {
-        let (column, line) = (self.columns[k], &mut self.buffers[k].0);
-        let rows = column.skip(first);
-        if column.stride == 0 {
-            if !self.filled[k] {
-                // SAFETY: the caller guarantees a number.
-                unsafe { self.precision.get(rows, &mut line[..1]) };
-                let number = line[0];
-                line.fill(number);
-                self.filled[k] = true;
-            }
-            return;
-        }
-        // SAFETY: the caller guarantees the rows.
-        unsafe { self.precision.get(rows, &mut line[..count]) };
-        let last = line[count - 1];
-        line[count..padded].fill(last);
+        dual
     }
 }
