@@ -91,7 +91,7 @@ def _head(summary: Mapping[str, Any]) -> Panel:
 
 def _causes(summary: Mapping[str, Any]) -> Table:
     table = Table(
-        title="causes; base and gain: medians [mm] of the sensors in which it comes first",
+        title=Text("causes; base and gain [mm]: medians where a cause comes first"),
         title_justify="left",
     )
     table.add_column("cause", min_width=16, overflow="fold")
