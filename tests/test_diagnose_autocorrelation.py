@@ -50,18 +50,3 @@ def test_convection_is_identified_by_its_growth_with_distance(random: np.random.
     assert values["growth"] == pytest.approx(1.1, rel=0.5)  # 1.5^2 / 2 over 1.03^2
     assert "farther" in found.because
     assert "noise_growth" not in {c.id for c in diagnosis.causes}
-
-
-def test_air_that_errs_alike_along_the_path_is_no_effect(random: np.random.Generator) -> None:
-    """Autocorrelated noise in proportion to the distance: five stations, one after the other."""
-    rows = 400
-    distance = np.repeat(np.sort(random.uniform(0.3, 3.9, 5)), rows // 5)
-    sweep = np.tile(np.concatenate([np.linspace(5, 40, 40), np.linspace(40, 5, 40)]), 5)
-    reading = distance + 1.5e-3 * remembering(rows, 0.8, random) * distance / 2.0
-    table = {"distance_m": distance, "temperature_C": sweep, "reading_m": reading}
-    table["time_s"] = 20.0 * np.arange(rows)
-    diagnosis = echocal.diagnose(table, base="linear")
-    (found,) = (c for c in diagnosis.causes if c.id == "correlated_noise")
-    assert "coherent_growth" in {p.name for p in found.parameters}
-    assert diagnosis.noise["growth_with_squared_distance"] > 0.0
-    assert not any(c.in_model for c in diagnosis.causes)

@@ -58,17 +58,16 @@ def test_a_random_error_per_station_is_its_covariance(random: np.random.Generato
     assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])
 
 
-@pytest.mark.parametrize("convection", CONVECTIONS[::7])
+@pytest.mark.parametrize("convection", CONVECTIONS[::6])
 def test_convection_is_its_covariance(convection: Convection, random: np.random.Generator) -> None:
     """White noise, cells that stay for some rows and grow with the distance, and an error per station."""
     groups = np.repeat(np.arange(4), 15)
     columns, distance = random.normal(size=(3, 60)), random.uniform(0.2, 4.0, 60)
     columns[0] = 1.0
-    noise = Noise(0.0, convection.rho, 0.3, 1.0, convection.growth, convection.coherent)
-    power = 1.0 if convection.coherent else 0.5
+    noise = Noise(0.0, convection.rho, 0.3, 1.0, convection.growth)
     whitened = sums(columns, groups, flat_level=False, distance=distance).whiten(noise)
     cells = (
-        convection.growth * toeplitz(convection.rho ** np.arange(60)) * np.outer(distance, distance) ** power
+        convection.growth * toeplitz(convection.rho ** np.arange(60)) * np.sqrt(np.outer(distance, distance))
     )
     covariance = np.eye(60) + (cells + 0.3) * (groups[:, None] == groups[None, :])
     expected = columns @ np.linalg.solve(covariance, columns.T)

@@ -54,11 +54,10 @@ impl CoreNoiseModel {
     }
 }
 
-/// A moving-average coefficient, or autoregression and growth of a convection and whether it is
-/// coherent; None is white.
+/// A moving-average coefficient, or autoregression and growth of a convection; None is white.
 #[derive(FromPyObject)]
 pub enum GivenCorrelation {
-    Convection((f64, f64, bool)),
+    Convection((f64, f64)),
     MovingAverage(f64),
 }
 
@@ -66,14 +65,10 @@ pub enum GivenCorrelation {
 pub fn correlation(given: Option<GivenCorrelation>) -> PyResult<NoiseCorrelation> {
     Ok(match given {
         None => NoiseCorrelation::White(White),
-        Some(GivenCorrelation::Convection((rho, growth, coherent))) => {
+        Some(GivenCorrelation::Convection((rho, growth))) => {
             coefficient("the autoregression of a convection", rho)?;
             not_negative("the growth of a convection", growth)?;
-            NoiseCorrelation::Convection(Convection {
-                rho,
-                growth,
-                coherent,
-            })
+            NoiseCorrelation::Convection(Convection { rho, growth })
         }
         Some(GivenCorrelation::MovingAverage(theta)) => {
             coefficient("a moving average", theta)?;

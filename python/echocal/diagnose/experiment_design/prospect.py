@@ -119,8 +119,7 @@ class Prospect:
     def _of_mean(self, n: int, distance: Matrix) -> Matrix:
         """Variance of the mean of `n` successive rows with autocorrelated noise, at some distances."""
         rho, theta, lags = self.noise.rho, self.noise.moving_average, np.arange(1, n)
-        path = distance**2 if self.noise.coherent else distance
-        cells = self.variance * self.noise.growth * path
+        cells = self.variance * self.noise.growth * distance
         first = self.variance / self.noise.first_weight + cells
         if rho == theta:
             return first / n

@@ -22,15 +22,11 @@ class Convection(NamedTuple):
     rho : float
         Autoregressive coefficient of the autocorrelated part.
     growth : float
-        Variance of the autocorrelated part over that of the white one, at a distance of 1 m.
-    coherent : bool
-        Whether the air errs alike along the whole path: the variance grows with the square of the distance,
-        and not in proportion to it.
+        Variance of the autocorrelated part over that of the white one, per distance [1/m].
     """
 
     rho: float
     growth: float
-    coherent: bool = False
 
 
 NoiseCorrelation = float | Convection | None
@@ -53,9 +49,7 @@ class Noise:
     prior : float
         Probability before the data.
     growth : float
-        Where not 0, the noise is that of a `Convection`.
-    coherent : bool
-        As of a `Convection`.
+        Where not 0, the noise is that of a `Convection` [1/m].
     """
 
     moving_average: float
@@ -63,14 +57,13 @@ class Noise:
     station_ratio: float
     prior: float
     growth: float = 0.0
-    coherent: bool = False
 
     @property
     def correlation(self) -> NoiseCorrelation:
         """What a pass over the rows must sum for it."""
         if self.rho == 0.0:
             return WHITE
-        return Convection(self.rho, self.growth, self.coherent) if self.growth else self.moving_average
+        return Convection(self.rho, self.growth) if self.growth else self.moving_average
 
     @property
     def first_weight(self) -> float:
@@ -87,13 +80,8 @@ class Noise:
 
 def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
     """List the convections considered, where rows are at different distances."""
-    growths = {False: settings.convection_growths, True: settings.coherent_growths}
-    return tuple(
-        Convection(rho, growth, coherent)
-        for coherent, own in growths.items()
-        for rho in settings.convection_rhos
-        for growth in own
-    )
+    growths = settings.convection_growths
+    return tuple(Convection(rho, growth) for rho in settings.convection_rhos for growth in growths)
 
 
 @lru_cache(maxsize=8)
@@ -122,14 +110,10 @@ def noises(
     alike = [(m, r) for m, rhos in settings.autoregressions for r in rhos if r]
     correlated = 1.0 - settings.white
     half = correlated / 2 if convections else correlated
-    one = half / len(all_convections(settings))
-    rows = [(0.0, 0.0, 0.0, False, settings.white)]
-    rows += [(m, r, 0.0, False, half / len(alike)) for m, r in alike]
-    rows += [(0.0, c.rho, c.growth, c.coherent, one) for c in convections]
+    rows = [(0.0, 0.0, 0.0, settings.white), *((m, r, 0.0, half / len(alike)) for m, r in alike)]
+    rows += [(0.0, c.rho, c.growth, half / len(all_convections(settings))) for c in convections]
     grid = settings.level_ratios if levels else settings.station_ratios
     none = settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
-    return tuple(
-        Noise(m, r, s, p * q, growth, coherent) for m, r, growth, coherent, p in rows for s, q in each
-    )
+    return tuple(Noise(m, r, s, p * q, growth) for m, r, growth, p in rows for s, q in each)

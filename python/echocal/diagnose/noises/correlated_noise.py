@@ -37,20 +37,10 @@ FACTS = CauseFacts(
             (0.0, None),
             "one of 0.1, 0.3, 1 and 3, where rows are at several distances",
         ),
-        Quantity(
-            "coherent_growth",
-            "1/m^2",
-            "the same, where it grows with the square of the distance: the air errs alike along the path",
-            (0.0, None),
-            "one of 1, 4, 16, 64 and 256, where rows are at several distances",
-        ),
     ),
     check="repeat the rows in a random order",
     prior=0.05,
-    formula=(
-        "e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d, or by "
-        "coherent_growth d^2"
-    ),
+    formula="e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d",
 )
 
 
@@ -64,11 +54,9 @@ def parameters(noises: tuple[Noise, ...], share: np.ndarray, variance: float) ->
     weight = share * np.array([concerns(noise) for noise in noises])
     weight = weight / max(weight.sum(), 1e-300)
     found = {"autoregression": _mean(np.array([noise.rho for noise in noises]), weight)}
-    growth, coherent = (np.array([getattr(n, name) for n in noises]) for name in ("growth", "coherent"))
+    growth = np.array([noise.growth for noise in noises])
     if weight[growth > 0.0].sum() > _LIKELY:
-        alike = bool(weight[coherent].sum() > weight[(growth > 0.0) & ~coherent].sum())
-        own = weight * ((growth > 0.0) & (coherent == alike))
-        found["coherent_growth" if alike else "growth"] = _mean(growth, own / own.sum())
+        found["growth"] = _mean(growth, weight)
     return found
 
 
@@ -80,7 +68,7 @@ def _mean(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
 def because(values: Values) -> str:
     """Say how strongly successive rows are correlated."""
     follows = f"with a coefficient of {values['autoregression'][0]:.2f} (autocorrelation in row order)"
-    if {"growth", "coherent_growth"} & set(values):
+    if "growth" in values:
         return f"what the causes leave follows the rows before {follows}, the more the farther the target"
     return f"what the causes leave follows the row before {follows}"
 

@@ -208,8 +208,7 @@ def _noise(selection: Selection) -> dict[str, float]:
         "standard_deviation_m": selection.best.variance**0.5,
         "autoregression": noise.rho,
         "moving_average": noise.moving_average,
-        "growth_with_distance": 0.0 if noise.coherent else noise.growth,
-        "growth_with_squared_distance": noise.growth if noise.coherent else 0.0,
+        "growth_with_distance": noise.growth,
         "stand_variance_ratio": noise.station_ratio,
     }
 

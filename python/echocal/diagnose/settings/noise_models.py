@@ -50,13 +50,6 @@ class NoiseModelSettings:
         "ratio of the variances of the autocorrelated and the white part, per meter of distance",
         "Andreeva and Durgin 2005 give the law; the values are chosen by hand",
     )
-    coherent_growths: tuple[float, ...] = number(
-        (1.0, 4.0, 16.0, 64.0, 256.0),
-        "1/m^2",
-        "the same ratio, per square of the distance in meters: air that errs alike along the whole path",
-        "argument: a temperature that differs alike along the path changes the reading in proportion to the "
-        "path; the values are chosen by hand",
-    )
     white: float = number(
         0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
     )

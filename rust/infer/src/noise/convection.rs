@@ -1,10 +1,9 @@
-//! Noise of warm cells that drift through the path of the echo: docs/method.md, Eq. 4 and 45.
+//! Noise of warm cells that drift through the path of the echo: docs/method.md, Eq. 4.
 //!
 //! The delays of cells that know nothing of each other add up, and so do their variances: that of the
 //! travel time grows in proportion to the path, until caustics bend it upward (Andreeva & Durgin 2005,
-//! <https://doi.org/10.1080/17455030500284170>). One body of air that is larger than the path delays all
-//! of it alike: then the standard deviation grows in proportion to the path. A cell stays for some rows:
-//! white noise beside a first-order autoregression whose variance grows with the distance of the row. With another
+//! <https://doi.org/10.1080/17455030500284170>). A cell stays for some rows: white noise beside a
+//! first-order autoregression whose variance is proportional to the distance of the row. With another
 //! distance in every row no lag-1 products whiten that; Kalman's filter (1960,
 //! <https://doi.org/10.1115/1.3662552>) does, with the same gains for all columns.
 
@@ -23,23 +22,8 @@ use echocal_core::batch::{BLOCK, Line};
 pub struct Convection {
     /// Autoregressive coefficient of the autocorrelated part.
     pub rho: f64,
-    /// Variance of the autocorrelated part over that of the white one, at a distance of 1 m.
+    /// Variance of the autocorrelated part over that of the white one, per distance \[1/m\].
     pub growth: f64,
-    /// Whether the air errs alike along the whole path: the variance grows with the square of the
-    /// distance, and not in proportion to it.
-    pub coherent: bool,
-}
-
-impl Convection {
-    /// Standard deviation of the autocorrelated part over that at a distance of 1 m.
-    fn amplitude(self, distance: f64) -> f64 {
-        let distance = distance.max(0.0);
-        if self.coherent {
-            distance
-        } else {
-            distance.sqrt()
-        }
-    }
 }
 
 /// Kalman's filter for an autocorrelated part of variance 1 at a distance of one meter.
@@ -60,8 +44,8 @@ impl Filter {
 
     /// The step of the next row, at its distance \[m\]: it whitens docs/method.md, Eq. 4.
     fn step(&mut self, begins: bool, distance: f64) -> FilterStep {
-        let Convection { rho, growth, .. } = self.of;
-        let root = self.of.amplitude(distance);
+        let Convection { rho, growth } = self.of;
+        let root = distance.max(0.0).sqrt();
         if begins {
             self.variance = growth;
         }
@@ -84,7 +68,7 @@ impl Correlation for Convection {
     const FACTS: CorrelationFacts = CorrelationFacts {
         id: "convection",
         sentence: "Warm cells drift through the path of the echo; their variance grows with the distance.",
-        covariance: "of lag k in units of the white noise: growth sqrt(d_i d_j) rho^k (coherent: d_i d_j in place of its root), and 1 more at lag 0",
+        covariance: "of lag k in units of the white noise: growth sqrt(d_i d_j) rho^k, and 1 more at lag 0",
         source: "Andreeva & Durgin 2005, doi:10.1080/17455030500284170; Kalman 1960, doi:10.1115/1.3662552",
     };
 
@@ -137,22 +121,14 @@ impl Correlation for Convection {
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, f64)> {
-        [(0.8, 0.7, false), (0.97, 3.0, false), (0.8, 10.0, true)]
-            .map(|(rho, growth, coherent)| {
-                let own = Self {
-                    rho,
-                    growth,
-                    coherent,
-                };
-                (own, 0.0)
-            })
+        [(0.8, 0.7), (0.97, 3.0)]
+            .map(|(rho, growth)| (Self { rho, growth }, 0.0))
             .into()
     }
 
     #[cfg(test)]
     fn covariance(self, _rho: f64, lag: usize, [one, other]: [f64; 2]) -> f64 {
-        let power = if self.coherent { 1.0 } else { 0.5 };
-        let shared = self.growth * (one * other).powf(power) * self.rho.powi(lag as i32);
+        let shared = self.growth * (one * other).sqrt() * self.rho.powi(lag as i32);
         shared + f64::from(u8::from(lag == 0))
     }
 }
