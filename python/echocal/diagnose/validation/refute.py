@@ -1,6 +1,6 @@
 """Refutation of claims that make the error larger."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +9,10 @@ from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.inference.hypothesis import Hypothesis
 from echocal.diagnose.selection.claims import Claim, without
 from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.validation.gain import HeldOut, on_common_rows, worse
+from echocal.diagnose.validation.gain import HeldOut, on_common_rows
 from echocal.diagnose.validation.trials import Trials
 
-__all__ = ["Rest", "against_the_base", "refute"]
+__all__ = ["Rest", "against_the_base", "refute", "smaller"]
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def refute(trials: Trials, selection: Selection, before: HeldOut) -> Rest:
     The folds fit the sizes alone: the causes were chosen on all rows that they have.
     """
     rest = _one_by_one(trials, selection.best.hypothesis, selection.claims)
-    return against_the_base(trials, rest, before)
+    return against_the_base(trials, rest, before, lambda one, other: trials.score(one, other).total > 0.0)
 
 
 def _one_by_one(trials: Trials, hypothesis: Hypothesis, claimed: Sequence[Claim]) -> Rest:
@@ -57,13 +57,21 @@ def _one_by_one(trials: Trials, hypothesis: Hypothesis, claimed: Sequence[Claim]
         alone = trials.of(lesser, fewer)
         if trials.cannot_judge(after, alone, trials.case.signal(claim.variant, claim.mean)):
             unjudged.append(claim.cause)
-        elif worse(after, alone):
+        elif trials.score(after, alone).total < 0.0:
             refuted.append(Refuted(claim.cause, claim.probability, after.rms, alone.rms, claim.rivals))
             hypothesis, kept, after = lesser, fewer, alone
     return Rest(hypothesis, kept, after, tuple(refuted), tuple(unjudged))
 
 
-def against_the_base(trials: Trials, rest: Rest, before: HeldOut) -> Rest:
+def smaller(one: HeldOut, other: HeldOut) -> bool:
+    """Whether the error is smaller, on the rows that both can judge."""
+    after, base = on_common_rows(one, other)
+    return after.rms < base.rms
+
+
+def against_the_base(
+    trials: Trials, rest: Rest, before: HeldOut, better: Callable[[HeldOut, HeldOut], bool] = smaller
+) -> Rest:
     """Drop all causes if the whole model is no better than the base.
 
     Two causes that compensate each other are both kept one by one, because the error with either
@@ -73,7 +81,7 @@ def against_the_base(trials: Trials, rest: Rest, before: HeldOut) -> Rest:
     if not rest.kept:
         return rest
     after, base = on_common_rows(rest.after, before)
-    if not after.rms >= base.rms:
+    if better(after, base) or np.isnan(after.rms):
         return rest
     unjudged = tuple(claim for claim in rest.kept if claim.cause in rest.unjudged)
     hypothesis = rest.hypothesis

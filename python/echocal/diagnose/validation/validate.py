@@ -23,6 +23,7 @@ from echocal.diagnose.selection.steadiness import varied
 from echocal.diagnose.validation.gain import HeldOut, floor, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.refute import Rest, against_the_base
+from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
 from echocal.model import Model
@@ -122,8 +123,11 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     trials = Trials(case, selection.noise)
     before = judge.base()
     claimed = rest.kept
-    rest = against_the_base(trials, judge.judged(trials, rest), before)
-    gain, withheld = _gain(trials, judge, rest, before, selection), None
+    rest = judge.judged(trials, rest)
+    score = judge.score(rest.after, before, selection.noise) if rest.kept else None
+    if score is not None and not (score.interval(case.settings.validation)[0] > 0.0):
+        rest = against_the_base(trials, rest, before)
+    gain, withheld = _gain(trials, judge, rest, before, selection, score), None
     implausible = tuple(claim.cause for claim in rest.kept if claim.cause in selection.implausible)
     if rest.kept and (implausible or not gain.earned):
         withheld = Withheld(rest.kept, gain, implausible)
@@ -158,7 +162,14 @@ def _fit(trials: Trials, rest: Rest, selection: Selection) -> HypothesisFit:
     return varied(fit_with(case, rest.hypothesis, case.folds.fit, selection.noise), selection.between)
 
 
-def _gain(trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: Selection) -> Gain:
+def _gain(
+    trials: Trials,
+    judge: Judge,
+    rest: Rest,
+    before: HeldOut,
+    selection: Selection,
+    score: Score | None = None,
+) -> Gain:
     """The gain of the base with some claims."""
     case, settings = trials.case, trials.case.settings
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
@@ -174,6 +185,8 @@ def _gain(trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: 
         case.seed,
         settings.validation,
     )
+    if score is not None and rest.kept:
+        gain = replace(gain, log_score=score.total, log_score_interval_95=score.interval(settings.validation))
     ids = [claim.cause for claim in rest.kept]
     return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
 
