@@ -121,7 +121,9 @@ class Nested:
 
     def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
         """The model that some blocks choose; of all blocks, the final one."""
-        return lambda blocks: self._chosen(blocks)[0] if kept and blocks.sum() < len(blocks) else fitted(blocks)
+        return lambda blocks: (
+            self._chosen(blocks)[0] if kept and blocks.sum() < len(blocks) else fitted(blocks)
+        )
 
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with one speed [m]."""

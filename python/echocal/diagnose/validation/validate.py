@@ -20,7 +20,7 @@ from echocal.diagnose.selection.claims import (
 )
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.selection.steadiness import varied
-from echocal.diagnose.validation.gain import HeldOut, floor, summarize
+from echocal.diagnose.validation.gain import HeldOut, floor, on_common_rows, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.refute import Rest, against_the_base
 from echocal.diagnose.validation.score import Score
@@ -71,8 +71,8 @@ class Validation:
     overruled : bool
         Whether claims that the folds do not refute were dropped with the model.
     withheld : Withheld or None
-        Claims that the model does not have, because the interval of their gain is not above zero, or
-        because a size is not plausible.
+        Claims that the model does not have, because their gain is not proven, or because a size
+        is not plausible.
     """
 
     kept: tuple[Claim, ...]
@@ -106,10 +106,11 @@ class Validation:
 def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Validation:
     """Compare the model with the base on rows that its choice has not seen, and measure its gain.
 
-    A model that is no better than the base is dropped with all its causes. If it is better, but the
-    interval of its gain is not above zero, its causes are possible, and the model is the base. The same
-    holds if the size of one of its causes is not plausible: then something else acts, which need not act in
-    the same way under other conditions.
+    A model whose error is not smaller than that of the base is never written: the model is the base. Its
+    causes are refuted, unless the interval of the log score is above zero: then slow noise decides the
+    error, and they are possible. If the error is smaller, but that interval is not above zero, its causes
+    are possible, and the model is the base. The same holds if the size of one of its causes is not
+    plausible: then something else acts, which need not act in the same way under other conditions.
 
     Parameters
     ----------
@@ -125,8 +126,9 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     claimed = rest.kept
     rest = judge.judged(trials, rest)
     score = judge.score(rest.after, before, selection.noise) if rest.kept else None
-    if score is not None and not (score.interval(case.settings.validation)[0] > 0.0):
-        rest = against_the_base(trials, rest, before)
+    if score is not None and not _smaller(rest.after, before):
+        low, _ = score.interval(case.settings.validation)
+        rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
     implausible = tuple(claim.cause for claim in rest.kept if claim.cause in selection.implausible)
     if rest.kept and (implausible or not gain.earned):
@@ -146,6 +148,12 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         overruled,
         withheld,
     )
+
+
+def _smaller(one: HeldOut, other: HeldOut) -> bool:
+    """Whether the error is smaller, on the rows that both can judge; without any, nothing speaks against."""
+    after, before = on_common_rows(one, other)
+    return not after.rms >= before.rms
 
 
 def _base_alone(rest: Rest, before: HeldOut) -> Rest:
