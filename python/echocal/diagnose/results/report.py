@@ -178,9 +178,9 @@ def _unearned(gain: Gain) -> str:
         )
     first, last = gain.log_score_interval_95 or (0.0, 0.0)
     return (
-        f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under the "
-        f"noise changes by {first:.1f} to {last:.1f} (95 % intervals). The second interval is not above 0, so "
-        "the model leaves it out, and no cause is named"
+        f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
+        f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). The second interval is not above "
+        "0, so the model leaves it out, and no cause is named"
     )
 
 

@@ -39,7 +39,7 @@ class Rest:
 
 
 def refute(trials: Trials, selection: Selection, before: HeldOut) -> Rest:
-    """Compare the claims one by one, then together with the base.
+    """Compare the claims one by one, then together with the base: docs/method.md, Eq. 29.
 
     The folds fit the sizes alone: the causes were chosen on all rows that they have.
     """
@@ -86,6 +86,8 @@ def against_the_base(trials: Trials, rest: Rest, before: HeldOut, log_score: flo
     if not rest.kept:
         return rest
     after, base = on_common_rows(rest.after, before)
+    if not after.known.any():
+        return rest  # nothing speaks against it
     unjudged = tuple(claim for claim in rest.kept if claim.cause in rest.unjudged)
     hypothesis = rest.hypothesis
     for claim in rest.kept:

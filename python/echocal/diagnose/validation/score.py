@@ -1,4 +1,4 @@
-"""Which of two models makes rows that neither has seen more probable, under the noise: docs/method.md, Eq. 48."""
+"""Which of two models makes rows that neither has seen more probable: docs/method.md, Eq. 48 and 49."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -96,7 +96,7 @@ def _known_levels(order: Order, folds: Folds, held: Mask, noise: Noise) -> Colum
     if not len(seen):
         return np.zeros(groups)
     level = _white(np.ones(len(seen)), order.at(seen), noise)
-    return np.bincount(order.groups[seen], level**2, minlength=groups)
+    return np.asarray(np.bincount(order.groups[seen], level**2, minlength=groups), dtype=np.float64)
 
 
 @dataclass(frozen=True)
