@@ -110,31 +110,37 @@ class _Whitening:
     noise : Noise
     level : ndarray, or None
         A constant, whitened; None where no group has a level.
-    information : ndarray, or None
-        On the level of each group, of these rows and before.
+    before, own : ndarray, or None
+        Information on the level of each group: before these rows are seen, and of these rows.
     """
 
     order: Order
     noise: Noise
     level: Column | None
-    information: Column | None
+    before: Column | None = None
+    own: Column | None = None
 
     @classmethod
     def of(cls, order: Order, rows: Labels, noise: Noise, before: Column | None) -> "_Whitening":
         own = order.at(rows)
         if before is None:
-            return cls(own, noise, None, None)
+            return cls(own, noise, None)
         level = _white(np.ones(len(rows)), own, noise)
-        return cls(own, noise, level, before + np.bincount(own.groups, level**2, minlength=len(before)))
+        return cls(own, noise, level, before, np.bincount(own.groups, level**2, minlength=len(before)))
 
     def squares(self, error: Column) -> Column:
-        """What each row adds to the whitened sum of squares [m^2], levels averaged out."""
+        """What each row adds to the whitened sum of squares [m^2], levels averaged out.
+
+        The rows of a group share what its level adds, which is its square times the information before.
+        """
         white = _white(error, self.order, self.noise)
-        if self.level is None or self.information is None:
+        if self.level is None or self.before is None or self.own is None:
             return white**2
-        along = np.bincount(self.order.groups, self.level * white, minlength=len(self.information))
-        levels = np.divide(along, self.information, out=np.zeros_like(along), where=self.information > 0.0)
-        return np.asarray(white * (white - self.level * levels[self.order.groups]))
+        groups, present = self.order.groups, self.own > 0.0
+        along = np.bincount(groups, self.level * white, minlength=len(self.own))
+        levels = np.divide(along, self.before + self.own, out=np.zeros_like(along), where=present)
+        shared = np.divide(self.before * levels**2, self.own, out=np.zeros_like(along), where=present)
+        return np.asarray((white - self.level * levels[groups]) ** 2 + shared[groups] * self.level**2)
 
 
 def _white(values: Column, order: Order, noise: Noise) -> Column:
