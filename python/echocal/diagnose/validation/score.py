@@ -126,7 +126,8 @@ class _Whitening:
         if before is None:
             return cls(own, noise, None)
         level = _white(np.ones(len(rows)), own, noise)
-        return cls(own, noise, level, before, np.bincount(own.groups, level**2, minlength=len(before)))
+        known = np.bincount(own.groups, level**2, minlength=len(before))
+        return cls(own, noise, level, before, np.asarray(known, dtype=np.float64))
 
     def squares(self, error: Column) -> Column:
         """What each row adds to the whitened sum of squares [m^2], levels averaged out.
