@@ -24,7 +24,8 @@ def logged(random: np.random.Generator, rows: int = 600) -> Table:
 
 def chosen(diagnosis: Diagnosis) -> tuple[object, ...]:
     """Everything that rows may choose."""
-    kept = [cause.id for cause in diagnosis.causes if cause.in_model]
+    told = [c for c in diagnosis.causes if c.kind == "effect"]
+    kept = [cause.id for cause in told if cause.in_model or cause.doubt]  # or withheld, as later rows say
     claimed = sorted({*kept, *(refuted.id for refuted in diagnosis.refuted)})
     noises = [(c.id, c.probability) for c in diagnosis.causes if c.kind == "noise"]
     return diagnosis.posterior, diagnosis.credible_set, diagnosis.noise, claimed, noises

@@ -86,7 +86,7 @@ class Cause:
 
 @dataclass(frozen=True)
 class Refuted:
-    """A cause that fits, but makes the error on cross-validated or held-out rows larger.
+    """A cause that fits, but that cross-validated or held-out rows speak against.
 
     Attributes
     ----------
@@ -99,6 +99,8 @@ class Refuted:
     together : tuple of str
         All causes that were refuted at once. The errors are then those of the model with all of
         them and of the base. Empty where the cause was refuted alone, beside the other causes.
+    log_score : float or None
+        Log density of these rows, under the noise, with the cause less that without it.
     """
 
     id: str
@@ -107,6 +109,7 @@ class Refuted:
     rms_without_m: float
     indistinguishable_from: tuple[str, ...] = ()
     together: tuple[str, ...] = ()
+    log_score: float | None = None
 
 
 @dataclass(frozen=True)
@@ -288,6 +291,11 @@ class Gain:
         How these rows were chosen.
     shifted : tuple of Shifted
         The gain under other conditions: fitted to the middle range of a column, measured outside.
+    log_score : float or None
+        Log density of these rows, under the noise, with the extended model less that with the base. None
+        where the model is the base, and of several tables.
+    log_score_interval_95 : tuple of float or None
+        Of the same, from contiguous pieces of rows.
     """
 
     rms_fixed_speed_m: float | None
@@ -302,11 +310,18 @@ class Gain:
     variance_removed_interval_95: tuple[float, float]
     scheme: str
     shifted: tuple[Shifted, ...] = ()
+    log_score: float | None = None
+    log_score_interval_95: tuple[float, float] | None = None
 
     @property
     def earned(self) -> bool:
-        """Whether the interval of the gain is above zero: only then a cause is named."""
-        return self.interval_95[0] > 0.0
+        """Whether rows that were not fitted prove a gain: only then a cause is named.
+
+        Their error is smaller, and the interval of the log score is above zero; of a pool, which has none,
+        that of the gain.
+        """
+        proven = self.interval_95 if self.log_score_interval_95 is None else self.log_score_interval_95
+        return self.rms_after_m < self.rms_before_m and proven[0] > 0.0
 
     @property
     def judged_rows(self) -> str:

@@ -33,7 +33,9 @@ def opposition(tables: Sequence[TableInference], settings: Settings) -> dict[tup
 
 
 def _log_score(table: TableInference, refuted: Refuted) -> float:
-    """Log score with the cause less that without it, on as many rows as were independent."""
+    """Log score with the cause less that without it; of errors alone, on as many rows as were independent."""
+    if refuted.log_score is not None:
+        return refuted.log_score
     noise, rows = table.diagnosis.noise, len(table.table)
     independent = rows * (1 - noise["autoregression"]) / (1 + noise["autoregression"])
     return float(-independent * np.log(refuted.rms_with_m / refuted.rms_without_m))

@@ -109,16 +109,18 @@ def _aside(case: Case) -> list[str]:
 def _refuted(refuted: Refuted, rows: str) -> str:
     """Why a cause that fits is not claimed; one text for causes that were refuted together."""
     before, after = 1e3 * refuted.rms_without_m, 1e3 * refuted.rms_with_m
+    score = "" if refuted.log_score is None else f"; log density {refuted.log_score:+.1f}"
     if refuted.together:
         is_not = "fits, but is" if len(refuted.together) == 1 else "fit together, but are"
         return (
             f"{enumerated(refuted.together)} {is_not} not claimed: the extended model is no better than the "
-            f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model)"
+            f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model{score})"
         )
-    return (
-        f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed: it makes the error "
-        f"on {rows} larger ({before:.2f} mm without it, {after:.2f} mm with it)"
-    )
+    fits = f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed"
+    figures = f"{before:.2f} mm without it, {after:.2f} mm with it{score}"
+    if after > before:
+        return f"{fits}: it makes the error on {rows} larger ({figures})"
+    return f"{fits}: under the noise, the {rows} are less probable with it ({figures})"
 
 
 def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> str:

@@ -159,10 +159,18 @@ def _unearned(gain: Gain) -> str:
             f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
             "the base. The model leaves it out, and no cause is named"
         )
+    rows = f"on {gain.judged_rows}, which its choice has not seen, a model with it"
+    if gain.rms_after_m >= gain.rms_before_m:
+        return (
+            f"{rows} has an error of {1e3 * gain.rms_after_m:.2f} mm, the base {1e3 * gain.rms_before_m:.2f} "
+            "mm. Under the noise these rows are more probable with it, so it is not refuted. But the error "
+            "is not smaller, so the model leaves it out, and no cause is named"
+        )
+    first, last = gain.log_score_interval_95 or (0.0, 0.0)
     return (
-        f"on {gain.judged_rows}, which its choice has not seen, a model with it gains {low:.2f} to "
-        f"{high:.2f} mm over the base (95 % interval). The interval is not above 0, so the model leaves it "
-        "out, and no cause is named"
+        f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
+        f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). The second interval is not above "
+        "0, so the model leaves it out, and no cause is named"
     )
 
 

@@ -21,17 +21,23 @@ class ValidationSettings:
         4, "sets", "most sets of causes that are tried where the folds refute the best ones", "chosen by hand"
     )
     pieces: int = number(
-        40, "pieces", "contiguous pieces of rows that are resampled for the interval", "chosen by hand"
+        40,
+        "pieces",
+        "most contiguous pieces of rows, for the interval of the gain and for that of the log score",
+        "chosen by hand",
     )
     memories: float = number(
         2.0,
         "times 1/(1 - autoregression) rows",
-        "pieces are not shorter than this, so that neighboring ones are nearly independent",
+        "pieces are not shorter than this, so that neighboring ones are nearly independent; the log score is "
+        "of whitened rows, whose autoregression is 0",
         "exp(-2) of the autocorrelation is left over such a length",
     )
     fewest_pieces: int = number(5, "pieces", "there are not fewer, however long the memory is", "the folds")
     resamples: int = number(2000, "draws", "resamples of these pieces", "chosen by hand")
-    interval: float = number(0.95, "probability", "of the interval of the gain", "convention")
+    interval: float = number(
+        0.95, "probability", "of the intervals of the gain and of the log score", "convention"
+    )
     reachable: float = number(
         0.02,
         "of the mean square before",

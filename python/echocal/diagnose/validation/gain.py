@@ -26,7 +26,6 @@ __all__ = [
     "measure",
     "on_common_rows",
     "summarize",
-    "worse",
 ]
 
 Column = NDArray[np.float64]
@@ -170,16 +169,10 @@ def on_common_rows(one: HeldOut, other: HeldOut) -> tuple[HeldOut, HeldOut]:
     return one.on(rows), other.on(rows)
 
 
-def worse(with_cause: HeldOut, without: HeldOut) -> bool:
-    """Whether the error on the rows of the folds is larger with a cause: docs/method.md, Eq. 29."""
-    if with_cause.known.all() and without.known.all():
-        return with_cause.rms > without.rms
-    loss = with_cause.error**2 - without.error**2
-    return bool(loss.sum(where=np.isfinite(loss)) > 0.0)
-
-
 def cannot_judge(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
     """Whether the folds cannot validate a cause, because their errors with and without it are equal.
+
+    docs/method.md, Eq. 29.
 
     If a cause acts at one station only, a fit without this station does not find its size, and the
     cause changes no other station. The remaining difference is due to chance.

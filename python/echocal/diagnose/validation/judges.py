@@ -14,10 +14,12 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.weigh_steps import StepPosterior
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
 from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure
 from echocal.diagnose.validation.refute import Rest
+from echocal.diagnose.validation.score import Score, score
 from echocal.diagnose.validation.trials import Trials
 from echocal.model import Model
 
@@ -43,6 +45,12 @@ class Judge(Protocol):
 
     def judged(self, trials: Trials, rest: Rest) -> Rest:
         """The same claims, with the errors of their model on these rows."""
+
+    def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
+        """Log density of these rows with the judged model, less that with the base.
+
+        `noise` is that beside the claims; a fold that chooses by itself has its own.
+        """
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""
@@ -71,14 +79,14 @@ class Nested:
     steps : StepPosterior or None
         Steps of an unknown level, which each fold weighs on its rows.
     known : dict
-        Models that blocks have chosen before.
+        Models that blocks have chosen before, and the noise beside each.
     """
 
     case: Case
     noises: tuple[Noise, ...]
     tried: Collection[FittedNoise]
     steps: StepPosterior | None = None
-    known: dict[bytes, Model] = field(default_factory=dict, repr=False)
+    known: dict[bytes, tuple[Model, Noise]] = field(default_factory=dict, repr=False)
 
     @property
     def scheme(self) -> str:
@@ -95,7 +103,13 @@ class Nested:
 
     def judged(self, trials: Trials, rest: Rest) -> Rest:
         """The same claims, with the errors of the models that the folds choose."""
-        return replace(rest, after=self.extended(self._chosen)) if rest.kept else rest
+        return replace(rest, after=self.extended(lambda seen: self._chosen(seen)[0])) if rest.kept else rest
+
+    def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
+        """Log density of these rows with the judged model, less that with the base."""
+        folds = self.case.folds
+        noises = [self.known.get((folds.fit & ~held).tobytes(), (None, noise))[1] for held in folds.held]
+        return score(after, before, self.case.sums.order, folds, noises)
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""
@@ -107,20 +121,23 @@ class Nested:
 
     def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
         """The model that some blocks choose; of all blocks, the final one."""
-        return lambda blocks: self._chosen(blocks) if kept and blocks.sum() < len(blocks) else fitted(blocks)
+        return lambda blocks: (
+            self._chosen(blocks)[0] if kept and blocks.sum() < len(blocks) else fitted(blocks)
+        )
 
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with one speed [m]."""
         return fixed_speed_rms(self.case.table, self.case.folds, _speed(self.case.base, self.case.table))
 
-    def _chosen(self, blocks: Mask) -> Model:
-        """The model that some blocks choose, refute and fit."""
+    def _chosen(self, blocks: Mask) -> tuple[Model, Noise]:
+        """The model that some blocks choose, refute and fit, and the noise beside it."""
         if (key := blocks.tobytes()) in self.known:
             return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self._divided(blocks), folds=folds, signals={}, probable=self.noises)
         selection, rest = chosen(part, self.tried)
-        self.known[key] = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+        model = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+        self.known[key] = model, selection.noise
         return self.known[key]
 
     def _divided(self, blocks: Mask) -> Case:
@@ -164,6 +181,12 @@ class HeldOutRows:
     def judged(self, trials: Trials, rest: Rest) -> Rest:
         """The same claims, all of which these rows judge."""
         return replace(rest, after=self.sized(trials, rest), unjudged=())
+
+    def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
+        """Log density of these rows with the judged model, less that with the base; levels are free."""
+        blocks = np.zeros(len(self.held), dtype=np.int64)
+        folds = Folds(blocks, (np.array([True]),), np.array([False]), self.scheme)
+        return score(after, before, self.held.order, folds, [noise])
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""

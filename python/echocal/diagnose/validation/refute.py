@@ -1,4 +1,4 @@
-"""Refutation of claims that make the error larger."""
+"""Refutation of claims that make held-out rows less probable, or their error larger."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.inference.hypothesis import Hypothesis
 from echocal.diagnose.selection.claims import Claim, without
 from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.validation.gain import HeldOut, on_common_rows, worse
+from echocal.diagnose.validation.gain import HeldOut, on_common_rows
 from echocal.diagnose.validation.trials import Trials
 
 __all__ = ["Rest", "against_the_base", "refute"]
@@ -39,16 +39,17 @@ class Rest:
 
 
 def refute(trials: Trials, selection: Selection, before: HeldOut) -> Rest:
-    """Compare the claims one by one, then together with the base.
+    """Compare the claims one by one, then together with the base: docs/method.md, Eq. 29.
 
     The folds fit the sizes alone: the causes were chosen on all rows that they have.
     """
     rest = _one_by_one(trials, selection.best.hypothesis, selection.claims)
-    return against_the_base(trials, rest, before)
+    log_score = trials.score(rest.after, before).total if rest.kept else 0.0
+    return rest if log_score > 0.0 else against_the_base(trials, rest, before, log_score)
 
 
 def _one_by_one(trials: Trials, hypothesis: Hypothesis, claimed: Sequence[Claim]) -> Rest:
-    """Drop causes without which the error of the folds is smaller, the least probable cause first."""
+    """Drop causes without which the rows of the folds are more probable, the least probable one first."""
     kept, refuted, unjudged = tuple(claimed), [], []
     after = trials.of(hypothesis, kept)
     for claim in sorted(claimed, key=lambda c: c.probability):
@@ -57,24 +58,36 @@ def _one_by_one(trials: Trials, hypothesis: Hypothesis, claimed: Sequence[Claim]
         alone = trials.of(lesser, fewer)
         if trials.cannot_judge(after, alone, trials.case.signal(claim.variant, claim.mean)):
             unjudged.append(claim.cause)
-        elif worse(after, alone):
-            refuted.append(Refuted(claim.cause, claim.probability, after.rms, alone.rms, claim.rivals))
+        elif (log_score := trials.score(after, alone).total) < 0.0:
+            figures = after.rms, alone.rms
+            refuted.append(
+                Refuted(claim.cause, claim.probability, *figures, claim.rivals, log_score=log_score)
+            )
             hypothesis, kept, after = lesser, fewer, alone
     return Rest(hypothesis, kept, after, tuple(refuted), tuple(unjudged))
 
 
-def against_the_base(trials: Trials, rest: Rest, before: HeldOut) -> Rest:
-    """Drop all causes if the whole model is no better than the base.
+def against_the_base(trials: Trials, rest: Rest, before: HeldOut, log_score: float) -> Rest:
+    """Drop all causes: the whole model is no better than the base.
 
     Two causes that compensate each other are both kept one by one, because the error with either
     alone may be larger. A cause that the folds cannot validate is kept: the small change that it
     makes in their errors is due to chance.
+
+    Parameters
+    ----------
+    trials : Trials
+    rest : Rest
+    before : HeldOut
+        Errors of the base.
+    log_score : float
+        Log density of the rows that judge with the model, less that with the base.
     """
     if not rest.kept:
         return rest
     after, base = on_common_rows(rest.after, before)
-    if not after.rms >= base.rms:
-        return rest
+    if not after.known.any():
+        return rest  # nothing speaks against it
     unjudged = tuple(claim for claim in rest.kept if claim.cause in rest.unjudged)
     hypothesis = rest.hypothesis
     for claim in rest.kept:
@@ -87,7 +100,7 @@ def against_the_base(trials: Trials, rest: Rest, before: HeldOut) -> Rest:
     dropped = [claim for claim in rest.kept if claim not in unjudged]
     ids = tuple(claim.cause for claim in dropped)
     refuted = tuple(
-        Refuted(c.cause, c.probability, after.rms, base.rms, c.rivals, together=ids) for c in dropped
+        Refuted(c.cause, c.probability, after.rms, base.rms, c.rivals, ids, log_score) for c in dropped
     )
     kept = tuple(claim.cause for claim in unjudged)
     return Rest(hypothesis, unjudged, before, (*rest.refuted, *refuted), kept)

@@ -11,6 +11,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
 from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
+from echocal.diagnose.validation.score import Score, score
 from echocal.model import Model
 
 __all__ = ["Trials", "fit_with"]
@@ -57,6 +58,11 @@ class Trials:
     def _measured(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         table = self.case.table_without_offsets if self.without_offsets else self.case.table
         return measure(table, self.case.folds, fitted)
+
+    def score(self, one: HeldOut, other: HeldOut) -> Score:
+        """Log density of the rows of the folds with one model, less that with another one."""
+        folds = self.case.folds
+        return score(one, other, self.case.sums.order, folds, [self.noise] * len(folds.held))
 
     def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
         """Whether the folds cannot validate causes with this signal."""

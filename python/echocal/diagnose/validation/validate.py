@@ -20,9 +20,10 @@ from echocal.diagnose.selection.claims import (
 )
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.selection.steadiness import varied
-from echocal.diagnose.validation.gain import HeldOut, floor, summarize
+from echocal.diagnose.validation.gain import HeldOut, floor, on_common_rows, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.refute import Rest, against_the_base
+from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
 from echocal.model import Model
@@ -67,7 +68,7 @@ class Validation:
     overruled : bool
         Whether claims that the folds do not refute were dropped with the model.
     withheld : Withheld or None
-        Claims that the model does not have, because the interval of their gain is not above zero.
+        Claims that the model does not have, because their gain is not proven.
     """
 
     kept: tuple[Claim, ...]
@@ -101,8 +102,10 @@ class Validation:
 def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Validation:
     """Compare the model with the base on rows that its choice has not seen, and measure its gain.
 
-    A model that is no better than the base is dropped with all its causes. If it is better, but the
-    interval of its gain is not above zero, its causes are possible, and the model is the base.
+    A model whose error is not smaller than that of the base is never written: the model is the base. Its
+    causes are refuted, unless the interval of the log score is above zero: then slow noise decides the
+    error, and they are possible. If the error is smaller, but that interval is not above zero, its causes
+    are possible, and the model is the base.
 
     Parameters
     ----------
@@ -116,8 +119,12 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     trials = Trials(case, selection.noise)
     before = judge.base()
     claimed = rest.kept
-    rest = against_the_base(trials, judge.judged(trials, rest), before)
-    gain, withheld = _gain(trials, judge, rest, before, selection), None
+    rest = judge.judged(trials, rest)
+    score = judge.score(rest.after, before, selection.noise) if rest.kept else None
+    if score is not None and not _smaller(rest.after, before):
+        low, _ = score.interval(case.settings.validation)
+        rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
+    gain, withheld = _gain(trials, judge, rest, before, selection, score), None
     if rest.kept and not gain.earned:
         withheld = Withheld(rest.kept, gain)
         rest = _base_alone(rest, before)
@@ -137,6 +144,12 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     )
 
 
+def _smaller(one: HeldOut, other: HeldOut) -> bool:
+    """Whether the error is smaller, on the rows that both can judge; without any, nothing speaks against."""
+    after, before = on_common_rows(one, other)
+    return not after.rms >= before.rms
+
+
 def _base_alone(rest: Rest, before: HeldOut) -> Rest:
     """The base without any claim."""
     hypothesis = rest.hypothesis
@@ -151,7 +164,14 @@ def _fit(trials: Trials, rest: Rest, selection: Selection) -> HypothesisFit:
     return varied(fit_with(case, rest.hypothesis, case.folds.fit, selection.noise), selection.between)
 
 
-def _gain(trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: Selection) -> Gain:
+def _gain(
+    trials: Trials,
+    judge: Judge,
+    rest: Rest,
+    before: HeldOut,
+    selection: Selection,
+    score: Score | None = None,
+) -> Gain:
     """The gain of the base with some claims."""
     case, settings = trials.case, trials.case.settings
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
@@ -167,6 +187,8 @@ def _gain(trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: 
         case.seed,
         settings.validation,
     )
+    if score is not None and rest.kept:
+        gain = replace(gain, log_score=score.total, log_score_interval_95=score.interval(settings.validation))
     ids = [claim.cause for claim in rest.kept]
     return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
 
