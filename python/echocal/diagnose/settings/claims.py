@@ -106,6 +106,12 @@ class ClaimSettings:
         "a cause with a larger size is not named",
         "argument: 1 in 31 sizes is larger by Eq. 6; the prior of an effect outside the catalogue is 1 in 20",
     )
+    unusual: float = number(
+        3.0,
+        "prior standard deviations",
+        "a model with a larger size must prove its gain in the error, too, not in the log density alone",
+        "argument: 1 in 370 normal sizes is larger; the log density depends on the noise, the error does not",
+    )
     leverage_pieces: int = number(
         40,
         "pieces",

@@ -105,7 +105,8 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     A model whose error is not smaller than that of the base is never written: the model is the base. Its
     causes are refuted, unless the interval of the log score is above zero: then slow noise decides the
     error, and they are possible. If the error is smaller, but that interval is not above zero, its causes
-    are possible, and the model is the base.
+    are possible, and the model is the base. With a size that is unusual, the interval of the gain must be
+    above zero, too.
 
     Parameters
     ----------
@@ -125,7 +126,8 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         low, _ = score.interval(case.settings.validation)
         rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
-    if rest.kept and not gain.earned:
+    unusual = any(claim.cause in selection.unusual for claim in rest.kept)
+    if rest.kept and not (gain.earned and (gain.interval_95[0] > 0.0 or not unusual)):
         withheld = Withheld(rest.kept, gain)
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
