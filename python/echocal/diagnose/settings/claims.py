@@ -109,7 +109,7 @@ class ClaimSettings:
     unusual: float = number(
         3.0,
         "prior standard deviations",
-        "a model with a larger size must prove its gain in the error, too, not in the log density alone",
+        "a model with a larger size must prove its gain in the error of known distances, too",
         "argument: 1 in 370 normal sizes is larger; the log density depends on the noise, the error does not",
     )
     leverage_pieces: int = number(
