@@ -106,11 +106,18 @@ fn column<T>(values: &[T]) -> Column {
     }
 }
 
+fn target<T>(values: &mut [T]) -> Column {
+    Column {
+        start: values.as_mut_ptr().cast(),
+        stride: size_of::<T>().cast_signed(),
+    }
+}
+
 fn run(bencher: Bencher<'_, '_>, kernel: &dyn Kernel, rows: usize, threads: usize) {
     let (data, mut output, carbon_dioxide) = (inputs(rows, |x| x), vec![0.0; rows], [4e-4]);
     let mut columns: Vec<_> = data.iter().map(|values| column(values)).collect();
     columns.push(column(&carbon_dioxide));
-    let target = column(&mut output);
+    let target = target(&mut output);
     bencher.counter(ItemsCount::new(rows)).bench_local(|| {
         // SAFETY: all columns have `rows` rows or are constant; nothing else uses the output.
         unsafe { kernel.run_f64(&columns, target, rows, threads) };
@@ -122,7 +129,7 @@ fn run_single(bencher: Bencher<'_, '_>, kernel: &dyn Kernel, rows: usize, thread
         (inputs(rows, |x| x as f32), vec![0.0_f32; rows], [4e-4_f32]);
     let mut columns: Vec<_> = data.iter().map(|values| column(values)).collect();
     columns.push(column(&carbon_dioxide));
-    let target = column(&mut output);
+    let target = target(&mut output);
     bencher.counter(ItemsCount::new(rows)).bench_local(|| {
         // SAFETY: all columns have `rows` rows or are constant; nothing else uses the output.
         unsafe { kernel.run_f32(&columns, target, rows, threads) };
