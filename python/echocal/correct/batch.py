@@ -243,5 +243,5 @@ def _plain_codes(missing: Any) -> Any:
 def _size(path: Path) -> int:
     try:
         return path.stat().st_size
-    except OSError:
+    except (OSError, ValueError):  # the reader of the file says what is wrong
         return 0

@@ -28,8 +28,8 @@ class Needed:
         Columns to parse, in the order of the table.
     requests : mapping of str to str
         Meaning of these columns.
-    reference : tuple of str
-        Those of them that only rules for rows read.
+    reference : mapping of str to str
+        Those of them that only rules for rows read, with their meaning; empty where the name says it.
     assumed : tuple of str
         Quantities of the air that the model reads, and that the table does not have.
     remembers : tuple of str
@@ -40,7 +40,7 @@ class Needed:
 
     columns: tuple[str, ...]
     requests: Mapping[str, str]
-    reference: tuple[str, ...]
+    reference: Mapping[str, str]
     assumed: tuple[str, ...]
     remembers: tuple[str, ...]
     rows_around: int
@@ -65,7 +65,12 @@ def needed(
     refuse_repeated(names)
     plan = make(list(names), requests, trust)
     rules = rules_of(model) if mark_rows and MARKS in model.provenance else ()
-    reads = {*_ECHOES, *model.reads, *_law_reads(reading_speed or model.law), *(r.quantity for r in rules)}
+    reads = {
+        *_ECHOES,
+        *model.reads,
+        *_law_reads(reading_speed or model.law),
+        *(_SOURCES.get(r.quantity, r.quantity) for r in rules),
+    }
     reads |= {name for id_ in model.effects for name in find_effect(id_).excludes}
     reads |= set(() if model.shape is None else model.shape.columns)
     sources = {word for name in reads for word in _derived_from(name)}
@@ -89,7 +94,7 @@ def needed(
     return Needed(
         columns,
         asked | dict.fromkeys(reference, IGNORE),
-        tuple(name for name in columns if name in reference),
+        {name: requests.get(name, "") for name in columns if name in reference},
         tuple(n for n in AIR if n in model.reads and n in DEFAULTS and n not in recorded | stands_for),
         remembered(model),
         context_of(model) if rules else 0,

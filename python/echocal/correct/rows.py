@@ -119,7 +119,8 @@ def correct_rows(
         status.give(np.isnan(observations.thermometers[column]), f"{column} missing", over=_NONE)
     notes: tuple[str, ...] = observations.notes
     if reading.mark_rows and MARKS in model.provenance:
-        asked = {name: own for name, own in needed.requests.items() if name not in needed.reference}
+        asked = {**needed.requests, **needed.reference}
+        asked = {name: own for name, own in asked.items() if own}
         missing = _of(reading.missing, needed.columns)
         read = table[list(needed.columns)]
         reference = reference_of(read, asked, missing, model) if needed.reference else None

@@ -133,6 +133,9 @@ def stamp(path: Path) -> dict[str, int]:
     except OSError as error:
         message = f"{path} cannot be read: {error.strerror or error}"
         raise DataError(message) from None
+    except ValueError as error:  # a NUL byte, a lone surrogate
+        message = f"{str(path)!r} cannot be the name of a file: {error}"
+        raise DataError(message) from None
     return {"size": facts.st_size, "mtime_ns": facts.st_mtime_ns}
 
 

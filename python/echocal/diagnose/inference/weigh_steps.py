@@ -112,7 +112,7 @@ def weigh_steps(
         return None
     coarse = divided(table, known, settings.rows.gap)
     folds = Folds.of(table, settings.rows)
-    at = np.searchsorted(table.row, rows)
+    at = table.places(rows)
     case = examine(coarse, base, folds, seed, settings, steps=at)
     own = [v for v in case.found.variants if v.cause != _STEP_OF_THE_SENSOR]
     case = replace(case, found=replace(case.found, variants=own))
@@ -130,7 +130,7 @@ def weigh_steps(
 def _beyond_air(table: Table, share: float) -> Labels:
     """Source rows of steps that are too large for any change of the air."""
     level = np.array([np.median(table.indication[table.groups == g]) for g in np.unique(table.groups)])
-    at = np.searchsorted(table.row, table.steps)
+    at = table.places(table.steps)
     new, old = level[table.groups[at]], level[table.groups[np.maximum(at - 1, 0)]]
     return np.asarray(table.steps[np.abs(new - old) > share * np.minimum(np.abs(new), np.abs(old))])
 
@@ -139,7 +139,7 @@ def _variance(case: Case, blocks: Mask, steps: Labels) -> float:
     """Half the mean square difference of neighboring rows [m^2], but for those at a proposed step."""
     seen = blocks[case.folds.blocks]
     follows = ~case.table.starts[1:] & seen[1:] & seen[:-1]
-    follows[np.searchsorted(case.table.row, steps) - 1] = False
+    follows[case.table.places(steps) - 1] = False
     squares = np.diff(case.residual)[follows] ** 2
     return max(float(squares.mean()) / 2 if len(squares) else 0.0, VARIANCE_FLOOR**2)
 

@@ -73,7 +73,7 @@ def prepare(
     steps = np.empty(0, dtype=np.int64)
     if reference is None:
         steps = level_steps(indication, elapsed, conditions.get("temperature"), settings)
-        steps = np.union1d(steps, np.searchsorted(rows, np.array(more_steps, dtype=np.int64)))
+        steps = np.union1d(steps, np.flatnonzero(np.isin(rows, more_steps)))
     breaks = np.zeros(len(rows), dtype=bool)
     if reference is None:
         breaks[1:] |= moved(observations, rows)

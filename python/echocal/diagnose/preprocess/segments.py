@@ -28,7 +28,7 @@ def divided(table: Table, steps: Labels, gap: float) -> Table:
     breaks = np.zeros(len(table), dtype=bool)
     breaks[1:] = groups[1:] != groups[:-1]
     if table.placements is not None:
-        at = np.searchsorted(table.row, steps)
+        at = table.places(steps)
         breaks[at] = True
         groups = np.cumsum(breaks)
         groups = groups - groups[0]

@@ -80,6 +80,11 @@ class Table:
     def __len__(self) -> int:
         return len(self.row)
 
+    def places(self, rows: Labels) -> Labels:
+        """Places of source rows, of which the newest may come first."""
+        order = np.argsort(self.row, kind="stable")
+        return np.asarray(order[np.searchsorted(self.row, rows, sorter=order)])
+
     @cached_property
     def order(self) -> Order:
         """The grouping of the rows."""

@@ -44,7 +44,7 @@ def steps_of(table: Table, observations: Observations) -> tuple[LevelStep, ...]:
     """Describe the steps that were found in a table."""
     steps = []
     for row in table.steps.tolist():
-        at = int(np.searchsorted(table.row, row))
+        at = int(table.places(np.array([row]))[0])
         before = table.indication[max(0, at - _WINDOW) : at]
         after = table.indication[at : at + _WINDOW]
         time = None if observations.time is None else str(observations.time[row].astype("datetime64[s]"))

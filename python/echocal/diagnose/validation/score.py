@@ -145,7 +145,7 @@ class _Whitening:
 
 
 def _white(values: Column, order: Order, noise: Noise) -> Column:
-    """Innovations of a column: docs/method.md, Eq. 3, 4 and 45."""
+    """Innovations of a column: docs/method.md, Eq. 3 and 4."""
     if noise.rho == 0.0:
         return values
     given = np.ascontiguousarray(values), order.starts, order.distance
