@@ -317,11 +317,12 @@ class Gain:
     def earned(self) -> bool:
         """Whether rows that were not fitted prove a gain: only then a cause is named.
 
-        Their error is smaller, and the interval of the log score is above zero; of a pool, which has none,
-        that of the gain.
+        The interval of the gain is above zero, and that of the log score, which a pool does not have. The log
+        score alone would name what removes one hundredth of the error, and what another window does not have.
         """
-        proven = self.interval_95 if self.log_score_interval_95 is None else self.log_score_interval_95
-        return self.rms_after_m < self.rms_before_m and proven[0] > 0.0
+        score = self.log_score_interval_95
+        smaller = self.rms_after_m < self.rms_before_m and self.interval_95[0] > 0.0
+        return smaller and (score is None or score[0] > 0.0)
 
     @property
     def judged_rows(self) -> str:

@@ -170,14 +170,13 @@ def _unearned(gain: Gain) -> str:
     if gain.earned:
         return (
             f"{rows} gains {low:.2f} to {high:.2f} mm over the base (95 % interval). But a size is far "
-            "beyond the usual ones. Then a gain is a proof only if distances are known and the interval is "
-            "above 0: something else may follow the same conditions. The model leaves it out, and no cause "
-            "is named"
+            "beyond the usual ones. Then a gain is a proof only if distances are known: something else may "
+            "follow the same conditions. The model leaves it out, and no cause is named"
         )
     return (
         f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
-        f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). The second interval is not above "
-        "0, so the model leaves it out, and no cause is named"
+        f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). Not both intervals are above 0, "
+        "so the model leaves it out, and no cause is named"
     )
 
 

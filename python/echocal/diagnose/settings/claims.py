@@ -109,8 +109,8 @@ class ClaimSettings:
     unusual: float = number(
         3.0,
         "prior standard deviations",
-        "a model with a larger size must prove its gain in the error of known distances, too",
-        "argument: 1 in 370 normal sizes is larger; the log density depends on the noise, the error does not",
+        "a model with a larger size needs known distances",
+        "argument: 1 in 370 normal sizes is larger; other things may follow the same days",
     )
     leverage_pieces: int = number(
         40,

@@ -104,9 +104,9 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
 
     A model whose error is not smaller than that of the base is never written: the model is the base. Its
     causes are refuted, unless the interval of the log score is above zero: then slow noise decides the
-    error, and they are possible. If the error is smaller, but that interval is not above zero, its causes
-    are possible, and the model is the base. With a size that is unusual, distances must be
-    known, and the interval of the gain above zero, too.
+    error, and they are possible. If the error is smaller, but the interval of the gain or of the log score is
+    not above zero, its causes are possible, and the model is the base. The same holds for a size that is
+    unusual, unless distances are known.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
     unusual = any(claim.cause in selection.unusual for claim in rest.kept)
-    if rest.kept and not (gain.earned and (not unusual or _absolute(case, gain))):
+    if rest.kept and not (gain.earned and (not unusual or case.table.reference is not None)):
         withheld = Withheld(rest.kept, gain)
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
@@ -150,11 +150,6 @@ def _smaller(one: HeldOut, other: HeldOut) -> bool:
     """Whether the error is smaller, on the rows that both can judge; without any, nothing speaks against."""
     after, before = on_common_rows(one, other)
     return not after.rms >= before.rms
-
-
-def _absolute(case: Case, gain: Gain) -> bool:
-    """Whether known distances prove that the error is smaller."""
-    return case.table.reference is not None and gain.interval_95[0] > 0.0
 
 
 def _base_alone(rest: Rest, before: HeldOut) -> Rest:
