@@ -45,7 +45,7 @@ def refute(trials: Trials, selection: Selection, before: HeldOut) -> Rest:
     """
     rest = _one_by_one(trials, selection.best.hypothesis, selection.claims)
     log_score = trials.score(rest.after, before).total if rest.kept else 0.0
-    supported = log_score > 0.0 or _smaller(rest.after, before)
+    supported = _smaller(rest.after, before)
     return rest if supported else against_the_base(trials, rest, before, log_score)
 
 
@@ -56,11 +56,7 @@ def _smaller(one: HeldOut, other: HeldOut) -> bool:
 
 
 def _one_by_one(trials: Trials, hypothesis: Hypothesis, claimed: Sequence[Claim]) -> Rest:
-    """Drop causes that no judge supports, the least probable one first.
-
-    Without them the rows of the folds are more probable, and their error is not larger. Slow noise decides
-    the error, and the errors of stations the log density: one of them is enough to keep a cause.
-    """
+    """Drop causes without which the error is not larger, the least probable one first."""
     kept, refuted, unjudged = tuple(claimed), [], []
     after = trials.of(hypothesis, kept)
     for claim in sorted(claimed, key=lambda c: c.probability):
@@ -69,7 +65,8 @@ def _one_by_one(trials: Trials, hypothesis: Hypothesis, claimed: Sequence[Claim]
         alone = trials.of(lesser, fewer)
         if trials.cannot_judge(after, alone, trials.case.signal(claim.variant, claim.mean)):
             unjudged.append(claim.cause)
-        elif (log_score := trials.score(after, alone).total) < 0.0 and not _smaller(after, alone):
+        elif not _smaller(after, alone):
+            log_score = trials.score(after, alone).total
             figures = after.rms, alone.rms
             refuted.append(
                 Refuted(claim.cause, claim.probability, *figures, claim.rivals, log_score=log_score)
