@@ -14,14 +14,15 @@ impl Effect for TemperatureLag {
         stage: Stage::Air,
         sentence: "The thermometer follows the air with a time constant: warming air is warmer than recorded.",
         formula: "T' = T + time_constant dT/ds, from the recorded rate of change",
-        source: "SMT160 data sheet: 60 s in still air, 13.5 s at 3 m/s; boxed 2 to 10 min (general knowledge)",
+        source: "SMT160 data sheet: 60 s in still air, 13.5 s at 3 m/s; in a box or a screen 2 to 10 min (general \
+                 knowledge), of which the prior holds 95 %",
         reads: &[Quantity::TemperatureRate],
         requires: &[Quantity::Temperature, Quantity::TemperatureRate],
         parameters: &[ParameterFacts {
             name: "time_constant",
             unit: "s",
             bounds: (0.0, 7200.0),
-            prior_scale: 150.0,
+            prior_scale: 300.0,
             ..ParameterFacts::USUAL
         }],
         domain: "rows closer in time than a few time constants",
