@@ -93,6 +93,13 @@ pub fn random_model(law: Law, chosen: &[f64], units: &[f64]) -> Model {
     model
 }
 
+/// Whether the air of a model is air. Effects that each shift the temperature a little reach 130
+/// degC together, where the vapour of humid air is more than all its gas and no speed is defined.
+pub fn in_air_that_can_be(model: &Model, d: f64, at: &Conditions<f64>) -> bool {
+    let air = model.simulate(d, at, &model.parameters()).air;
+    (-80.0..=80.0).contains(&air.temperature)
+}
+
 /// The variables of the chain with the stage that sets each.
 pub fn variables(chain: &Chain<f64>) -> [(Stage, f64); 9] {
     [
