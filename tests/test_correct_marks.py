@@ -76,6 +76,7 @@ def test_parts_of_a_table_have_the_marks_of_the_whole(
         assert marks == whole
 
 
+@pytest.mark.statistical
 def test_typing_errors_are_marked_and_not_rewritten(random: np.random.Generator, tmp_path: Path) -> None:
     (fault,) = (fault for fault in registry.FAULTS if fault.facts.id == "mistyped_rows")
     table = clean(random)
@@ -99,6 +100,7 @@ def test_what_cannot_be_checked_is_said(random: np.random.Generator, tmp_path: P
     assert any(note.startswith("not checked: fahrenheit_celsius; ") for note in notes)
 
 
+@pytest.mark.statistical
 def test_ghosts_before_a_wall_are_marked_by_their_neighbors(random: np.random.Generator) -> None:
     """No reference distance: rows are compared with the rows around, in the diagnosis and here."""
     rows, celsius = 600, 15 + 8 * np.sin(np.arange(600) / 60)
@@ -119,6 +121,7 @@ def test_a_value_that_cannot_be_is_that_and_no_outlier(random: np.random.Generat
     assert correct_table(table, model).table["unusable"][first] == "temperature_C out of range"
 
 
+@pytest.mark.statistical
 def test_a_clean_table_has_a_model_without_rules(random: np.random.Generator) -> None:
     model = echocal.diagnose(clean(random)).model
     assert rules_of(model) == ()

@@ -41,10 +41,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::echocal.DomainWarning")
 
 @pytest.fixture
 def table(random: np.random.Generator) -> pd.DataFrame:
-    """A log with gaps, odd values, runs and ghosts."""
+    """A log with gaps, odd values, ghosts, and runs: one begins before row 100, where a file may end."""
     echo = np.round(11_000 + 200 * np.sin(np.arange(ROWS) / 40) + random.normal(0, 5, ROWS), 1)
     echo[random.choice(ROWS, 12, replace=False)] *= 0.5
-    echo[100:109] = echo[100]
+    echo[97:109] = echo[100]
     echo[[5, 340]] = -9999.0, np.nan
     celsius = np.round(15 + 8 * np.sin(np.arange(ROWS) / 90) + random.normal(0, 0.1, ROWS), 2)
     celsius[[0, 41, 350, 351, ROWS - 1]] = np.nan

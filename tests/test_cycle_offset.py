@@ -48,6 +48,7 @@ def found(table: dict[str, np.ndarray]) -> dict[str, Cause]:
     return {cause.id: cause for cause in echocal.diagnose(table).causes}
 
 
+@pytest.mark.statistical
 def test_placements_that_miss_cycles_are_found_with_their_share(random: np.random.Generator) -> None:
     """22 of 24 tables drawn; the second table makes up for a rare miss."""
     for _ in range(2):
@@ -63,6 +64,7 @@ def test_placements_that_miss_cycles_are_found_with_their_share(random: np.rando
     assert "placements are whole periods of 4.2" in cause.because
 
 
+@pytest.mark.statistical
 def test_a_scale_or_an_edge_keeps_its_name_where_no_cycle_is_missed(random: np.random.Generator) -> None:
     """None of 32 tables drawn has cycles; 12 of 16 have their scale's class."""
     for more in ({"scale": 0.006}, {"edge": 0.008}):
@@ -71,12 +73,14 @@ def test_a_scale_or_an_edge_keeps_its_name_where_no_cycle_is_missed(random: np.r
         assert any(cause.kind == "effect" for cause in causes.values())
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("more", [{"tape": 4e-3}, {"apart": 4e-3}, {"apart": 8e-3}, {}])
 def test_errors_of_any_size_are_no_lattice(more: dict[str, float], random: np.random.Generator) -> None:
     """One of 65 tables drawn has cycles, so one of three may."""
     assert sum("cycle_offset" in found(bench(random, **more)) for _ in range(3)) <= 1
 
 
+@pytest.mark.statistical
 def test_a_lattice_beside_a_scale_leaves_the_scale(random: np.random.Generator) -> None:
     """The offsets are taken off before the scale is fitted: 0.8 % is 27 mm at 3.4 m."""
     for _ in range(3):  # 13 of 14 tables drawn
@@ -87,6 +91,7 @@ def test_a_lattice_beside_a_scale_leaves_the_scale(random: np.random.Generator) 
     assert any(cause.kind == "effect" for cause in causes.values())
 
 
+@pytest.mark.statistical
 def test_stretches_of_time_under_a_constant_distance(random: np.random.Generator) -> None:
     """24 of 24 logs drawn."""
     row = np.arange(600)

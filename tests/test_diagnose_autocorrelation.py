@@ -39,6 +39,7 @@ def test_a_long_table_has_the_probabilities_of_all_autocorrelations(
     assert quick.noise == pytest.approx(whole.noise, rel=1e-6)
 
 
+@pytest.mark.statistical
 def test_convection_is_identified_by_its_growth_with_distance(random: np.random.Generator) -> None:
     cells = 1.5e-3 * remembering(ROWS, 0.9, random)
     table = log(cells, random)

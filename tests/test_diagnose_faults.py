@@ -237,6 +237,7 @@ def test_fahrenheit_is_undone() -> None:
     assert celsius(np.array([32.0, 212.0])).tolist() == [0.0, 100.0]
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("as_recorded", [True, False])
 def test_echo_times_say_whether_a_hot_column_is_fahrenheit(
     as_recorded: bool, random: np.random.Generator
@@ -266,6 +267,7 @@ def test_facts_are_complete() -> None:
     assert {facts.id for facts in FAULTS} <= set(ids)
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 def test_a_sensor_that_was_bumped_loses_no_rows(random: np.random.Generator) -> None:
     """Rows before the bump are far from those after it, and none of them is another echo.

@@ -62,6 +62,7 @@ def test_the_gain_is_what_was_hidden(hunts: Hunts) -> None:
     assert np.median(known) > 0.97
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("kind", ["normal", "heavy", "memory"])
 def test_noise_is_not_named(kind: str, random: np.random.Generator) -> None:
     # measured while it was built: no name in 114 fresh tables; even at the upper 95 % bound of 0.03,
@@ -76,6 +77,7 @@ def test_noise_is_not_named(kind: str, random: np.random.Generator) -> None:
     assert sum(alarms) <= 3, f"{sum(alarms)} of {len(alarms)}"
 
 
+@pytest.mark.statistical
 def test_an_effect_outside_the_catalogue_is_unknown(random: np.random.Generator) -> None:
     rows = bench(random)
     bump = 8e-3 * np.exp(-(((rows.temperature - 25.0) / 6.0) ** 2))

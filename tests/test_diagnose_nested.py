@@ -89,6 +89,7 @@ def test_a_rate_of_change_ends_before_the_held_out_rows(random: np.random.Genera
         assert np.isnan(held.conditions[name][:400]).all()
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 def test_where_nothing_is_planted_no_gain_is_told(random: np.random.Generator) -> None:
     """A choice that each fold makes by itself has no gain of chance; each table here is without an effect."""
@@ -106,6 +107,7 @@ def test_where_nothing_is_planted_no_gain_is_told(random: np.random.Generator) -
     assert np.mean(gains) < 0.01
 
 
+@pytest.mark.statistical
 def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
     """A clock that is 9 % off: no clock is, so something else may act."""
     distance = np.tile([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], 20)
@@ -119,6 +121,7 @@ def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
     assert diagnosis.verdict == "ambiguous"
 
 
+@pytest.mark.statistical
 def test_columns_that_cross_are_not_exchanged(random: np.random.Generator) -> None:
     """A day on which temperature and humidity have the same number twice, and change their roughness."""
     table = logged(random)
@@ -163,6 +166,7 @@ def test_every_row_has_a_fate(
     assert (written["fate"].iloc[400:] == "used").all()
 
 
+@pytest.mark.statistical
 def test_a_fault_that_begins_before_the_held_out_rows_is_repaired_there(random: np.random.Generator) -> None:
     table = logged(random)
     table["humidity_percent"] = 60.0 + 5.0 * np.cos(table["time_s"] / 5e3) + random.normal(0.0, 1.0, 600)
@@ -173,6 +177,7 @@ def test_a_fault_that_begins_before_the_held_out_rows_is_repaired_there(random: 
     assert diagnosis.gain.rms_after_m < 0.1 * diagnosis.gain.rms_before_m
 
 
+@pytest.mark.statistical
 def test_a_unit_that_a_fault_explains_is_no_reason_to_refuse(random: np.random.Generator) -> None:
     table = logged(random)
     table["reading_m"] *= 1e3
@@ -228,6 +233,7 @@ def test_errors_are_compared_on_the_rows_that_both_models_know() -> None:
     assert np.isnan(HeldOut(np.array([np.nan])).rms)
 
 
+@pytest.mark.statistical
 def test_a_cause_that_the_first_rows_carry_is_not_named(random: np.random.Generator) -> None:
     """A sensor from a warm room settles; the later rows know nothing of it. Stations take turns."""
     table = logged(random)

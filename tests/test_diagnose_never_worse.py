@@ -102,6 +102,7 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
         assert not any(refuted.id in member.ids for member in diagnosis.members), say
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
 def test_no_model_is_worse_than_the_base(wide: bool, random: np.random.Generator) -> None:
@@ -109,6 +110,7 @@ def test_no_model_is_worse_than_the_base(wide: bool, random: np.random.Generator
         check(echocal.diagnose(humid(random, wide=wide)), f"{table=} {wide=}")
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
 def test_nor_on_rows_that_we_hold_out_ourselves(wide: bool, random: np.random.Generator) -> None:
@@ -243,6 +245,7 @@ def waved(random: Random, later: float) -> Table:
     return columns | {"time_s": 60.0 * np.arange(600)}
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("later", [6e-3, -18e-3])
 def test_a_shape_that_does_not_carry_over_extends_no_model(

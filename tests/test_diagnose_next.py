@@ -54,6 +54,7 @@ def test_another_distance_tells_an_offset_from_a_scale(open_case: echocal.Diagno
     assert max(abs(distance - 2.0) for distance in plan.conditions["distance"]) > 0.5
 
 
+@pytest.mark.statistical
 def test_without_another_distance_less_can_be_told(
     open_case: echocal.Diagnosis, random: np.random.Generator
 ) -> None:
@@ -131,6 +132,7 @@ def test_a_promise_counts_what_is_outside_the_members_as_lost() -> None:
     assert plan.expected == pytest.approx(0.8, abs=1e-3)
 
 
+@pytest.mark.statistical
 def test_a_promise_is_kept_by_its_own_members(random: np.random.Generator) -> None:
     """Draw the truth and readings of the plan's places, weigh the members by hand, count."""
     effects = [{}, {"zero_error": {"offset": 2e-3}}, {"reference_scale": {"scale": 1e-3}}]
@@ -160,6 +162,7 @@ def test_the_guards_are_the_corners_and_the_middle(names: tuple[str, ...]) -> No
     assert [places[name][middle] for name in names] == pytest.approx([center[name] for name in names])
 
 
+@pytest.mark.statistical
 def test_the_average_warns_where_causes_part(random: np.random.Generator) -> None:
     closer = 0
     for _ in range(3):
@@ -176,6 +179,7 @@ def test_the_average_warns_where_causes_part(random: np.random.Generator) -> Non
     assert closer >= 1
 
 
+@pytest.mark.statistical
 def test_the_average_corrects_what_it_predicts(random: np.random.Generator) -> None:
     rows = bench(random)
     data = table(rows, EFFECTS["fixed_delay"](rows, 2.0) + noise(rows, random))

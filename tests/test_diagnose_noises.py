@@ -93,6 +93,7 @@ def test_a_noise_is_named_with_its_parameter(
     assert sum(dict(diagnosis.posterior).values()) == pytest.approx(1.0)
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("tail", [2.6, 4.0, 1e3])
 def test_heavy_tails_are_no_cause(tail: float, random: np.random.Generator) -> None:
@@ -128,6 +129,7 @@ def test_autocorrelated_noise_is_named_but_no_verdict() -> None:
     assert not found.indistinguishable_from
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 def test_a_long_memory_may_be_something_unknown(random: np.random.Generator) -> None:
     """In 1 of 240 tables drawn the noise is told alone: three of 12 are no chance (1 in 60,000)."""

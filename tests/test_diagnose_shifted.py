@@ -36,6 +36,7 @@ def test_the_fit_sees_the_middle_only(random: np.random.Generator) -> None:
         assert one.rms_after_m == pytest.approx(np.sqrt(np.mean(left**2)), rel=2e-3)
 
 
+@pytest.mark.statistical
 def test_a_right_cause_holds_outside(random: np.random.Generator) -> None:
     diagnosis = diagnosed(table(random))
     assert diagnosis.gain is not None

@@ -1,12 +1,14 @@
 """Causes beside a larger one: the shortlist has the forms that are best beside another cause, too."""
 
 import numpy as np
+import pytest
 
 import echocal
 
 ROWS = 600
 
 
+@pytest.mark.statistical
 def test_a_step_is_placed_beside_a_wrong_speed(random: np.random.Generator) -> None:
     distance, celsius = random.uniform(0.5, 3.5, ROWS), random.uniform(5.0, 35.0, ROWS)
     first = int(random.integers(150, 450))
@@ -24,6 +26,7 @@ def test_a_step_is_placed_beside_a_wrong_speed(random: np.random.Generator) -> N
     assert abs(begins / 60.0 - first) <= 3
 
 
+@pytest.mark.statistical
 def test_a_station_that_is_an_outlier_as_a_whole_is_kept(random: np.random.Generator) -> None:
     distance = np.repeat([0.5, 0.8, 1.1, 1.4, 1.7, 3.0], 40)
     reading = distance + random.normal(0.0, 1e-3, len(distance))
@@ -41,6 +44,7 @@ def test_a_station_that_is_an_outlier_as_a_whole_is_kept(random: np.random.Gener
     assert "neither confirm nor refute it" in note
 
 
+@pytest.mark.statistical
 def test_white_noise_is_kept_beside_two_causes(random: np.random.Generator) -> None:
     """Beside either cause alone, the signal of the other is similar to autocorrelated noise."""
     rows = 3000
@@ -62,6 +66,7 @@ def test_white_noise_is_kept_beside_two_causes(random: np.random.Generator) -> N
     assert diagnosis.noise["autoregression"] < 0.5
 
 
+@pytest.mark.statistical
 def test_a_cause_that_may_be_two_others_says_so(random: np.random.Generator) -> None:
     """A slope and a scale make what a clock that warms and a scale make, of other sizes."""
     rows = 400

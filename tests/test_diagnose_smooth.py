@@ -73,6 +73,7 @@ def test_on_a_roof_what_does_not_recur_is_not_offered(shared: Path) -> None:
     assert not june.offered
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("rho", [0.0, 0.8])
 def test_the_gain_is_that_of_fresh_rows(rho: float, random: np.random.Generator) -> None:
     diagnosis = echocal.diagnose(planted(random, rho=rho))
@@ -93,6 +94,7 @@ def test_the_gain_is_that_of_fresh_rows(rho: float, random: np.random.Generator)
     assert diagnosis.to_dict()["smooth"]["offered"]
 
 
+@pytest.mark.statistical
 def test_it_follows_the_hour_of_the_day_on_other_days(random: np.random.Generator) -> None:
     def daily(day: str) -> Table:
         table = logged(random, day=day)
@@ -134,6 +136,7 @@ def test_nothing_sees_the_rows_that_a_user_holds_out(known: bool, random: np.ran
     assert second.rms_before_m > 2 * first.rms_before_m  # they do judge
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("rho", [0.0, 0.6, 0.95])
 def test_noise_earns_no_correction(rho: float, random: np.random.Generator) -> None:
@@ -164,6 +167,7 @@ def many(random: np.random.Generator, share: float) -> Table:
 NO_TERMS = {"priors": {"unexplained_term": 1e-30}, "smooth": {"gain_from": 1e9}}
 
 
+@pytest.mark.statistical
 def test_an_error_far_above_the_floor_is_not_nothing(random: np.random.Generator) -> None:
     """Nothing that is tried alone is probable, but the columns together leave a quarter of the error."""
     diagnosis = echocal.diagnose(many(random, 0.93), settings=NO_TERMS)
@@ -178,6 +182,7 @@ def test_an_error_far_above_the_floor_is_not_nothing(random: np.random.Generator
     assert diagnosis.to_dict()["remainder"]["against"]
 
 
+@pytest.mark.statistical
 def test_noise_that_the_columns_follow_is_told_beside_nothing(random: np.random.Generator) -> None:
     """Autocorrelated noise in a short log: the columns can follow most of it, and that is no evidence."""
     told = 0
@@ -193,6 +198,7 @@ def test_noise_that_the_columns_follow_is_told_beside_nothing(random: np.random.
     assert told >= 1
 
 
+@pytest.mark.statistical
 def test_where_the_columns_explain_little_it_is_nothing(random: np.random.Generator) -> None:
     diagnosis = echocal.diagnose(many(random, 0.0), settings=NO_TERMS)
     assert diagnosis.remainder is None

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 import echocal
 
@@ -18,6 +19,7 @@ def sizes(diagnosis: echocal.Diagnosis) -> list[str]:
     return [note for note in diagnosis.notes if "differs between" in note]
 
 
+@pytest.mark.statistical
 def test_an_offset_beside_a_scale_has_one_size(random: np.random.Generator) -> None:
     # near stands and far ones, each alone, would give an offset of its own: what the scale adds there
     diagnosis = echocal.diagnose(table(np.full(20, -8e-3), -6e-3, random))
@@ -25,6 +27,7 @@ def test_an_offset_beside_a_scale_has_one_size(random: np.random.Generator) -> N
     assert diagnosis.verdict == "named"
 
 
+@pytest.mark.statistical
 def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named(random: np.random.Generator) -> None:
     temperature, gain = random.uniform(0.0, 40.0, 600), np.repeat([0.10, 0.03], 300)
     recorded, true = 331.4 + 0.6 * temperature, 331.4 + 0.6 * temperature * (1 + gain)
@@ -38,6 +41,7 @@ def test_a_slope_that_falls_to_a_third_halfway_has_none_and_is_not_named(random:
         assert f"Doubt: {cause.doubt}." in diagnosis.explain()
 
 
+@pytest.mark.statistical
 def test_sessions_that_differ_are_not_one_cause(random: np.random.Generator) -> None:
     # the same stands twice: right in the first session; an offset and a scale in the second
     stands = np.tile(np.repeat(np.linspace(0.2, 1.5, 12), 30), 2)
@@ -60,6 +64,7 @@ def test_sessions_that_differ_are_not_one_cause(random: np.random.Generator) -> 
         assert "sessions that differ" in diagnosis.explain()
 
 
+@pytest.mark.statistical
 def test_a_size_that_varies_a_little_is_named_with_this_uncertainty(random: np.random.Generator) -> None:
     # a thermometer whose gain differs from day to day by a tenth, as its radiation shield is turned
     temperature = random.uniform(0.0, 40.0, 600)

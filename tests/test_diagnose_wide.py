@@ -53,6 +53,7 @@ def wide(kind: str, beside: str, random: np.random.Generator, rows: int = 480) -
     return table | {f"x{i}": column for i, column in enumerate(columns)}, f"x{chosen}"
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("beside", ["", "drift", "memory"])
 @pytest.mark.parametrize("kind", ["hump", "bend", "wave", "line"])
@@ -83,6 +84,7 @@ def test_few_columns_are_all_tried(random: np.random.Generator) -> None:
     assert not [note for note in diagnosis.notes if "Not searched: " in note]
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize(("rows", "columns"), [(12, 400), (40, 1000)])
 def test_more_columns_than_rows(rows: int, columns: int, random: np.random.Generator) -> None:
     table = {

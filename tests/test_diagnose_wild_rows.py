@@ -22,6 +22,7 @@ def bench(random: np.random.Generator) -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("row", [0, 200, ROWS - 1])
 def test_one_wild_row_is_no_step(row: int, random: np.random.Generator) -> None:
     said = []
@@ -60,11 +61,13 @@ def logged(random: np.random.Generator) -> dict[str, np.ndarray]:
     return table
 
 
+@pytest.mark.statistical
 def test_nobody_mistyped_what_is_consistent_by_chance(random: np.random.Generator) -> None:
     told = [cause.id for _ in range(5) for cause in echocal.diagnose(logged(random)).causes]
     assert told.count("mistyped_rows") <= 1  # as many rows are one edit away as chance brings
 
 
+@pytest.mark.statistical
 def test_typed_rows_among_wild_ones_are_told(random: np.random.Generator) -> None:
     told = 0
     for _ in range(3):

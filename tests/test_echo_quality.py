@@ -22,6 +22,7 @@ def log(random: np.random.Generator, unit: float) -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("unit", [1.0, 1e-3], ids=["as a logger writes it", "a thousandth of it"])
 @pytest.mark.parametrize("known", [{}, {"constant_distance": True}], ids=["known", "constant"])
 def test_a_reading_that_follows_the_quality(
@@ -38,6 +39,7 @@ def test_a_reading_that_follows_the_quality(
     assert diagnosis.model.reads >= {"echo_quality"}
 
 
+@pytest.mark.statistical
 def test_what_is_no_straight_line_stays_unexplained(random: np.random.Generator) -> None:
     table = log(random, 1.0)
     quality = table["echo_quality"]

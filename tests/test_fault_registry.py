@@ -54,6 +54,7 @@ def test_the_catalogue_of_causes_has_it(fault: Fault, shared: Path) -> None:
     assert known or "CATALOGUE" not in source
 
 
+@pytest.mark.statistical
 @EVERY
 def test_planted_it_is_found_and_no_row_is_lost_or_moved(fault: Fault, random: np.random.Generator) -> None:
     """Found in 60 of 60 tables drawn."""
@@ -98,6 +99,7 @@ def test_without_a_column_that_it_needs_it_is_silent(fault: Fault, random: np.ra
         assert fault.facts.id not in accepted(table)
 
 
+@pytest.mark.statistical
 def test_clean_tables_have_no_fault(random: np.random.Generator) -> None:
     """None of 300 tables drawn has one: two of 40 are no chance."""
     wrong = [ids for ids in (accepted(clean(random)) for _ in range(40)) if ids]

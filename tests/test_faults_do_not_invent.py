@@ -40,11 +40,13 @@ def ghosts(random: np.random.Generator) -> Columns:
     return {"reading_m": reading.round(3), "distance_m": distance, "temperature_C": celsius}
 
 
+@pytest.mark.statistical
 def test_no_ghost_is_a_typing_error(random: np.random.Generator) -> None:
     """One of 3,800 tables drawn has one; before ghosts were a rival 1 in 500 had."""
     assert len([ids for _ in range(60) if "mistyped_rows" in (ids := accepted(ghosts(random)))]) <= 1
 
 
+@pytest.mark.statistical
 def test_a_place_that_echoes_again_is_no_timeout(random: np.random.Generator) -> None:
     """Readings in steps of 5 mm, some from a second object: they repeat, and scatter."""
     table = clean(random)
@@ -66,11 +68,13 @@ def calm(random: np.random.Generator) -> Columns:
     return {"reading_m": reading.round(3), "temperature_C": 10 + random.normal(0.0, 3.0, 1500)}
 
 
+@pytest.mark.statistical
 def test_calm_nights_are_not_stuck(random: np.random.Generator) -> None:
     """In none of 60 tables drawn."""
     assert not [ids for _ in range(6) if "stuck_reading" in (ids := accepted(calm(random)))]
 
 
+@pytest.mark.statistical
 def test_a_reading_that_freezes_by_day_is_stuck(random: np.random.Generator) -> None:
     """In 200 of 200 tables drawn."""
     table = calm(random)
@@ -100,12 +104,14 @@ def exchanged(table: Columns, row: int) -> Columns:
     }
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("step", [0.0, 1.0])
 def test_columns_that_only_cross_are_not_exchanged(step: float, random: np.random.Generator) -> None:
     """In none of 400 tables drawn."""
     assert not [ids for _ in range(10) if "swapped_columns" in (ids := accepted(crossing(random, step)[0]))]
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("step", [0.0, 1.0])
 def test_columns_exchanged_where_they_cross_are_found(step: float, random: np.random.Generator) -> None:
     """In 389 of 400 tables drawn: a way that turns back, and a change of roughness or of steps."""
@@ -119,6 +125,7 @@ def test_columns_exchanged_where_they_cross_are_found(step: float, random: np.ra
     assert found >= 7
 
 
+@pytest.mark.statistical
 def test_echo_times_know_which_column_is_the_temperature(random: np.random.Generator) -> None:
     """Exchanged columns change the speed of sound: echo times that fit speak against an exchange."""
     table, row = crossing(random)

@@ -92,6 +92,7 @@ def test_what_a_fresh_draw_proves() -> None:
     assert binom.sf(FEW, FRESH, bad) > 0.9
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 def test_fresh_noise_raises_few_alarms(random: np.random.Generator) -> None:
     """Alarms in 7 of 192 cases of the benchmark; a rate of 0.20 fails in nine of ten runs."""
@@ -100,6 +101,7 @@ def test_fresh_noise_raises_few_alarms(random: np.random.Generator) -> None:
     assert len(alarms) <= FEW, alarms
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 def test_fresh_effects_are_seen(random: np.random.Generator) -> None:
     """One of 24 is missed in the benchmark; a rate of 0.20 fails in nine of ten runs."""

@@ -33,6 +33,7 @@ def installed(table: Columns, random: np.random.Generator, rows: int) -> None:
     table["reading_m"][:rows] -= random.uniform(0.1, 1.5, rows)
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("known", [True, False], ids=["known distance", "constant distance"])
 @pytest.mark.parametrize("rows", [4, 9, 25])
 def test_the_rows_up_to_its_end_are_left_out(random: np.random.Generator, rows: int, known: bool) -> None:
@@ -51,6 +52,7 @@ def test_the_rows_up_to_its_end_are_left_out(random: np.random.Generator, rows: 
     assert faults.observations.unusable[:rows].tolist() == [ID] * rows
 
 
+@pytest.mark.statistical
 def test_it_is_named_and_the_cause_that_it_imitates_is_not(random: np.random.Generator) -> None:
     """Of 200 tables drawn, 197 are named so; more than 2 of 12 are lost in 7 of 10,000 runs.
 
@@ -65,6 +67,7 @@ def test_it_is_named_and_the_cause_that_it_imitates_is_not(random: np.random.Gen
     assert told.count(("named", ID)) >= 10, told
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("rho", [0.0, 0.6, 0.95, 0.99])
 def test_noise_has_none(random: np.random.Generator, rho: float) -> None:
     """None of 400 tables drawn."""
@@ -84,6 +87,7 @@ def _steps(elapsed: np.ndarray, size: float) -> np.ndarray:
     return np.where(elapsed < 20 * 60, size, 0.0)
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("law", [_warms, _settles, _steps])
 def test_what_follows_a_law_is_an_effect(
     random: np.random.Generator, law: Callable[[np.ndarray, float], np.ndarray]
@@ -93,6 +97,7 @@ def test_what_follows_a_law_is_an_effect(
     assert ID not in accepted(table)
 
 
+@pytest.mark.statistical
 def test_distances_of_their_own_explain_the_first_rows(random: np.random.Generator) -> None:
     """A sweep that begins below the blanking distance."""
     table = log(random)
@@ -102,6 +107,7 @@ def test_distances_of_their_own_explain_the_first_rows(random: np.random.Generat
     assert ID not in accepted(table)
 
 
+@pytest.mark.statistical
 def test_rows_that_the_user_begins_with_are_no_beginning(random: np.random.Generator) -> None:
     table = log(random)
     installed(table, random, 25)
@@ -114,6 +120,7 @@ def test_rows_that_the_user_begins_with_are_no_beginning(random: np.random.Gener
     assert ID not in {cause.id for cause in part.causes}
 
 
+@pytest.mark.statistical
 def test_a_correction_marks_the_same_period_and_no_other_log(random: np.random.Generator) -> None:
     table = log(random)
     installed(table, random, 9)

@@ -51,6 +51,7 @@ def prepared(columns: Columns) -> tuple[Table, StepPosterior]:
     return table, steps
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("rho", [0.0, 0.6])
 def test_evening_edges_of_a_thermal_cause_are_no_steps(random: np.random.Generator, rho: float) -> None:
     columns = log(random, slope=3e-4, rho=rho)
@@ -61,6 +62,7 @@ def test_evening_edges_of_a_thermal_cause_are_no_steps(random: np.random.Generat
     assert {"speed_slope", "temperature_gain", "linear_speed_law"} & {c.id for c in diagnosis.causes}
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("slope", [0.0, 3e-4])
 def test_a_target_that_moved_is_a_step_beside_a_cause_or_alone(
     random: np.random.Generator, slope: float

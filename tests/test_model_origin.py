@@ -10,6 +10,7 @@ import echocal
 from echocal.model.origin import diagnosed
 
 
+@pytest.mark.statistical
 def test_the_header_says_what_the_diagnosis_says(random: np.random.Generator, tmp_path: Path) -> None:
     distance = np.tile([0.4, 1.0, 2.0, 3.0], 50)
     reading = 1.006 * distance + random.normal(0.0, 1e-3, 200)

@@ -82,6 +82,7 @@ def test_the_priors_of_fitted_noises_leave_room_for_none() -> None:
     assert sum(noise.facts.prior for noise in registry.fitted()) < 0.5
 
 
+@pytest.mark.statistical
 @EVERY
 def test_planted_it_is_found_with_its_parameters(noise: NoiseEntry, random: np.random.Generator) -> None:
     """Found in 25 of 25 tables drawn, each; a second draw makes up for a rare miss."""
@@ -100,6 +101,7 @@ def test_planted_it_is_found_with_its_parameters(noise: NoiseEntry, random: np.r
     assert found[facts.id].because
 
 
+@pytest.mark.statistical
 def test_clean_tables_have_no_noise(random: np.random.Generator) -> None:
     """None of 50 tables drawn has one: three of 8 are no chance."""
     wrong = []

@@ -96,6 +96,7 @@ def test_the_result_is_plain_data(weak: PooledDiagnosis) -> None:
     assert "4 support it" in weak.explain() or "3 support it" in weak.explain()
 
 
+@pytest.mark.statistical
 def test_a_cause_of_one_table_stays_its_own(random: np.random.Generator) -> None:
     units = [unit(random, 300.0, visible=12.0), *(unit(random) for _ in range(3))]
     found = echocal.diagnose_many(units)
@@ -107,12 +108,14 @@ def test_a_cause_of_one_table_stays_its_own(random: np.random.Generator) -> None
     assert not found.model.effects
 
 
+@pytest.mark.statistical
 def test_noise_is_not_named(random: np.random.Generator) -> None:
     pools = [echocal.diagnose_many([unit(random, rows=120) for _ in range(2)]) for _ in range(4)]
     named = [found.verdict for found in pools if found.verdict == "named"]
     assert len(named) <= 1, "each pool may be wrong in 2 of 100 draws"
 
 
+@pytest.mark.statistical
 def test_sizes_that_differ_between_units_are_drawn_to_their_mean(random: np.random.Generator) -> None:
     true = [180.0, 240.0, 300.0, 360.0, 420.0]
     found = echocal.diagnose_many([unit(random, size, visible=9.0) for size in true])
@@ -132,6 +135,7 @@ def test_sizes_that_differ_between_units_are_drawn_to_their_mean(random: np.rand
     assert drawn_sd < alone_sd
 
 
+@pytest.mark.statistical
 def test_a_table_that_cannot_test_a_cause_neither_supports_nor_contradicts(
     random: np.random.Generator,
 ) -> None:
@@ -181,6 +185,7 @@ def test_recurrence_raises_the_probability(tables: list[TableInference]) -> None
     assert both > max(pool.ranking(sets, without=k).ranking.of([LAG]) for k in (0, 1))
 
 
+@pytest.mark.statistical
 def test_what_happens_at_a_place_or_a_time_is_shared_by_name(random: np.random.Generator) -> None:
     steps = []
     for at in (60, 150):

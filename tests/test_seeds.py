@@ -100,3 +100,36 @@ def test_no_test_draws_what_cannot_be_drawn_again() -> None:
     assert len(files) > 80
     found = [f"{path.relative_to(HERE)}:{line}" for path in files for line in unseeded(path.read_text())]
     assert not found, "take the fixture `random` or `seeded` of tests/conftest.py"
+
+
+CLAIMS = """
+import pytest
+
+draws = {}
+
+def draw(random, name):
+    draws.setdefault(name, []).append(random.integers(10**9))
+    return draws[name]
+
+@pytest.mark.statistical
+def test_unlucky_once(random):
+    drawn = draw(random, "once")
+    assert len(set(drawn)) == 2
+
+@pytest.mark.statistical
+def test_broken(random):
+    assert len(draw(random, "broken")) > 2
+
+def test_of_every_draw(random):
+    assert len(draw(random, "every")) > 1
+"""
+
+
+@pytest.mark.slow
+def test_a_claim_about_nearly_all_draws_is_drawn_once_more(folder: Path, tmp_path: Path) -> None:
+    """Others are not, and one that fails twice fails."""
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "test_failing.py").write_text(CLAIMS)
+    output = run(tmp_path, "-n", "2")
+    assert re.search(r"2 failed, 1 passed, .*2 rerun in", output)
+    assert re.findall(r"^FAILED \S+::(\w+)", output, re.MULTILINE) == ["test_broken", "test_of_every_draw"]

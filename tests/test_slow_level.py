@@ -14,6 +14,7 @@ def log(random: np.random.Generator, rise: float) -> dict[str, np.ndarray]:
     return {"reading_m": reading, "temperature_C": temperature, "time_s": 1800.0 * row}
 
 
+@pytest.mark.statistical
 def test_a_rising_level_is_said_and_not_corrected(random: np.random.Generator) -> None:
     diagnosis = echocal.diagnose(log(random, 0.02), constant_distance=True)
     causes = {cause.id: cause for cause in diagnosis.causes}
@@ -26,6 +27,7 @@ def test_a_rising_level_is_said_and_not_corrected(random: np.random.Generator) -
     assert "only assumed to be constant" in level.because
 
 
+@pytest.mark.statistical
 def test_a_drift_over_known_distances_keeps_its_name(random: np.random.Generator) -> None:
     table = log(random, 0.02)
     table["distance_m"] = np.full(480, 2.5)
@@ -34,6 +36,7 @@ def test_a_drift_over_known_distances_keeps_its_name(random: np.random.Generator
     assert "slow_level" not in causes
 
 
+@pytest.mark.statistical
 def test_a_still_level_is_not_said_to_move(random: np.random.Generator) -> None:
     """None of 40 logs drawn."""
     causes = {cause.id for cause in echocal.diagnose(log(random, 0.0), constant_distance=True).causes}

@@ -35,6 +35,7 @@ def as_text(table: Columns, column: str) -> dict[str, np.ndarray]:
     return {**found, column: names[table["target"].astype(np.int64)]}
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("column", ["target", "stand", "surface"])
 def test_it_is_found_by_numbers_by_stand_and_by_text(random: np.random.Generator, column: str) -> None:
     """Found in 60 of 60 tables drawn."""
@@ -52,6 +53,7 @@ def test_it_is_found_by_numbers_by_stand_and_by_text(random: np.random.Generator
         assert values["standard_deviation"] == pytest.approx(np.std(means, ddof=1), rel=0.05)
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("levels", [2, 5, 20])
 @pytest.mark.parametrize("rho", [0.0, 0.6, 0.95])
 def test_levels_without_a_meaning_have_none(random: np.random.Generator, levels: int, rho: float) -> None:
@@ -59,6 +61,7 @@ def test_levels_without_a_meaning_have_none(random: np.random.Generator, levels:
     assert ID not in named(echocal.diagnose(targets(random, levels, 0.0, rho)))
 
 
+@pytest.mark.statistical
 def test_where_each_has_one_distance_it_is_an_error_of_the_reference(random: np.random.Generator) -> None:
     table = targets(random, 8, 5e-3)
     distance = (0.5 + 0.4 * table["target"]).round(3)
@@ -69,6 +72,7 @@ def test_where_each_has_one_distance_it_is_an_error_of_the_reference(random: np.
     assert "reference_error" in found
 
 
+@pytest.mark.statistical
 def test_no_other_cause_is_made_of_the_offsets_and_none_is_lost(random: np.random.Generator) -> None:
     table = targets(random, 8, 1e-2)
     table["reading_m"] *= 1.01
@@ -80,6 +84,7 @@ def test_no_other_cause_is_made_of_the_offsets_and_none_is_lost(random: np.rando
     assert np.diff(scale)[0] == pytest.approx(2.0 / 1.01, abs=5e-3)
 
 
+@pytest.mark.statistical
 def test_a_model_is_no_worse_on_targets_that_nobody_saw(random: np.random.Generator) -> None:
     """The model has no offset: neither of the targets seen nor of those that are not."""
     table = targets(random, 8, 1e-2)
@@ -98,6 +103,7 @@ def test_a_model_is_no_worse_on_targets_that_nobody_saw(random: np.random.Genera
     assert np.std(corrected - others["distance_m"]) < before
 
 
+@pytest.mark.statistical
 def test_a_target_that_never_returns_may_be_a_step(random: np.random.Generator) -> None:
     table = targets(random, 5, 0.0)
     target = np.arange(400) * 5 // 400

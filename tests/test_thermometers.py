@@ -159,6 +159,7 @@ def test_a_column_with_a_gap_is_left_out_with_its_reason(log: pd.DataFrame) -> N
     assert diagnosis.model.columns.get("second_temperature") != BOX
 
 
+@pytest.mark.statistical
 def test_of_many_thermometers_the_right_one_is_among_those_tried(
     log: pd.DataFrame, random: np.random.Generator
 ) -> None:
@@ -170,6 +171,7 @@ def test_of_many_thermometers_the_right_one_is_among_those_tried(
     assert note.endswith("and 6 more")  # 22, 8 of them tried, 8 listed
 
 
+@pytest.mark.statistical
 def test_thermometers_of_noise_make_no_model_worse(random: np.random.Generator) -> None:
     rows = 400
     time, distance = 60.0 * np.arange(rows), np.repeat(random.permutation([0.5, 1.0, 1.5, 2.0, 3.0]), 80)

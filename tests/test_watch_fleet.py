@@ -37,6 +37,7 @@ def changed_log(random: np.random.Generator, rows: int = 420, at: int = 300) -> 
     return log(random, rows, error=np.where(np.arange(rows) < at, 0.0, 6e-3))
 
 
+@pytest.mark.statistical
 def test_a_change_is_told_dated_and_diagnosed(random: np.random.Generator) -> None:
     """An offset is named in 39 of 40 logs drawn (a drift in one): in at least 3 of 4 here."""
     named = [_named_after_a_change(changed_log(random)) for _ in range(4)]
@@ -137,6 +138,7 @@ def test_sensors_have_their_own_models_and_tests(random: np.random.Generator) ->
     assert [event.sensor for event in events if "no model" in event.sentence] == ["c"]
 
 
+@pytest.mark.statistical
 def test_one_model_that_has_the_error_sees_no_change(random: np.random.Generator) -> None:
     model = echocal.Model("linear", {"fixed_delay": {"delay": 4e-5}})
     rows = log(random, 420)
@@ -149,6 +151,7 @@ def test_one_model_that_has_the_error_sees_no_change(random: np.random.Generator
     assert "change" not in {event.kind for event in events}
 
 
+@pytest.mark.statistical
 def test_an_unknown_but_constant_distance_is_watched(random: np.random.Generator) -> None:
     rows = log(random, 420)
     level = 1.5 + 1e-3 * random.standard_normal(420) + np.where(np.arange(420) < 300, 0.0, 6e-3)
@@ -161,6 +164,7 @@ def test_an_unknown_but_constant_distance_is_watched(random: np.random.Generator
     assert change.row >= 301
 
 
+@pytest.mark.statistical
 def test_sensors_of_one_target_watch_each_other(random: np.random.Generator) -> None:
     """Three sensors of a tank whose level moves; one of them changes, and the median of the others tells."""
     n, at = 420, 300
@@ -178,6 +182,7 @@ def test_sensors_of_one_target_watch_each_other(random: np.random.Generator) -> 
     assert "another sensor of the target" in changes[0].sentence
 
 
+@pytest.mark.statistical
 def test_a_drift_that_was_told_is_not_told_every_day(random: np.random.Generator) -> None:
     drift = np.maximum(np.arange(1200) - 300, 0) * WAIT / 86400.0 * 10e-3  # 10 mm a day
     _, events = taken(fleet(), log(random, 1200, error=drift))

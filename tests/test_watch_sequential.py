@@ -43,6 +43,7 @@ def at_rate(per_row: float, learn: int = 500) -> Monitor:
     return Monitor(WatchSettings(false_alarms=per_row * YEAR / WAIT, learn=learn))
 
 
+@pytest.mark.statistical
 def test_overshoot_is_that_of_a_random_walk(random: np.random.Generator) -> None:
     """Siegmund 1985: nu(x) is the mean of exp(-x R), R a walk's overshoot over a far level."""
     for x in (0.5, 1.0, 2.0):
@@ -70,6 +71,7 @@ def test_slack_is_one_for_known_noise_and_grows_with_what_is_unknown() -> None:
     assert torn > few
 
 
+@pytest.mark.statistical
 def test_pages_test_has_the_run_lengths_of_siegmund(random: np.random.Generator) -> None:
     """By simulation of Page's test itself: two means of 400 runs."""
     shift, height = 1.0, cusum_threshold(200.0, 1.0)
@@ -88,6 +90,7 @@ def test_pages_test_has_the_run_lengths_of_siegmund(random: np.random.Generator)
         assert abs(runs.mean() - cusum_run_length(shift, height, mean)) < 4.0 * error + 0.05 * runs.mean()
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize(("rho", "theta"), [(0.0, 0.0), (0.9, 0.0), (0.95, 0.8)])
 def test_false_alarms_are_not_more_than_stated(rho: float, theta: float, random: np.random.Generator) -> None:
@@ -109,6 +112,7 @@ def test_an_outlier_is_no_change(random: np.random.Generator) -> None:
     assert watch(Monitor(WatchSettings()), residual, columns_of(random, 1500)) == []
 
 
+@pytest.mark.statistical
 @pytest.mark.slow
 def test_a_step_and_a_drift_are_told_in_time_and_dated(random: np.random.Generator) -> None:
     """Twice the delay at which the information reaches log(run length) (Eq. 56), in nearly all of 12 logs."""

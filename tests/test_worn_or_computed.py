@@ -12,6 +12,7 @@ def lost(table: dict[str, np.ndarray], rows: np.ndarray) -> list[str]:
     return accepted(table)
 
 
+@pytest.mark.statistical
 def test_failures_that_grow_are_told_with_their_part(random: np.random.Generator) -> None:
     table = clean(random)
     u = np.arange(ROWS) / ROWS
@@ -24,6 +25,7 @@ def test_failures_that_grow_are_told_with_their_part(random: np.random.Generator
     assert sizes["rows"] == finding.rows.sum() == np.isnan(table["reading_m"]).sum()
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("case", ["even", "one outage", "far targets", "temperature missing"])
 def test_other_failures_are_no_wear(case: str, random: np.random.Generator) -> None:
     """None of 120 tables drawn."""
@@ -44,6 +46,7 @@ def test_other_failures_are_no_wear(case: str, random: np.random.Generator) -> N
     assert "degrading_sensor" not in lost(table, rows)
 
 
+@pytest.mark.statistical
 def test_computed_readings_are_told_and_decide_no_verdict(random: np.random.Generator) -> None:
     table = clean(random)
     table["distance_m"] = random.uniform(0.4, 3.9, ROWS)
@@ -53,6 +56,7 @@ def test_computed_readings_are_told_and_decide_no_verdict(random: np.random.Gene
     assert diagnosis.verdict == "nothing"
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("scatter", [1e-4, 3e-4, 1e-3])
 def test_measured_readings_are_not(scatter: float, random: np.random.Generator) -> None:
     table = clean(random)
@@ -60,6 +64,7 @@ def test_measured_readings_are_not(scatter: float, random: np.random.Generator) 
     assert "computed_table" not in accepted(table)
 
 
+@pytest.mark.statistical
 def test_coarse_readings_are_not(random: np.random.Generator) -> None:
     """Steps of 1 cm hide the scatter of a sensor."""
     table = clean(random)

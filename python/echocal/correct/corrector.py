@@ -125,6 +125,7 @@ class Corrector:
                     reading_speed=reading.reading_speed,
                     trust=reading.trust,
                     mark_rows=reading.mark_rows,
+                    ordered=self._job.several and self._job.logs != "file",
                 )
 
     @property

@@ -54,8 +54,12 @@ def needed(
     reading_speed: str | None = None,
     trust: Collection[str] = (),
     mark_rows: bool = True,
+    ordered: bool = False,
 ) -> Needed:
     """Find the columns that a model reads among those of a table.
+
+    Where a log may have several files (`ordered`), marks that look at rows around need the times, too:
+    only they tell which file is the next.
 
     Raises
     ------
@@ -71,6 +75,9 @@ def needed(
         *_law_reads(reading_speed or model.law),
         *(_SOURCES.get(r.quantity, r.quantity) for r in rules),
     }
+    around = context_of(model) if rules else 0
+    if ordered and around:
+        reads.add("elapsed_time")
     reads |= {name for id_ in model.effects for name in find_effect(id_).excludes}
     reads |= set(() if model.shape is None else model.shape.columns)
     sources = {word for name in reads for word in _derived_from(name)}
@@ -97,7 +104,7 @@ def needed(
         {name: requests.get(name, "") for name in columns if name in reference},
         tuple(n for n in AIR if n in model.reads and n in DEFAULTS and n not in recorded | stands_for),
         remembered(model),
-        context_of(model) if rules else 0,
+        around,
     )
 
 
