@@ -203,6 +203,7 @@ def test_causes_that_come_together_are_told_and_those_of_one_class_are_not() -> 
     assert found[0]["p_value"] == pytest.approx(3 * hypergeom.sf(11, 200, 14, 17), rel=1e-9)
 
 
+@pytest.mark.statistical  # the test's own rate of false pairs is 5 %
 def test_causes_that_come_together_by_chance_are_not_told(random: np.random.Generator) -> None:
     rows = []
     for _ in range(400):

@@ -34,11 +34,11 @@ def cause(found: PooledDiagnosis, id_: str = LAG) -> "echocal.diagnose.pooling.p
 def weak(seeded: Seeded, request: pytest.FixtureRequest) -> PooledDiagnosis:
     """Four weeks of one unit: the first of a few pools that names the lag.
 
-    9 of 10 pools name it or shifted timestamps, which look alike, and 6 of 10 the lag.
+    9 of 16 pools drawn name it. The others are ambiguous: shifted timestamps look nearly alike.
     """
     random = seeded(request)
-    for _ in range(10):
-        pool = echocal.diagnose_many({f"week {k}": unit(random, 300.0, visible=3.0) for k in range(1, 5)})
+    for _ in range(15):
+        pool = echocal.diagnose_many({f"week {k}": unit(random, 400.0, visible=3.0) for k in range(1, 5)})
         if pool.verdict == "named" and LAG in {one.id for one in pool.causes}:
             break
     return pool
@@ -66,16 +66,20 @@ def tables(seeded: Seeded, request: pytest.FixtureRequest) -> list[TableInferenc
     return found
 
 
-def test_three_deviations_in_each_of_four_tables_are_named_once_with_six(weak: PooledDiagnosis) -> None:
+def test_three_deviations_in_each_of_four_tables_are_named_once_with_more_than_four(
+    weak: PooledDiagnosis,
+) -> None:
+    """Six without a spread between tables; with what four tables leave open of it, 4.5 to 5.2 in 25 pools."""
     lag = cause(weak)
     assert weak.verdict == "named"
     assert lag.probability > 0.9
     assert len(lag.recurs_in) >= 3
     (size,) = lag.parameters
     (alone,) = zip(*(one.parameters for one in lag.tables), strict=True)
-    assert all(2.0 < p.value / p.standard_uncertainty < 4.0 for p in alone)
-    assert all(p.standard_uncertainty > 1.5 * size.standard_uncertainty for p in alone)
-    assert abs(size.value - 300.0) < 3.0 * size.standard_uncertainty
+    assert all(1.5 < p.value / p.standard_uncertainty < 4.5 for p in alone)
+    assert size.value / size.standard_uncertainty > 4.0
+    assert all(p.standard_uncertainty > 1.25 * size.standard_uncertainty for p in alone)
+    assert abs(size.value - 400.0) < 3.0 * size.standard_uncertainty
     assert weak.gain.earned
     assert weak.model.effects[LAG]["time_constant"] == pytest.approx(size.value)
 

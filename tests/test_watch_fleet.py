@@ -39,26 +39,27 @@ def changed_log(random: np.random.Generator, rows: int = 420, at: int = 300) -> 
 
 @pytest.mark.statistical
 def test_a_change_is_told_dated_and_diagnosed(random: np.random.Generator) -> None:
-    """An offset is named in 39 of 40 logs drawn (a drift in one): in at least 3 of 4 here."""
-    named = [_named_after_a_change(changed_log(random)) for _ in range(4)]
-    assert sum(bool({"zero_error", "step_change"} & names) for names in named) >= 3, named
+    """An offset is named in 39 of 40 logs drawn (a drift in one); 95 % of the intervals hold the change."""
+    found = [_named_after_a_change(changed_log(random)) for _ in range(4)]
+    assert sum(bool({"zero_error", "step_change"} & names) for names, _ in found) >= 3, found
+    assert sum(dated for _, dated in found) >= 3
 
 
-def _named_after_a_change(rows: list[dict[str, Any]]) -> set[str]:
-    """The first cause of the verdict after the change, with what the data cannot separate from it."""
+def _named_after_a_change(rows: list[dict[str, Any]]) -> tuple[set[str], bool]:
+    """The first cause of the verdict after the change with those it is confused with; if the date is right."""
     _, events = taken(fleet(), rows)
     kinds = [event.kind for event in events]
     assert kinds[:2] == ["learned", "verdict"]
     change = next(event for event in events if event.kind == "change")
     low, high = change.details["since_interval"]
-    assert low <= rows[300]["time"] + "Z" <= high
+    dated = low <= rows[300]["time"] + "Z" <= high
     assert any("step_change" in one["ids"] for one in change.details["candidates"])
     assert json.loads(json.dumps(change.to_dict(), allow_nan=False))["schema"] == "echocal.event/1"
     verdict = events[-1]
     assert verdict.kind == "verdict"
     assert verdict.details["since"] == change.details["since"]
     named = verdict.details["causes"][0]
-    return {named["id"], *named["indistinguishable_from"]}
+    return {named["id"], *named["indistinguishable_from"]}, dated
 
 
 def test_corrections_are_those_of_correct(random: np.random.Generator, tmp_path: Path) -> None:
@@ -178,7 +179,9 @@ def test_sensors_of_one_target_watch_each_other(random: np.random.Generator) -> 
             rows.append({"id": name, "tank": "7", "time": time, "echo_us": echo, "temperature_C": 20.0})
     _, events = taken(fleet(None, Reference(target="tank", within=300.0), by="id"), rows)
     changes = [event for event in events if event.kind == "change"]
-    assert changes[0].sensor == "b"
+    # with two others, whose median is their mean, half of the change is seen in `c`: first in 5 of 24 draws
+    assert "b" in {event.sensor for event in changes[:2]}
+    assert changes[0].sensor in "bc"
     assert "another sensor of the target" in changes[0].sentence
 
 
