@@ -46,7 +46,7 @@ def test_a_change_is_told_dated_and_diagnosed(random: np.random.Generator) -> No
 
 
 def _named_after_a_change(rows: list[dict[str, Any]]) -> tuple[set[str], bool]:
-    """The first cause of the verdict after the change with those it is confused with; if the date is right."""
+    """The first cause of the verdict after the change with its aliases; whether the date is right."""
     _, events = taken(fleet(), rows)
     kinds = [event.kind for event in events]
     assert kinds[:2] == ["learned", "verdict"]
