@@ -206,7 +206,7 @@ def test_the_command_writes_the_base_and_correct_applies_it(
     table, _, say = taken_back
     data, model, out = (str(tmp_path / name) for name in ("data.csv", "model.json", "out.csv"))
     pd.DataFrame(table).to_csv(data, index=False)
-    told = run("diagnose", data, "--model", model, "--json", "-")
+    told = run("diagnose", data, "--save-model", model, "--json", "-")
     assert told.returncode == 0, say + told.stderr
     said = json.loads(told.stdout)
     assert said["verdict"] in ("ambiguous", "unknown"), say
@@ -263,7 +263,7 @@ def test_a_shape_that_does_not_carry_over_extends_no_model(
     assert f"on held-out rows, the RMS error is {figures.replace(',', ' and')}." in diagnosis.explain()
     data, model = tmp_path / "data.csv", tmp_path / "model.json"
     pd.DataFrame(table).to_csv(data, index=False)
-    asked = ("--hold-out-after", "24000", "--model", str(model), "--with-shape")
+    asked = ("--hold-out-after", "24000", "--save-model", str(model), "--with-shape")
     told = run("diagnose", str(data), *asked)
     if later > 0:
         assert found.rms_with_m < 0.7 * found.rms_without_m

@@ -216,7 +216,7 @@ def test_reference_distances_that_are_not_used_are_told(random: np.random.Genera
 @pytest.mark.slow
 def test_command_line_writes_a_model_that_is_a_base(tmp_path: Path) -> None:
     model = tmp_path / "model.json"
-    assert diagnosed(str(TABLE), "--model", str(model), "--quiet").returncode == 0
+    assert diagnosed(str(TABLE), "--save-model", str(model), "--quiet").returncode == 0
     loaded = echocal.Model.load(model)
     assert list(loaded.effects) == ["fixed_speed"]
     assert loaded.standard_uncertainties["fixed_speed.weight"] == 0.0  # theory fixes it

@@ -11,8 +11,9 @@ from rich.console import Console
 
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
+from echocal.diagnose.results.followed import by_correlation
 from echocal.diagnose.results.grouped import grouped
-from echocal.plots.diagnosis import _summary, by_correlation, plot_gain, save_diagnosis
+from echocal.plots.diagnosis import _summary, plot_gain, save_diagnosis
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
 from echocal.plots.unexplained import plot_unexplained

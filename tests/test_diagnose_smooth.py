@@ -341,13 +341,13 @@ def test_the_command_writes_it(
     data, null, model = tmp_path / "data.csv", tmp_path / "null.csv", tmp_path / "model.json"
     pd.DataFrame(planted(random)).to_csv(data, index=False)
     pd.DataFrame(logged(random)).to_csv(null, index=False)
-    assert run("diagnose", str(data), "--model", str(model), "--with-smooth", "-q") == (0, "")
+    assert run("diagnose", str(data), "--save-model", str(model), "--with-smooth", "-q") == (0, "")
     assert set(echocal.Model.load(model).shape.columns) >= {"temperature", "light"}
-    code, said = run("diagnose", str(null), "--model", "other.json", "--with-smooth", "-q")
+    code, said = run("diagnose", str(null), "--save-model", "other.json", "--with-smooth", "-q")
     assert code == 2
     assert "offers no smooth correction" in said
     assert run("diagnose", str(data), "--with-smooth")[0] == 2
-    assert run("diagnose", str(data), "--with-smooth", "--with-shape", "--model", "other.json")[0] == 2
+    assert run("diagnose", str(data), "--with-smooth", "--with-shape", "--save-model", "other.json")[0] == 2
     out = tmp_path / "corrected.csv"
     assert run("correct", str(data), "-o", str(out), "--model", str(model), "-q")[0] == 0
     marked = pd.read_csv(out)["unusable"].dropna()

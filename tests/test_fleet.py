@@ -133,7 +133,7 @@ def test_the_base_may_be_a_model_and_one_file_a_sensor(run: Run, logs: pl.DataFr
     [
         (["-o", "v.txt"], "--output v.txt must end in .parquet or .csv"),
         (["-o", "v.csv", "--memory", "lots"], "--memory lots is no amount of memory"),
-        (["-o", "v.csv", "--model", "m.json"], "--model is for one table, and this is a fleet; give --mod"),
+        (["-o", "v.csv", "--save-model", "m.json"], "--save-model is for one table, and this is a fleet"),
         (["-o", "v.csv", "--rows", "r.csv"], "--rows is for one table, and this is a fleet"),
         (["-o", "v.csv", "--can-vary", "distance=1:2"], "--can-vary is for one table, and this is a fleet"),
         (["-o", "v.csv", "--with-smooth"], "--with-smooth is for one table, and this is a fleet"),

@@ -12,7 +12,7 @@ Run = Callable[..., tuple[int, str]]
 COMMANDS = {
     "calibrate": ("calibrate", TABLE, "--fit", "zero_error", "-o", "model.json"),
     "correct": ("correct", TABLE, "-o", "corrected.csv"),
-    "diagnose": ("diagnose", TABLE, "--model", "model.json", "--plots", "plots"),
+    "diagnose": ("diagnose", TABLE, "--save-model", "model.json", "--plots", "plots"),
     "firmware": ("firmware", MODEL, "-o", "made"),
     "study": ("study", "--out", "pages"),
     "sweep": ("sweep", "--temperature", "0:50:2", "-o", "sweep.csv", "--plot", "sweep.png"),
@@ -53,7 +53,16 @@ def test_the_report_may_go_into_the_folder_that_is_made(run: Run) -> None:
         "",
     )
     assert Path("made/summary.json").read_text() == Path("made/report.json").read_text()
-    words = ("diagnose", TABLE, "--model", "plots/model.json", "--plots", "plots", "--json", "plots/it.json")
+    words = (
+        "diagnose",
+        TABLE,
+        "--save-model",
+        "plots/model.json",
+        "--plots",
+        "plots",
+        "--json",
+        "plots/it.json",
+    )
     assert run(*words, "-q") == (0, "")
     assert {"model.json", "it.json"} <= {path.name for path in Path("plots").iterdir()}
 

@@ -23,7 +23,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 Run = Callable[..., tuple[int, str]]
 
 OUTPUTS = {
-    "diagnose": ("diagnose", "w.csv", "--model", "OUT"),
+    "diagnose": ("diagnose", "w.csv", "--save-model", "OUT"),
     "diagnose json": ("diagnose", "w.csv", "--json", "OUT"),
     "calibrate": ("calibrate", "w.csv", "--fit", "zero_error", "--law", "linear", "--out", "OUT"),
     "calibrate json": ("calibrate", "w.csv", "--fit", "zero_error", "--law", "linear", "--json", "OUT"),
@@ -115,24 +115,24 @@ def test_what_the_command_made_is_made_again(name: str, run: Run) -> None:
 
 def test_a_model_of_another_table_or_an_edited_one_needs_force(run: Run) -> None:
     shutil.copy("w.csv", "new.csv")
-    assert run("diagnose", "w.csv", "--model", "m.json", "-q") == (0, "")
+    assert run("diagnose", "w.csv", "--save-model", "m.json", "-q") == (0, "")
     old = Path("m.json").read_text()
-    code, told = run("diagnose", "new.csv", "--model", "m.json", "-q")
+    code, told = run("diagnose", "new.csv", "--save-model", "m.json", "-q")
     assert (code, Path("m.json").read_text()) == (2, old)
-    assert "--model m.json exists" in told
+    assert "--save-model m.json exists" in told
     assert run("calibrate", "w.csv", "--fit", "zero_error", "--law", "linear", "-o", "m.json", "-q")[0] == 2
     Path("m.json").write_text(old.replace('"value": ', '"value": 1', 1))
-    assert run("diagnose", "w.csv", "--model", "m.json", "-q")[0] == 2
-    assert run("diagnose", "new.csv", "--model", "m.json", "-q", "--force") == (0, "")
+    assert run("diagnose", "w.csv", "--save-model", "m.json", "-q")[0] == 2
+    assert run("diagnose", "new.csv", "--save-model", "m.json", "-q", "--force") == (0, "")
     assert echocal.Model.load("m.json").provenance["table"] == "new.csv"
 
 
 def test_a_note_in_a_model_is_kept(run: Run) -> None:
-    assert run("diagnose", "w.csv", "--model", "m.json", "-q") == (0, "")
+    assert run("diagnose", "w.csv", "--save-model", "m.json", "-q") == (0, "")
     noted = json.loads(Path("m.json").read_text())
     noted["data"]["note"] = "unit 7, north wall"
     Path("m.json").write_text(json.dumps(noted))
-    assert run("diagnose", "w.csv", "--model", "m.json", "-q")[0] == 2
+    assert run("diagnose", "w.csv", "--save-model", "m.json", "-q")[0] == 2
     assert json.loads(Path("m.json").read_text()) == noted
 
 
@@ -141,8 +141,8 @@ def test_tables_of_one_name_are_two_tables(run: Run) -> None:
         Path(site).mkdir()
         shutil.copy("w.csv", f"{site}/log.csv")
     for _ in range(2):
-        assert run("diagnose", "north/log.csv", "--model", "m.json", "-q") == (0, "")
-    assert run("diagnose", "south/log.csv", "--model", "m.json", "-q")[0] == 2
+        assert run("diagnose", "north/log.csv", "--save-model", "m.json", "-q") == (0, "")
+    assert run("diagnose", "south/log.csv", "--save-model", "m.json", "-q")[0] == 2
     assert echocal.Model.load("m.json").provenance["table"] == "north/log.csv"
 
 
@@ -178,8 +178,8 @@ def test_endings_in_capitals_are_made_again(ending: str, run: Run) -> None:
 
 
 def test_two_outputs_are_two_files(run: Run) -> None:
-    code, told = run("diagnose", "w.csv", "--model", "a.json", "--json", "./a.json")
-    assert (code, told) == (2, "echocal: --model and --json both name a.json; choose two names\n")
+    code, told = run("diagnose", "w.csv", "--save-model", "a.json", "--json", "./a.json")
+    assert (code, told) == (2, "echocal: --save-model and --json both name a.json; choose two names\n")
     assert names() == {"w.csv"}
 
 
@@ -363,7 +363,7 @@ def test_links_permissions_and_devices(tmp_path: Path) -> None:
     assert not Path("/dev/null").is_file()
 
 
-@pytest.mark.parametrize("option", ["--json", "--model", "--plots"])
+@pytest.mark.parametrize("option", ["--json", "--save-model", "--plots"])
 def test_a_name_that_is_too_long(option: str, run: Run) -> None:
     code, told = run("diagnose", "w.csv", option, "n" * 256, "-q")
     assert (code, told) == (2, f"echocal: {'n' * 256} cannot be written: File name too long\n")
@@ -373,3 +373,13 @@ def test_a_name_that_is_too_long(option: str, run: Run) -> None:
 def test_names_that_no_file_can_have(name: str) -> None:
     with pytest.raises(echocal.UsageError, match="cannot be written"):
         echocal.Model("linear").save(name)
+
+
+def test_the_former_name_of_save_model_still_writes_and_says_so(run: Run) -> None:
+    code, told = run("diagnose", "w.csv", "--model", "m.json")
+    assert code == 0
+    assert "--model, where it writes, is now --save-model" in told
+    assert Path("m.json").exists()
+    code, told = run("diagnose", "w.csv", "--model", "m.json", "--save-model", "n.json")
+    assert code == 2
+    assert "give one of them" in told

@@ -147,7 +147,10 @@ def test_the_command_reads_several_files(run: Run, fleet: pd.DataFrame) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--model", "m.json"), "--model is for one table, and several are given; give --models DIR"),
+        (
+            ("--save-model", "m.json"),
+            "--save-model is for one table, and several are given; give --models DIR",
+        ),
         (("--models", "m", "--with-shape"), "--with-shape is for one table"),
         (("--rows", "rows.csv"), "--rows is for one table"),
         (("--hold-out-after", "2024"), "tables left out in turn"),
@@ -187,7 +190,7 @@ def test_what_is_neither_a_table_nor_a_range_is_refused(run: Run, fleet: pd.Data
     assert "'distance=1:2' is neither a table nor a range of --can-vary" in told
     code, told = run("diagnose", "a.csv", "--models", "m")
     assert code != 0
-    assert "for one table give --model" in told
+    assert "for one table give --save-model" in told
 
 
 def test_the_terminal_shows_each_table_and_what_is_left_out(fleet: pd.DataFrame) -> None:

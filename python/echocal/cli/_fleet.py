@@ -18,7 +18,7 @@ from echocal.errors import DataError, UsageError
 __all__ = ["How", "Outputs", "diagnose_sensors", "is_fleet", "refuse_options"]
 
 _INSTEAD = {
-    "--model": "give --models DIR, one file for each sensor",
+    "--save-model": "give --models DIR, one file for each sensor",
     "--with-shape": "an unexplained term belongs to its table: diagnose this sensor alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this sensor alone",
     "--rows": "diagnose a sensor alone for its rows",

@@ -20,7 +20,7 @@ __all__ = ["Outputs", "bar", "diagnose_tables", "refuse_options", "told_apart"]
 _SHARED = "shared.json"
 _UNSAFE = re.compile(r"[^\w.-]+")
 _INSTEAD = {
-    "--model": "give --models DIR",
+    "--save-model": "give --models DIR",
     "--with-shape": "an unexplained term belongs to its table: diagnose this table alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this table alone",
     "--rows": "diagnose each table alone for its rows",

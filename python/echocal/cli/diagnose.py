@@ -66,7 +66,10 @@ def command(
         str | None,
         typer.Option(metavar="TIME", help="Hold out the rows from this time on: ISO 8601, or seconds."),
     ] = None,
-    model: Annotated[Path | None, typer.Option(metavar="OUT.json", help="Write the extended model.")] = None,
+    save_model: Annotated[
+        Path | None, typer.Option(metavar="OUT.json", help="Write the extended model.")
+    ] = None,
+    model: Annotated[Path | None, typer.Option(hidden=True)] = None,
     with_shape: Annotated[
         bool,
         typer.Option(
@@ -82,6 +85,10 @@ def command(
         ),
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.html", help="Write one page to read in a browser, to print or to send."),
+    ] = None,
     rows: Annotated[
         Path | None,
         typer.Option(metavar="OUT.csv", help="Write of each row whether it is used, why not, and its error."),
@@ -135,6 +142,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
+    model = _renamed(save_model, model, quiet)
     tables, ranges = _pool.told_apart(more)
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
     reading = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout)
@@ -142,9 +150,10 @@ def command(
     _refuse_fleet_options(is_fleet, {"--results": results, "--kind": kind, "--workers": workers})
     if is_fleet or tables or by is not None:
         alone = {
-            "--model": model,
+            "--save-model": model,
             "--with-shape": with_shape,
             "--with-smooth": with_smooth,
+            "--report": report,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
         }
@@ -184,9 +193,10 @@ def command(
         return
     _refuse_alone(models, model, with_shape, with_smooth)
     check_outputs(
-        Output("--model", model, _made_by.model("diagnose", data)),
+        Output("--save-model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
         Output("--rows", rows, _made_by.table("diagnose")),
+        Output("--report", report, _made_by.report("diagnose")),
         *_pictures(plots),
         inputs=[data, *_file(base), *toml_files(column)],
         folder=plots,
@@ -216,20 +226,35 @@ def command(
         whole = _made_by.sign(whole, "diagnose", data, model)
     _write(diagnosis, whole, model, plots)
     write_json(diagnosis.to_dict(), json)
+    if report is not None:
+        from echocal.report.html import save_report  # plotly takes a while to import
+
+        save_report(diagnosis, report, data.name)
     if rows is not None:
         replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
 
 
+def _renamed(model: Path | None, former: Path | None, quiet: bool) -> Path | None:
+    """Take the option by its former name, with a word on it; other commands read a model with this name."""
+    if former is None:
+        return model
+    if model is not None:
+        raise UsageError("--model is the former name of --save-model: give one of them")
+    if not quiet:
+        Console(stderr=True).print("--model, where it writes, is now --save-model; later it will be refused")
+    return former
+
+
 def _refuse_alone(models: Path | None, model: Path | None, with_shape: bool, with_smooth: bool) -> None:
     """Raise `UsageError` for options that one table has no use for."""
     if models is not None:
-        raise UsageError("--models writes the models of several tables; for one table give --model OUT.json")
+        raise UsageError("--models writes models of several tables; for one table give --save-model OUT.json")
     if with_shape and model is None:
-        raise UsageError("--with-shape adds a term to the model that is written: give --model OUT.json, too")
+        raise UsageError("--with-shape adds a term to the saved model: give --save-model OUT.json, too")
     if with_smooth and model is None:
-        raise UsageError("--with-smooth adds terms to the model that is written: give --model OUT.json, too")
+        raise UsageError("--with-smooth adds terms to the saved model: give --save-model OUT.json, too")
     if with_smooth and with_shape:
         raise UsageError("--with-shape and --with-smooth describe the same errors: give one of them")
 

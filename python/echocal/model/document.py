@@ -15,7 +15,7 @@ from echocal.model.smooth import Smooth
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
 
-__all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "write"]
+__all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "text_of", "write"]
 
 NEWEST = 1
 SCHEMA = f"echocal.model/{NEWEST}"
@@ -83,17 +83,29 @@ def sha256(data: Any) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
-def write(model: Described, path: Path) -> None:
-    """Write a model's file."""
+def text_of(model: Described) -> str:
+    """A model's file as text.
+
+    Raises
+    ------
+    TypeError, ValueError, RecursionError
+        If its provenance is not plain data with finite numbers.
+    """
     document = content(model)
     complete = {**document, "hash": digest(document), "data": model.provenance}
+    text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
+    text.encode()  # a lone surrogate cannot be
+    return text + "\n"
+
+
+def write(model: Described, path: Path) -> None:
+    """Write a model's file."""
     try:
-        text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
-        text.encode()  # a lone surrogate cannot be
+        text = text_of(model)
     except (TypeError, ValueError, RecursionError) as error:
         message = f"cannot write {path}: the provenance is not plain data with finite numbers ({error})"
         raise ModelError(message) from None
     try:
-        replace_text(path, text + "\n")
+        replace_text(path, text)
     except UsageError as error:
         raise ModelError(str(error)) from None

@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.findings.sentences import Recorded, most_correlated, shown
+from echocal.diagnose.findings.sentences import shown
 from echocal.diagnose.results.explain import class_texts
+from echocal.diagnose.results.followed import binned, by_correlation
 from echocal.errors import writing
 from echocal.plots.files import save_figure
 from echocal.plots.labels import fitted, title_beside
@@ -20,7 +21,7 @@ from echocal.plots.posterior import plot_posterior
 from echocal.plots.smooth import TERM, smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
-__all__ = ["PICTURES", "by_correlation", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
+__all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
 
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png", "smooth.png")
 """Names of the files that `save_diagnosis` can write; the last two if there is such a function."""
@@ -30,13 +31,11 @@ _BEFORE, _AFTER, _FLOOR = (
     "#155a75",
     "#8a8a8a",
 )  # light and dark: different without color, too
-_BINS = 30
 _PANELS = 4
 _SUMMARY = 140  # characters of a line above all panels
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # rows that are visible one by one
 _ENOUGH = 5  # fewest rows of a mean that is drawn
-_SAME = 1e-6  # m, far below the resolution of such sensors
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
@@ -111,42 +110,6 @@ def _summary(diagnosis: Diagnosis) -> str:
     return "\n".join(textwrap.fill(line, _SUMMARY) for line in lines)
 
 
-def by_correlation(diagnosis: Diagnosis) -> list[str]:
-    """Columns that vary, those first that the change by the model (or the residual) follows most.
-
-    The first one is the column that a sentence about the whole change would name.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-
-    Returns
-    -------
-    list of str
-        Names in ``diagnosis.traces.against``.
-    """
-    traces = diagnosis.traces
-    changed = traces.before - traces.after
-    signal = changed if np.nanstd(changed) > _SAME else traces.before
-    known = np.isfinite(signal)
-    varied = {name: column[known] for name, column in traces.against.items() if _varies(column)}
-    first = most_correlated(signal[known], Recorded(varied))
-    return sorted(varied, key=lambda name: (name != first, -_explained_variance(varied[name], signal[known])))
-
-
-def _explained_variance(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Part of the variance of y that the means of bins of x explain."""
-    bins = _bins(x)
-    rows = np.bincount(bins)
-    filled = rows > 0
-    means = np.bincount(bins, weights=y)[filled] / rows[filled]
-    return float(rows[filled] @ (means - y.mean()) ** 2 / max(len(y) * y.var(), 1e-300))
-
-
-def _varies(column: NDArray[np.float64]) -> bool:
-    return bool(np.isfinite(column).all() and np.ptp(column) > 0)
-
-
 def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
     """Residuals against one column, of the base and of the model, with the means of thirty bins.
 
@@ -185,20 +148,11 @@ def _opacity(rows: int) -> float:
     return float(np.clip(200 / max(rows, 1), 0.12, 0.9))
 
 
-def _bins(x: NDArray[np.float64]) -> NDArray[np.int64]:
-    count = min(_BINS, max(2, len(x) // 3))
-    distinct, bins = np.unique(x, return_inverse=True)
-    if len(distinct) > count:  # else each value is its own bin
-        edges = np.unique(np.quantile(x, np.linspace(0, 1, count + 1)))
-        bins = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
-    return np.asarray(bins, dtype=np.int64)
-
-
 def _binned(
     x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Means of bins with about equally many rows; of many rows, bins with few rows are left out."""
-    bins = _bins(x)
+    bins = binned(x)
     rows = np.bincount(bins)
     filled = rows >= (1 if len(x) <= _FEW else min(_ENOUGH, rows.max()))
     means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]

@@ -1,0 +1,218 @@
+"""The page of a diagnosis: one file that needs nothing from any host."""
+
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from echocal.diagnose import Diagnosis
+from echocal.diagnose.catalogue import find_cause
+from echocal.diagnose.findings.sentences import shifted_text, spoken
+from echocal.diagnose.results.explain import (
+    class_texts,
+    further_notes,
+    lead,
+    parameter_text,
+    place_text,
+    probability_text,
+    proposal_text,
+    rivals_of,
+    without_a_cause,
+)
+from echocal.diagnose.results.followed import by_correlation
+from echocal.errors import UsageError
+from echocal.model.document import text_of
+from echocal.outputs import replace_text
+
+__all__ = ["report_page", "save_report"]
+
+_BESIDE = 3  # columns whose figures are shown, besides the time
+_CONFIG = {"displaylogo": False, "responsive": True, "scrollZoom": False}
+
+
+@dataclass(frozen=True)
+class _Figure:
+    title: str
+    html: str
+    caption: str = ""
+
+
+def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "") -> None:
+    """Write a diagnosis as one HTML file.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    path : path
+    source : str
+        Name of the table, for the title.
+
+    Raises
+    ------
+    UsageError
+        If plotly or jinja2 is not installed, or the file cannot be written.
+    """
+    replace_text(path, report_page(diagnosis, source))
+
+
+def report_page(diagnosis: Diagnosis, source: str = "") -> str:
+    """A diagnosis as an HTML document that needs no other file and no network.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    source : str
+        Name of the table, for the title.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    UsageError
+        If plotly or jinja2 is not installed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import echocal
+    >>> reading = 1.008 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+    >>> table = {"reading_m": reading, "temperature_C": np.full(40, 20.0)}
+    >>> page = report_page(echocal.diagnose(table, reference_distance=1.0), "desk.csv")
+    >>> "desk.csv" in page and "<html" in page
+    True
+    """
+    try:
+        from jinja2 import Environment, StrictUndefined
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        message = "a report needs plotly and jinja2: pip install 'echocal[report]'"
+        raise UsageError(message) from None
+    page = (files("echocal.report.html") / "page.html.j2").read_text(encoding="utf-8")
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(page).render(script=get_plotlyjs(), **_content(diagnosis, source))
+
+
+def _content(diagnosis: Diagnosis, source: str) -> dict[str, Any]:
+    return {
+        "source": source,
+        "version": version("echocal"),
+        "verdict": diagnosis.verdict,
+        "sentence": lead(diagnosis),
+        "facts": _facts(diagnosis),
+        "evidence": _evidence(diagnosis),
+        "causes": [_cause(cause) for cause in diagnosis.causes],
+        "questions": [_sentence(text) for text in class_texts(diagnosis)],
+        "unexplained": [_sentence(text) for text in _unexplained(diagnosis)],
+        "refuted": [one.id for one in diagnosis.refuted],
+        "gain": _gain(diagnosis),
+        "shifted": []
+        if diagnosis.gain is None
+        else [_sentence(shifted_text(one)) for one in diagnosis.gain.shifted],
+        "rows": diagnosis.rows,
+        "left_out": diagnosis.fates.counts,
+        "where": _left_out(diagnosis),
+        "posterior": _posterior(diagnosis),
+        "proposals": [_sentence(proposal_text(one)) for one in diagnosis.next_measurements],
+        "notes": [_sentence(note) for note in further_notes(diagnosis)],
+        "model": repr(diagnosis.model),
+        "extended": bool(diagnosis.model.effects),
+        "document": text_of(diagnosis.model),
+        "settings": json.dumps(diagnosis.settings.to_dict(), indent=1),
+        "seconds": diagnosis.seconds,
+    }
+
+
+def _sentence(text: str) -> str:
+    """Begun with a capital letter and ended with a point, unless an id of the catalogue begins it."""
+    first = text.split(maxsplit=1)[0] if text else ""
+    whole = text if "_" in first else text[:1].upper() + text[1:]
+    return whole if whole.endswith((".", ":", "!", "?")) else f"{whole}."
+
+
+def _unexplained(diagnosis: Diagnosis) -> list[str]:
+    shape = diagnosis.unexplained
+    return [*without_a_cause(diagnosis), *([] if shape is None else [shape.description])]
+
+
+def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    rows = diagnosis.rows
+    speed = diagnosis.base["device_speed"]
+    base = diagnosis.base["law"] if speed is None else f"{speed:g} m/s at any temperature"
+    facts = [("rows used", f"{rows['used']} of {rows['total']}"), ("base", str(base))]
+    gain = diagnosis.gain
+    if gain is not None:
+        facts.append(("error before", f"{1e3 * gain.rms_before_m:.2f} mm"))
+        if len(gain.ladder) > 1:
+            facts.append(("error after", f"{1e3 * gain.rms_after_m:.2f} mm"))
+            low, high = (100 * end for end in gain.variance_removed_interval_95)
+            share = f"{100 * gain.variance_removed:.0f} % ({low:.0f} to {high:.0f} %)"
+            facts.append(("part of the mean square error that is removed", share))
+    return facts
+
+
+def _cause(cause: Any) -> dict[str, Any]:
+    sizes = [parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters]
+    return {
+        "id": cause.id,
+        "place": place_text(cause),
+        "sizes": ", ".join(sizes),
+        "probability": probability_text(cause),
+        "sentence": find_cause(cause.id).sentence,
+        "because": cause.because,
+        "doubt": cause.doubt,
+        "rivals": rivals_of(cause) if cause.indistinguishable_from else [],
+        "in_model": cause.in_model,
+    }
+
+
+def _evidence(diagnosis: Diagnosis) -> list[_Figure]:
+    from echocal.report.html.figures import over_figure, time_figure
+
+    every = by_correlation(diagnosis)
+    names = [name for name in every if name not in ("time", "row")]
+    if "distance" in names:  # reading against truth
+        names = ["distance", *(name for name in names if name != "distance")]
+    figures = [_drawn("Over time" if "time" in every else "Row by row", time_figure(diagnosis))]
+    figures += [_drawn(f"Over {spoken(name)}", over_figure(diagnosis, name)) for name in names[:_BESIDE]]
+    return figures
+
+
+def _gain(diagnosis: Diagnosis) -> _Figure | None:
+    from echocal.report.html.figures import gain_figure
+
+    figure, gain = gain_figure(diagnosis), diagnosis.gain
+    if figure is None or gain is None:
+        return None
+    caption = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})."
+    if len(gain.ladder) > 1:
+        low, high = (1e3 * end for end in gain.interval_95)
+        caption += (
+            f" On rows that neither the choice nor the fit has seen: {1e3 * gain.rms_after_m:.2f} mm. The "
+            f"gain is {low:.2f} to {high:.2f} mm (95 % interval)."
+        )
+    return _drawn("Error", figure, caption)
+
+
+def _posterior(diagnosis: Diagnosis) -> _Figure | None:
+    from echocal.report.html.figures import posterior_figure
+
+    figure = posterior_figure(diagnosis)
+    return None if figure is None else _drawn("Probabilities", figure)
+
+
+def _left_out(diagnosis: Diagnosis) -> _Figure | None:
+    from echocal.report.html.figures import left_out_figure
+
+    figure = left_out_figure(diagnosis)
+    return None if figure is None else _drawn("Rows left out", figure)
+
+
+def _drawn(title: str, figure: Any, caption: str = "") -> _Figure:
+    html = figure.to_html(full_html=False, include_plotlyjs=False, config=_CONFIG)
+    return _Figure(title, html, caption)

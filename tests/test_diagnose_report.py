@@ -1,0 +1,151 @@
+"""A diagnosis as one page: what it says, that it needs nothing from any host, and that a browser shows it."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import echocal
+
+pytest.importorskip("plotly")
+from echocal.report.html import report_page
+
+ROWS = 300
+Run = Callable[..., tuple[int, str]]
+
+
+def table(random: np.random.Generator, distance: np.ndarray, offset: float) -> pd.DataFrame:
+    celsius = random.uniform(5.0, 35.0, ROWS)
+    reading = distance + offset + random.normal(0.0, 1e-3, ROWS)
+    return pd.DataFrame({"reading_m": reading, "temperature_C": celsius, "distance_m": distance})
+
+
+class Text(HTMLParser):
+    """What a reader sees, and what the page would fetch."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self._parts: list[str] = []
+        self._hidden = ""
+        self.feed(page)
+        self.seen = re.sub(r"\s+", " ", " ".join(self._parts))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag in ("script", "style"):
+            self._hidden = tag
+        self.fetched += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data")]
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == self._hidden:
+            self._hidden = ""
+
+    def handle_data(self, data: str) -> None:
+        if not self._hidden:
+            self._parts.append(data)
+
+
+@pytest.fixture(scope="module")
+def named(request: pytest.FixtureRequest, seeded: Callable[..., np.random.Generator]) -> echocal.Diagnosis:
+    """An offset of 10 mm at three distances, with some ghosts and two rows without a reading."""
+    random = seeded(request)
+    rows = table(random, np.repeat([0.5, 1.5, 3.0], ROWS // 3), 10e-3)
+    rows.loc[random.choice(ROWS, 4, replace=False), "reading_m"] = 0.03
+    rows.loc[[7, 8], "reading_m"] = np.nan
+    return echocal.diagnose(rows, base="343")
+
+
+def test_it_says_what_the_diagnosis_says(named: echocal.Diagnosis) -> None:
+    text = Text(report_page(named, "tank <7>.csv")).seen
+    assert "tank <7>.csv" in text  # as text, not as a tag
+    assert named.explain().partition("\n")[0].rstrip(".:") in text
+    for cause in named.causes:
+        assert cause.id in text
+        assert cause.because in text
+    assert named.gain is not None
+    for rms in (named.gain.rms_before_m, named.gain.rms_after_m):
+        assert f"{1e3 * rms:.2f} mm" in text
+    assert f"{named.rows['used']} of {named.rows['total']} rows are used" in text
+    for reason, count in named.fates.counts.items():
+        assert f"{reason} {count}" in text
+
+
+def test_it_needs_nothing_from_any_host(named: echocal.Diagnosis) -> None:
+    assert Text(report_page(named)).fetched == ["data:,"]
+
+
+def test_each_drawn_error_is_one_of_the_table(named: echocal.Diagnosis) -> None:
+    """Row numbers and errors of the first figure, as they stand in the page."""
+    page = report_page(named)
+    (figure,) = re.findall(r'Plotly\.newPlot\(\s*"[^"]+",\s*(\[.*?\]),\s*\{"', page, re.DOTALL)[:1]
+    before, after = json.loads(figure)
+    for trace, error in ((before, named.traces.before), (after, named.traces.after)):
+        of_row = dict(zip((named.traces.row + 1).tolist(), error.tolist(), strict=True))
+        assert len(trace["y"]) == np.isfinite(error).sum()
+        told = [1e3 * of_row[row] for row in trace["customdata"]]
+        assert trace["y"] == pytest.approx(told, rel=1e-5, abs=1e-9)
+
+
+def test_a_table_in_which_nothing_is_wrong_has_a_page_too(random: np.random.Generator) -> None:
+    diagnosis = echocal.diagnose(table(random, np.full(ROWS, 1.5), 0.0), base="343")
+    text = Text(report_page(diagnosis)).seen
+    assert diagnosis.verdict in text
+    assert ("No cause is reported." in text) == (not diagnosis.causes)
+
+
+def test_the_command_writes_it_and_replaces_only_its_own(run: Run, random: np.random.Generator) -> None:
+    table(random, np.repeat([0.5, 1.5, 3.0], ROWS // 3), 10e-3).to_csv("log.csv", index=False)
+    words = ("diagnose", "log.csv", "--base", "343", "--quiet", "--report")
+    assert run(*words, "log.html")[0] == 0
+    assert "log.csv" in Path("log.html").read_text()
+    assert run(*words, "log.html")[0] == 0  # again, over its own page
+    Path("notes.html").write_text("<p>mine</p>")
+    code, said = run(*words, "notes.html")
+    assert code != 0
+    assert "notes.html" in said
+    assert Path("notes.html").read_text() == "<p>mine</p>"
+    code, said = run(*words, "log.csv")
+    assert code != 0
+    assert "log.csv" in said
+    assert Path("log.csv").read_text().startswith("reading_m")
+
+
+@pytest.mark.slow
+def test_a_browser_shows_it(named: echocal.Diagnosis, tmp_path: Path) -> None:
+    """Every figure is drawn, and the console has no error; a phone has no line that is cut off."""
+    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("no Chromium")
+    watch = """<script>
+    const said = []; window.addEventListener("error", e => said.push(e.message));
+    for (const kind of ["error", "warn"]) console[kind] = (...w) => said.push(w.join(" "));
+    window.addEventListener("load", () => setTimeout(() => {
+      const drawn = document.querySelectorAll(".plotly-graph-div .main-svg").length > 0 &&
+        [...document.querySelectorAll(".plotly-graph-div")].every(d => d.querySelector(".main-svg"));
+      const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
+      const asked = performance.getEntriesByType("resource").filter(r => !r.name.startsWith("data:"));
+      document.title = JSON.stringify({said, drawn, wide, asked: asked.map(r => r.name)});
+    }, 500));
+    </script>"""
+    page = tmp_path / "page.html"
+    page.write_text(report_page(named).replace("<head>", f"<head>{watch}", 1), encoding="utf-8")
+    command = [
+        browser,
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-dev-shm-usage",
+        "--dump-dom",
+    ]
+    command += [f"--user-data-dir={tmp_path / 'profile'}", "--window-size=500,900"]
+    command += ["--virtual-time-budget=20000", page.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
+    (title,) = re.findall(r"<title>(\{.*?\})</title>", done.stdout)
+    assert json.loads(title.replace("&quot;", '"')) == {"said": [], "drawn": True, "wide": False, "asked": []}
