@@ -36,6 +36,7 @@ ROOMS_OF_DIAGNOSE = [
     "faults",
     "catalogue",
     "progress",
+    "blas",
     "selection",
     "validation",
     "experiment_design",

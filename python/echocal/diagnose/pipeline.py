@@ -7,6 +7,7 @@ variance of autocorrelated noise may grow with the distance, the posterior is co
 import warnings
 from dataclasses import dataclass, replace
 
+from echocal.diagnose.blas import one_thread
 from echocal.diagnose.experiment_design.members import members
 from echocal.diagnose.experiment_design.next_measurements import propose
 from echocal.diagnose.faults import find_faults
@@ -72,6 +73,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
     return examined(reading, request, work).diagnosis
 
 
+@one_thread()
 def examined(reading: Reading, request: Request, work: Steps) -> Examined:
     """Diagnose a table, and keep the inference.
 

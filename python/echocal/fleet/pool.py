@@ -13,7 +13,13 @@ __all__ = ["processors", "run_all"]
 Task = Mapping[str, Any]
 Run = Callable[[Task], dict[str, Any]]
 
-_THREADS = ("POLARS_MAX_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_THREADS = (
+    "ECHOCAL_NUM_THREADS",
+    "POLARS_MAX_THREADS",
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+)
 _TWICE = 2  # times that a task may lose its worker
 
 

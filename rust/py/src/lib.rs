@@ -18,10 +18,13 @@ mod model;
 mod noise;
 mod registry;
 mod sums;
+mod threads;
 
 /// The compiled core of echocal.
 #[pymodule]
 mod _core {
+    use pyo3::prelude::*;
+
     /// Version of the crates and of the package.
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "the name that Python's packages use")]
@@ -57,4 +60,10 @@ mod _core {
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]
     use super::sums::{CoreNoiseModel, CoreSums, whitened};
+
+    /// Takes over what the environment says.
+    #[pymodule_init]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::threads::limit_from_environment()
+    }
 }

@@ -23,7 +23,7 @@ pub use models::{ModelOutput, jacobian, of_model};
 pub use overlap::is_row_by_row;
 pub use sensitivity::{ExpansionPoint, Numbers, Sensitivities, SensitivityBlock};
 pub use staged::{BLOCK, Line};
-pub use threads::available as available_threads;
+pub use threads::{available as available_threads, limit as limit_threads};
 
 use crate::scalar::Rows;
 

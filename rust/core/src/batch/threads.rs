@@ -1,6 +1,8 @@
 //! Rows shared out among threads.
 
 use super::block::BLOCK;
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{Builder, available_parallelism, scope};
 
 /// Rows of a formula below which a thread costs more than it saves: starting one took 40 us (Zen 4), in which
@@ -39,10 +41,21 @@ pub(super) fn split(
     });
 }
 
+/// What [`limit`] was told; 0 without a limit.
+static MOST: AtomicUsize = AtomicUsize::new(0);
+
 /// The number of threads that this process may run at once.
 #[must_use]
 pub fn available() -> usize {
-    available_parallelism().map_or(1, usize::from)
+    match MOST.load(Ordering::Relaxed) {
+        0 => available_parallelism().map_or(1, usize::from),
+        most => most,
+    }
+}
+
+/// Sets what [`available`] tells: where several processes share the processors.
+pub fn limit(most: NonZero<usize>) {
+    MOST.store(most.get(), Ordering::Relaxed);
 }
 
 #[cfg(test)]
