@@ -82,6 +82,7 @@ pub(crate) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
     threads: usize,
     worker: impl Fn() -> W + Sync,
 ) -> Vec<T> {
+    let threads = if items.len() < FEW { 1 } else { threads };
     let size = (items.len() / (4 * threads.max(1))).clamp(1, MANY);
     let chunks: Vec<&[I]> = items.chunks(size).collect();
     let done = each_part(chunks.len(), threads, || {
@@ -92,8 +93,13 @@ pub(crate) fn each_of<I: Sync, T: Send, W: FnMut(&I) -> T>(
     done.into_iter().flatten().collect()
 }
 
+/// Items that one thread does sooner than several are started: some 10 us each.
+const FEW: usize = 256;
 /// Items that are handed over at once, at most: so few that no thread waits long for the last.
 const MANY: usize = 8;
+
+/// Numbers that one thread fills sooner than several are started: some 1 ns each.
+const SHORT: usize = 1 << 20;
 
 /// Fills each item's part of some numbers, as many for each, and returns what each gives, in order.
 ///
@@ -111,6 +117,7 @@ pub(crate) fn fill_each<I: Sync, T: Send, W: FnMut(&I, &mut [f64]) -> T>(
         let both = items.iter().zip(parts);
         both.map(|(item, part)| run(item, part)).collect()
     };
+    let threads = if into.len() < SHORT { 1 } else { threads };
     let share = items.len().div_ceil(threads.max(1)).max(1);
     let shares = items
         .chunks(share)
