@@ -20,7 +20,7 @@ LAYERS = (
     {"domain", "air", "registry"},
     {"model"},
     {"observations"},
-    {"sweep", "calibrate"},
+    {"sweep", "calibrate", "engines"},
     {"diagnose", "silicon", "echoes"},
     {"plots", "report", "verify", "firmware", "batch", "correct"},
     {"study", "explore", "fleet", "watch"},

@@ -1,20 +1,22 @@
-"""The run over many files: tasks, manifest, resume. Who runs the tasks is another matter (`executors`)."""
+"""The run over many files: tasks, manifest, resume. `echocal.engines` has who runs the tasks."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
-from echocal.correct.executors import Executor
 from echocal.correct.inputs import Inputs, Source
 from echocal.correct.lock import locked
 from echocal.correct.manifest import FOLDER, Manifest
-from echocal.correct.task import SCHEMA
+from echocal.correct.task import RESULT, SCHEMA, run_task
+from echocal.engines import Engine
+from echocal.engines.checks import check_workers
 from echocal.errors import OutputError
 
-__all__ = ["Progress", "Summary", "run", "task_of"]
+__all__ = ["Progress", "Summary", "question_of", "run", "run_tasks", "task_of"]
 
 _STRAY = re.compile(r"\..+\.[0-9a-f]{16}\.unfinished")
 
@@ -72,7 +74,7 @@ class Summary:
 
 
 def task_of(
-    source: Source, target: Path, job: Mapping[str, Any], key: str | None, log: list[Path]
+    source: Source, target: Path, job: Mapping[str, Any], digest: str, key: str | None, log: list[Path]
 ) -> dict[str, Any]:
     """The task of one file, as plain data."""
     return {
@@ -82,6 +84,7 @@ def task_of(
         "target": str(target),
         "key": key,
         "log": [str(path) for path in log],
+        "digest": digest,
         "job": dict(job),
     }
 
@@ -90,8 +93,7 @@ def run(
     inputs: Inputs,
     tasks: Mapping[str, Mapping[str, Any]],
     out: Path,
-    executor: Executor,
-    models: str,
+    engine: Engine,
     *,
     force: bool = False,
     progress: Callable[[Progress], None] = lambda state: None,
@@ -105,22 +107,22 @@ def run(
         Task of each file by the place of its output.
     out : Path
         Folder of the outputs.
-    executor : Executor
-    models : str
-        Digest of the models.
+    engine : Engine
     force : bool
         Begin anew where the folder was begun with another model.
 
     Raises
     ------
     UsageError
-        If another run writes the folder, it was begun with another model, or it cannot be written.
+        If another run writes the folder, it was begun with another model, it cannot be written, or a worker
+        of the engine would do other work than this process.
     """
     summary = Summary()
-    with locked(out / FOLDER / "lock"):
+    lock = out / FOLDER / "lock"
+    with locked(lock):
         sweep(out)
-        job = next(iter(tasks.values()))["job"]
-        manifest = Manifest(out, job, models, __version__, force=force)
+        first = next(iter(tasks.values()))
+        manifest = Manifest(out, first["job"], first["digest"], __version__, force=force)
         sources = {source.place.as_posix(): source for source in inputs.files}
         left = [place for place, source in sources.items() if not manifest.is_done(place, source.path)]
         summary.skipped = len(sources) - len(left)
@@ -134,7 +136,9 @@ def run(
             progress(state)
 
         progress(state)
-        for result in executor.run((tasks[place] for place in left), tell):
+        if left:
+            check_workers(engine, question_of(tasks[left[0]], lock))
+        for result in run_tasks(engine, [tasks[place] for place in left], tell):
             place = places[result["target"]]
             if (result["error"] or {}).get("kind") == "OutputError":
                 raise OutputError(result["error"]["text"])
@@ -145,6 +149,42 @@ def run(
             progress(state)
         sweep(out)  # of workers that died
     return summary
+
+
+def question_of(task: Mapping[str, Any], written: Path | None = None) -> dict[str, Any]:
+    """What every worker must see as this process does: input, models, and what this process has written."""
+    question: dict[str, Any] = {
+        "files": {task["source"]: size} if (size := _size(Path(task["source"]))) else {},
+        "models": task["job"]["models"],
+        "digest": task["digest"],
+    }
+    return (
+        question if written is None else {**question, "written": [str(written), written.read_text("utf-8")]}
+    )
+
+
+def run_tasks(
+    engine: Engine, tasks: Sequence[Mapping[str, Any]], tell: Callable[[int], None]
+) -> Iterator[dict[str, Any]]:
+    """Results of tasks, as they end; `tell` is told the rows that are done."""
+    for task, result in engine.run(partial(run_task, progress=tell) if engine.inside else run_task, tasks):
+        if result is None:
+            yield _died(task)
+            continue
+        if not engine.inside:
+            tell(result.get("rows", 0))
+        yield result
+
+
+def _died(task: Mapping[str, Any]) -> dict[str, Any]:
+    text = f"{task['source']}: each process that corrected it was killed; too little memory?"
+    return {
+        "schema": RESULT,
+        "source": task["source"],
+        "target": task["target"],
+        "error": {"kind": "ProcessDied", "text": text},
+        "seconds": 0.0,
+    }
 
 
 def sweep(out: Path) -> None:

@@ -78,11 +78,11 @@ def surroundings(
         If the log is larger than the memory, or its files overlap in time.
     """
     key = (tuple(files), corrector.columns)
-    if key not in _KEPT:
+    log = _KEPT.get(key)
+    if log is None:
         log = _read_log(files, corrector, read, memory)
         _KEPT.clear()
         _KEPT[key] = log
-    log = _KEPT[key]
     begin, end = log.places[files[place]]
     first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(log.table))
     return Surroundings(

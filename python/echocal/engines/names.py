@@ -1,0 +1,66 @@
+"""Names of engines, as the command line takes them."""
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+
+from echocal.engines.engine import Engine
+from echocal.engines.here import Here
+from echocal.engines.processes import Processes
+from echocal.errors import UsageError
+
+__all__ = ["ENGINES", "is_elsewhere", "open_engine"]
+
+
+def _local(rest: str, workers: int) -> AbstractContextManager[Engine]:
+    return nullcontext(Here() if workers == 1 else Processes(workers))
+
+
+def _dask(rest: str, workers: int) -> AbstractContextManager[Engine]:
+    from echocal.engines.dask import scheduler
+
+    return scheduler(rest)
+
+
+def _dask_local(rest: str, workers: int) -> AbstractContextManager[Engine]:
+    from echocal.engines.dask import local_cluster
+
+    return local_cluster(workers)
+
+
+ENGINES: dict[str, Callable[[str, int], AbstractContextManager[Engine]]] = {
+    "local": _local,
+    "dask-local": _dask_local,
+    "dask://HOST:PORT": _dask,
+}
+"""What opens an engine, by the form of its name."""
+
+
+def is_elsewhere(name: str) -> bool:
+    """Whether the workers of an engine may be on other machines."""
+    return "://" in name
+
+
+@contextmanager
+def open_engine(name: str, workers: int = 1) -> Iterator[Engine]:
+    """Open an engine for the time of a block.
+
+    Parameters
+    ----------
+    name : str
+        ``local``, ``dask-local``, ``dask://HOST:PORT``, ...
+    workers : int
+        Processes of an engine of this machine. A cluster has its own.
+
+    Raises
+    ------
+    UsageError
+        If there is no such engine, its library is not installed, or nobody answers at its address.
+    """
+    scheme, colon, rest = name.partition("://")
+    for form, opening in ENGINES.items():
+        if form == name or (colon and rest and form.startswith(f"{scheme}://")):
+            with opening(rest, workers) as engine:
+                yield engine
+            return
+    message = f"no engine '{name}'; engines: {', '.join(ENGINES)}"
+    raise UsageError(message)
