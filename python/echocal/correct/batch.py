@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -118,7 +117,7 @@ def correct_files(
     >>> (folder / "out.csv").read_text().splitlines()[1]
     '11680,20,2.000305,,,'
     """
-    elsewhere = not isinstance(engine, str) or is_elsewhere(engine)
+    elsewhere = is_elsewhere(engine)
     if elsewhere:  # whose processes have working folders of their own
         source, out = Path(source).absolute(), Path(out).absolute()
         models = None if models is None else Path(models).absolute()
@@ -129,8 +128,7 @@ def correct_files(
     if (models is None) != (by is None) and models is not None:
         raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
     several = len(inputs.files) > 1 and sum(_size(file.path) for file in inputs.files) > _SMALL
-    named = engine if isinstance(engine, str) else ""
-    spread = processes > 1 and (several or named != "local") and not elsewhere
+    spread = processes > 1 and (several or engine != "local") and not elsewhere
     limit = in_bytes(memory)
     job = job_of(
         model,
@@ -158,8 +156,7 @@ def correct_files(
         )
         for s in inputs.files
     }
-    workers = processes if spread or named != "local" else 1
-    with open_engine(engine, workers) if isinstance(engine, str) else nullcontext(engine) as by_whom:
+    with open_engine(engine, processes if spread else 1) as by_whom:
         if inputs.single:
             return _single(inputs, next(iter(tasks.values())), by_whom, progress)
         return run(inputs, tasks, target, by_whom, force=force, progress=progress)

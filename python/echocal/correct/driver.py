@@ -173,6 +173,9 @@ def run_tasks(
             continue
         if not engine.inside:
             tell(result.get("rows", 0))
+            if result["error"] is None and not Path(result["target"]).exists():
+                text = f"{task['source']}: a worker wrote {result['target']}, which is absent here"
+                result = {**result, "error": {"kind": "OutputError", "text": text}}
         yield result
 
 

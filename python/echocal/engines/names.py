@@ -35,19 +35,19 @@ ENGINES: dict[str, Callable[[str, int], AbstractContextManager[Engine]]] = {
 """What opens an engine, by the form of its name."""
 
 
-def is_elsewhere(name: str) -> bool:
-    """Whether the workers of an engine may be on other machines."""
-    return "://" in name
+def is_elsewhere(engine: str | Engine) -> bool:
+    """Whether the workers of an engine may be on other machines, with working folders of their own."""
+    return not isinstance(engine, str) or "://" in engine
 
 
 @contextmanager
-def open_engine(name: str, workers: int = 1) -> Iterator[Engine]:
+def open_engine(name: str | Engine, workers: int = 1) -> Iterator[Engine]:
     """Open an engine for the time of a block.
 
     Parameters
     ----------
-    name : str
-        ``local``, ``dask-local``, ``dask://HOST:PORT``, ...
+    name : str or Engine
+        ``local``, ``dask-local``, ``dask://HOST:PORT``, ...; an engine that is open stays so.
     workers : int
         Processes of an engine of this machine. A cluster has its own.
 
@@ -56,6 +56,9 @@ def open_engine(name: str, workers: int = 1) -> Iterator[Engine]:
     UsageError
         If there is no such engine, its library is not installed, or nobody answers at its address.
     """
+    if not isinstance(name, str):
+        yield name
+        return
     scheme, colon, rest = name.partition("://")
     for form, opening in ENGINES.items():
         if form == name or (colon and rest and form.startswith(f"{scheme}://")):
