@@ -20,6 +20,7 @@ from echocal.engines import open_engine
 from echocal.engines.checks import sees
 from echocal.errors import UsageError
 from echocal.model import folder as model_folder
+from echocal.places import file_digest
 
 distributed = pytest.importorskip("distributed")
 
@@ -216,13 +217,13 @@ def test_what_a_worker_must_see(tmp_path: Path, models: Path) -> None:
     here, lock = tmp_path / "a.csv", tmp_path / "lock"
     here.write_text("echo_us")
     lock.write_text("mine")
-    assert sees({"files": {str(here): 7}, "written": [str(lock), "mine"]}) == ""
-    assert "cannot read /nowhere/a.csv: No such file" in sees({"files": {"/nowhere/a.csv": 7}})
+    assert sees({"files": {str(here): 7}, "written": [str(lock), file_digest(lock)]}) == ""
+    assert "reports: no file /nowhere/a.csv" in sees({"files": {"/nowhere/a.csv": 7}})
     assert "with 7 bytes, and this process with 9" in sees({"files": {str(here): 9}})
-    assert "does not see the output folder" in sees({"written": [str(lock), "another's"]})
-    assert "does not see the output folder" in sees({"written": ["/nowhere/lock", "mine"]})
+    assert "does not see what this process wrote" in sees({"written": [str(lock), "another's"]})
+    assert "does not see what this process wrote" in sees({"written": ["/nowhere/lock", "mine"]})
     plain = {"folder": str(tmp_path / "absent"), "by": "sensor_id"}
-    assert "cannot read the models" in sees({"models": plain, "digest": ""})
+    assert "reports: --models" in sees({"models": plain, "digest": ""})
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "errors"},
-    {"codes", "outputs", "checksums"},
+    {"codes", "outputs", "checksums", "objects"},
+    {"places"},
     {"quantities"},
     {"conditions"},
     {"domain", "air", "registry"},

@@ -20,8 +20,10 @@ from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
+from echocal.objects import is_url
 from echocal.observations.plan import read_columns
 from echocal.observations.text import Layout
+from echocal.places import place_of, size_of
 
 __all__ = ["correct_files", "job_of"]
 
@@ -53,10 +55,10 @@ def correct_files(
 
     Parameters
     ----------
-    source : path
+    source : path or URL
         CSV, TSV, either gzipped, Parquet; a folder of them, or a glob. Folders may be partitions
         (``sensor_id=17/``).
-    out : path
+    out : path or URL
         The file to write; a folder for a folder or a glob. There, what is done is recorded, and is not done
         again.
     model : Model, optional
@@ -119,15 +121,15 @@ def correct_files(
     """
     elsewhere = is_elsewhere(engine)
     if elsewhere:  # whose processes have working folders of their own
-        source, out = Path(source).absolute(), Path(out).absolute()
+        source, out = (path if is_url(path) else Path(path).absolute() for path in (source, out))
         models = None if models is None else Path(models).absolute()
-    inputs, target = find_inputs(source), Path(out)
+    inputs, target = find_inputs(source), place_of(out)
     refuse_nested(inputs, source, target)
     if (model is None) == (models is None):
         raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
     if (models is None) != (by is None) and models is not None:
         raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
-    several = len(inputs.files) > 1 and sum(_size(file.path) for file in inputs.files) > _SMALL
+    several = len(inputs.files) > 1 and sum(size_of(file.path) for file in inputs.files) > _SMALL
     spread = processes > 1 and (several or engine != "local") and not elsewhere
     limit = in_bytes(memory)
     job = job_of(
@@ -168,7 +170,7 @@ def _single(
     """Correct one file; a mistake in it is an error."""
     import echocal.errors as errors
 
-    state = Progress(1, _size(inputs.files[0].path))
+    state = Progress(1, size_of(inputs.files[0].path))
 
     def tell(rows: int) -> None:
         state.rows += rows
@@ -247,10 +249,3 @@ def _plain_codes(missing: Any) -> Any:
     if isinstance(missing, Mapping):
         return {str(name): _plain_codes(codes) for name, codes in missing.items()}
     return [str(code) for code in ([missing] if isinstance(missing, str | int | float) else missing)]
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except (OSError, ValueError):  # the reader of the file says what is wrong
-        return 0

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,8 @@ from echocal.correct.task import RESULT, SCHEMA, run_task
 from echocal.engines import Engine
 from echocal.engines.checks import check_workers
 from echocal.errors import OutputError
+from echocal.objects import Object
+from echocal.places import Place, exists, file_digest, place_of, size_of
 
 __all__ = ["Progress", "Summary", "question_of", "run", "run_tasks", "task_of"]
 
@@ -74,7 +77,12 @@ class Summary:
 
 
 def task_of(
-    source: Source, target: Path, job: Mapping[str, Any], digest: str, key: str | None, log: list[Path]
+    source: Source,
+    target: Place,
+    job: Mapping[str, Any],
+    digest: str,
+    key: str | None,
+    log: Sequence[Place],
 ) -> dict[str, Any]:
     """The task of one file, as plain data."""
     return {
@@ -92,7 +100,7 @@ def task_of(
 def run(
     inputs: Inputs,
     tasks: Mapping[str, Mapping[str, Any]],
-    out: Path,
+    out: Place,
     engine: Engine,
     *,
     force: bool = False,
@@ -105,7 +113,7 @@ def run(
     inputs : Inputs
     tasks : mapping of str to dict
         Task of each file by the place of its output.
-    out : Path
+    out : Path or Object
         Folder of the outputs.
     engine : Engine
     force : bool
@@ -118,16 +126,14 @@ def run(
         of the engine would do other work than this process.
     """
     summary = Summary()
-    lock = out / FOLDER / "lock"
-    with locked(lock):
-        sweep(out)
+    with _alone(out):
         first = next(iter(tasks.values()))
         manifest = Manifest(out, first["job"], first["digest"], __version__, force=force)
         sources = {source.place.as_posix(): source for source in inputs.files}
         left = [place for place, source in sources.items() if not manifest.is_done(place, source.path)]
         summary.skipped = len(sources) - len(left)
         summary.results = {place: manifest.line(place) for place in sources if place not in set(left)}
-        sizes = {place: _size(sources[place].path) for place in left}
+        sizes = {place: size_of(sources[place].path) for place in left}
         state = Progress(len(left), sum(sizes.values()))
         places = {tasks[place]["target"]: place for place in left}
 
@@ -137,7 +143,7 @@ def run(
 
         progress(state)
         if left:
-            check_workers(engine, question_of(tasks[left[0]], lock))
+            check_workers(engine, question_of(tasks[left[0]], manifest.file))
         for result in run_tasks(engine, [tasks[place] for place in left], tell):
             place = places[result["target"]]
             if (result["error"] or {}).get("kind") == "OutputError":
@@ -147,20 +153,32 @@ def run(
             state.files += 1
             state.bytes += sizes[place]
             progress(state)
-        sweep(out)  # of workers that died
+        manifest.close()
     return summary
 
 
-def question_of(task: Mapping[str, Any], written: Path | None = None) -> dict[str, Any]:
+@contextmanager
+def _alone(out: Place) -> Iterator[None]:
+    """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays."""
+    if isinstance(out, Object):
+        yield
+        return
+    with locked(out / FOLDER / "lock"):
+        sweep(out)
+        yield
+        sweep(out)  # of workers that died
+
+
+def question_of(task: Mapping[str, Any], written: Place | None = None) -> dict[str, Any]:
     """What every worker must see as this process does: input, models, and what this process has written."""
     question: dict[str, Any] = {
-        "files": {task["source"]: size} if (size := _size(Path(task["source"]))) else {},
+        "files": {task["source"]: size} if (size := size_of(place_of(task["source"]))) else {},
         "models": task["job"]["models"],
         "digest": task["digest"],
     }
-    return (
-        question if written is None else {**question, "written": [str(written), written.read_text("utf-8")]}
-    )
+    if written is not None:
+        question["written"] = [str(written), file_digest(written)]
+    return question
 
 
 def run_tasks(
@@ -173,7 +191,7 @@ def run_tasks(
             continue
         if not engine.inside:
             tell(result.get("rows", 0))
-            if result["error"] is None and not Path(result["target"]).exists():
+            if result["error"] is None and not exists(place_of(result["target"])):
                 text = f"{task['source']}: a worker wrote {result['target']}, which is absent here"
                 result = {**result, "error": {"kind": "OutputError", "text": text}}
         yield result
@@ -198,10 +216,3 @@ def sweep(out: Path) -> None:
 
 def _strays(out: Path) -> Iterator[Path]:
     return (path for path in out.rglob(".*.unfinished") if _STRAY.fullmatch(path.name))
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except OSError:
-        return 0

@@ -9,6 +9,7 @@ from echocal.engines.engine import Engine
 from echocal.errors import EchocalError, UsageError
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
+from echocal.places import exists, file_digest, place_of, stamp
 
 __all__ = ["check_workers", "models_digest", "sees"]
 
@@ -48,31 +49,23 @@ def sees(question: Mapping[str, Any]) -> str:
     Parameters
     ----------
     question : mapping
-        Plain data. ``files``: sizes of files [B] by their paths. ``written``: a path and a text that the
-        process that asks has written there. ``models``: models as a job has them, and ``digest``: theirs.
+        Plain data. ``files``: sizes of files [B] by their paths. ``written``: a path, and the SHA-256 of
+        what the process that asks has written there. ``models``: models as a job has them, and ``digest``:
+        theirs.
     """
-    for path, size in question.get("files", {}).items():
-        try:
-            found = Path(path).stat().st_size
-        except OSError as error:
-            return f"cannot read {path}: {error.strerror or error}"
-        if found != size:
-            return f"sees {path} with {found} bytes, and this process with {size}"
-    if "written" in question:
-        path, text = question["written"]
-        try:
-            same = Path(path).read_text(encoding="utf-8") == text
-        except OSError:
-            same = False
-        if not same:
-            return f"does not see the output folder of this process: {path} is absent or another file"
-    if "models" in question:
-        try:
-            digest = models_digest(question["models"])
-        except EchocalError as error:
-            return f"cannot read the models: {error}"
-        if digest != question["digest"]:
+    try:
+        for path, size in question.get("files", {}).items():
+            if (found := stamp(place_of(path))["size"]) != size:
+                return f"sees {path} with {found} bytes, and this process with {size}"
+        if "written" in question:
+            path, digest = question["written"]
+            place = place_of(path)
+            if not exists(place) or file_digest(place) != digest:
+                return f"does not see what this process wrote: {path} is absent or another file"
+        if "models" in question and (digest := models_digest(question["models"])) != question["digest"]:
             return f"has other models: their digest is {digest[:12]}, and here {question['digest'][:12]}"
+    except (EchocalError, OSError) as error:
+        return f"reports: {error}"
     return ""
 
 

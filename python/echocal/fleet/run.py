@@ -12,7 +12,6 @@ from typing import Any
 from echocal._core import __version__
 from echocal.correct.driver import sweep
 from echocal.correct.inputs import Source
-from echocal.correct.task import stamp
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
 from echocal.engines import Engine, open_engine
@@ -37,6 +36,7 @@ from echocal.model.folder import INDEX
 from echocal.model.plain import to_plain
 from echocal.observations.text import Layout
 from echocal.outputs import replace_text
+from echocal.places import file_digest, stamp
 
 __all__ = ["Fleet", "Progress", "diagnose_fleet"]
 
@@ -165,7 +165,7 @@ def diagnose_fleet(
             spills = plan_spills(index.sensors, tasks, job, max(memory // BYTES_A_ROW, 1))
             count = workers or processors()
             with open_engine(engine, count) as by_whom:
-                check_workers(by_whom, _question(store, files.sources[0].path))
+                check_workers(by_whom, _question(store, files.sources[0].file))
                 _divide(store, spills, by_whom, count)
                 records = _records(store, tasks, job, by_whom, progress)
             for folder in (path for path in folders.values() if path):
@@ -187,7 +187,7 @@ def _question(store: Store, file: Path) -> dict[str, Any]:
     """What every worker must see as this process does: a file, and what this process has written."""
     return {
         "files": {str(file): stamp(file)["size"]},
-        "written": [str(store.job.resolve()), store.job.read_text(encoding="utf-8")],
+        "written": [str(store.job.resolve()), file_digest(store.job)],
     }
 
 
@@ -292,7 +292,7 @@ def _state(
     asked: Mapping[str, Any], files: Sequence[Source], sensors: Sequence[Sensor], memory: int
 ) -> dict[str, Any]:
     """What makes a run the same: a change of any of it would mix two runs."""
-    stamps = [(str(file.path.resolve()), *stamp(file.path).values()) for file in files]
+    stamps = [(str(file.file.resolve()), *stamp(file.file).values()) for file in files]
     return {
         "version": __version__,
         **{name: asked[name] for name in sorted(asked)},
