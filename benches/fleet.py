@@ -19,8 +19,8 @@ import numpy as np
 import typer
 
 import echocal
+from echocal.engines.processes import processors
 from echocal.fleet import diagnose_fleet
-from echocal.fleet.pool import processors
 
 SHARES = {
     (): 0.34,

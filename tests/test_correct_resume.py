@@ -16,8 +16,8 @@ import pytest
 import echocal
 from echocal.correct import correct_files
 from echocal.correct.driver import Progress
-from echocal.correct.executors import Processes
 from echocal.correct.task import run_task
+from echocal.engines.processes import Processes
 
 MODEL = echocal.Model("linear", {"zero_error": {"offset": 2e-3}})
 OTHER = echocal.Model("linear", {"zero_error": {"offset": 3e-3}})
@@ -163,7 +163,7 @@ def test_a_worker_that_is_killed(logs: Path, whole: dict[str, bytes], tmp_path: 
             killed.append(children[0].pid)
             os.kill(int(children[0].pid or 0), signal.SIGKILL)
 
-    summary = correct_files(logs, tmp_path / "out", MODEL, executor=Processes(2), progress=kill)
+    summary = correct_files(logs, tmp_path / "out", MODEL, engine=Processes(2), progress=kill)
     assert not summary.set_aside
     assert contents(tmp_path / "out") == whole
 
@@ -225,18 +225,25 @@ def test_a_task_is_plain_data(logs: Path, tmp_path: Path) -> None:
     seen: list[str] = []
 
     class Elsewhere:
-        def run(self, tasks, progress):  # type: ignore[no-untyped-def]
+        name, inside = "elsewhere", False
+
+        def run(self, work, tasks):  # type: ignore[no-untyped-def]
             for task in tasks:
                 seen.append(json.dumps(task))
-                yield json.loads(json.dumps(run_task(json.loads(seen[-1]))))
+                yield task, json.loads(json.dumps(work(json.loads(seen[-1]))))
 
-    correct_files(logs, tmp_path / "out", MODEL, executor=Elsewhere())
+        def ask(self, question, *given):  # type: ignore[no-untyped-def]
+            return {"the only one": question(*json.loads(json.dumps(given)))}
+
+    correct_files(logs, tmp_path / "out", MODEL, engine=Elsewhere())
     before = contents(tmp_path / "out")
     for task in seen:
         assert run_task(json.loads(task))["error"] is None
     assert contents(tmp_path / "out") == before
     other = {**json.loads(seen[0]), "version": "0.0.0"}
     assert "install the same version everywhere" in run_task(other)["error"]["text"]
+    other = {**json.loads(seen[0]), "digest": OTHER.hash}
+    assert "not those that the run was begun with" in run_task(other)["error"]["text"]
     assert (
         pq.ParquetFile(tmp_path / "out" / "month=1" / "1.parquet").metadata.metadata[b"echocal.model_hash"]
         == MODEL.hash.encode()

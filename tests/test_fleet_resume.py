@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import fleet_logs
@@ -13,9 +14,10 @@ import numpy as np
 import polars as pl
 import pytest
 
+from echocal.engines import open_engine
+from echocal.engines.processes import Processes
 from echocal.errors import UsageError
 from echocal.fleet import diagnose_fleet
-from echocal.fleet.pool import run_all
 from echocal.fleet.store import Store
 
 WORK = Path(fleet_work.__file__)
@@ -106,7 +108,7 @@ def test_two_runs_on_one_output_are_refused(logs: Path) -> None:
 
 def test_the_pool_runs_each_task_once_with_one_thread() -> None:
     tasks = [{"number": number} for number in range(9)]
-    found = list(run_all(fleet_work.plain, tasks, 2))
+    found = list(Processes(2).run(fleet_work.plain, tasks))
     assert sorted(task["number"] for task, _ in found) == list(range(9))
     assert all(result is not None and result["number"] == task["number"] for task, result in found)
     processes = {result["process"] for _, result in found if result}
@@ -118,6 +120,42 @@ def test_the_pool_runs_each_task_once_with_one_thread() -> None:
 @pytest.mark.slow
 def test_a_task_that_loses_its_process_is_run_again_and_given_up_if_it_does_so_alone(tmp_path: Path) -> None:
     tasks = [{"number": number, "folder": str(tmp_path)} for number in range(9)]
-    found = {task["number"]: result for task, result in run_all(fleet_work.deadly, tasks, 2)}
+    found = {task["number"]: result for task, result in Processes(2).run(fleet_work.deadly, tasks)}
     assert sorted(found) == list(range(9))
     assert [number for number, result in found.items() if result is None] == [3]
+
+
+@pytest.mark.slow
+def test_dask_gives_the_same_verdicts_and_models(logs: Path) -> None:
+    """Its workers have another working folder, and one of them is killed."""
+    pytest.importorskip("distributed")
+    how = {"base": "cramer", "memory": fleet_work.ONE_EACH}
+    diagnose_fleet("logs", "sensor_id", out="here.parquet", models="m1", workers=1, **how)
+    with open_engine("dask-local", 2) as engine:
+        pids: list[int] = list(engine.ask(os.getpid).values())
+
+        def kill(done: int, total: int, earlier: int) -> None:
+            if done == 1:
+                os.kill(pids[0], signal.SIGKILL)
+
+        diagnose_fleet(
+            "logs", "sensor_id", out="there.parquet", models="m2", engine=engine, progress=kill, **how
+        )
+    changing = ["seconds"]
+    assert (
+        pl.read_parquet("there.parquet").drop(changing).equals(pl.read_parquet("here.parquet").drop(changing))
+    )
+    for file in Path("m1").iterdir():
+        assert (Path("m2") / file.name).read_bytes() == file.read_bytes()
+    assert len(list(Path("m2").iterdir())) == 7
+
+
+@pytest.mark.slow
+def test_the_engine_of_the_command(logs: Path, run: Callable[..., tuple[int, str]]) -> None:
+    pytest.importorskip("distributed")
+    words = ["diagnose", "logs", "--by", "sensor_id", "-o", "v.csv", "--base", "cramer", "--workers", "2"]
+    assert run(*words, "--engine", "dask-local", "--quiet") == (0, "")
+    assert len(Path("v.csv").read_text().splitlines()) == 7
+    code, said = run("diagnose", "logs/a.parquet", "--engine", "dask-local")
+    assert code == 2
+    assert "--engine is for a fleet" in said

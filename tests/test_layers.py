@@ -14,13 +14,14 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "errors"},
-    {"codes", "outputs", "checksums"},
+    {"codes", "outputs", "checksums", "objects"},
+    {"places"},
     {"quantities"},
     {"conditions"},
     {"domain", "air", "registry"},
     {"model"},
     {"observations"},
-    {"sweep", "calibrate"},
+    {"sweep", "calibrate", "engines"},
     {"diagnose", "silicon", "echoes"},
     {"plots", "report", "verify", "firmware", "batch", "correct"},
     {"study", "explore", "fleet", "watch"},

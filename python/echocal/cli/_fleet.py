@@ -44,6 +44,7 @@ class How:
     kind: str | None
     memory: str
     workers: int | None
+    engine: str
 
 
 def is_fleet(inputs: Sequence[Path], table: Path | None) -> bool:
@@ -107,6 +108,7 @@ def diagnose_sensors(
             reading=reading,
             layout=layout,
             workers=how.workers,
+            engine=how.engine,
             memory=in_bytes(how.memory),
             force=force,
             progress=progress,

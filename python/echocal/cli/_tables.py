@@ -11,11 +11,12 @@ import typer
 from rich.console import Console
 
 from echocal.cli._outputs import pass_on
+from echocal.engines.names import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.plan import read_columns
 
-__all__ = ["Columns", "Json", "Missing", "Quiet", "ReadingSpeed", "SkipLines", "TimeZone", "Trust"]
+__all__ = ["Columns", "Engine", "Json", "Missing", "Quiet", "ReadingSpeed", "SkipLines", "TimeZone", "Trust"]
 __all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read"]
 __all__ += ["toml_files", "write_json"]
 
@@ -45,6 +46,9 @@ TimeZone: TypeAlias = Annotated[str, typer.Option(help="Zone of times without an
 SkipLines: TypeAlias = Annotated[int, typer.Option(min=0, help="Lines before the header.")]
 Decimal: TypeAlias = Annotated[str, typer.Option(help="Decimal separator of a text file.")]
 Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
+Engine: TypeAlias = Annotated[
+    str, typer.Option(metavar="NAME", help=f"Who does the work: {', '.join(ENGINES)}.")
+]
 Json: TypeAlias = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - is stdout.")
 ]

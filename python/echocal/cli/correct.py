@@ -14,6 +14,7 @@ from echocal.cli._tables import (
     Columns,
     Decimal,
     Encoding,
+    Engine,
     Json,
     Missing,
     Quiet,
@@ -33,14 +34,19 @@ from echocal.correct.manifest import FOLDER
 from echocal.correct.said import sentences
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
+from echocal.objects import Object
 from echocal.observations.text import Layout
+from echocal.places import Place, place_of
 
 
 def command(
     data: Annotated[
-        str, typer.Argument(metavar="IN", help="CSV, TSV, Parquet; a folder of them, or a glob in quotes.")
+        str,
+        typer.Argument(
+            metavar="IN", help="CSV, TSV, Parquet; a folder of them, or a glob in quotes; or s3://..."
+        ),
     ],
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="OUT", help="File or folder to write.")],
+    out: Annotated[str, typer.Option("--out", "-o", metavar="OUT", help="File or folder to write.")],
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
     ] = None,
@@ -89,6 +95,7 @@ def command(
     ] = None,
     memory: Annotated[str, typer.Option(help="Memory that the run may use.")] = "512MB",
     processes: Annotated[int, typer.Option(min=1, help="Processes; threads for a single file.")] = 2,
+    engine: Engine = "local",
     column: Columns = None,
     missing: Missing = None,
     trust: Trust = None,
@@ -103,14 +110,16 @@ def command(
 ) -> None:
     """Append corrected_distance_m, its standard uncertainty and a reason code; same rows, same order."""
     inputs = find_inputs(data)
+    place = place_of(out)
     if inputs.single:
-        refuse_ending(out)
+        refuse_ending(place)
+    if isinstance(place, Object) and not force:
+        _refuse_replacing(inputs, place)
     check_outputs(
         Output("--json", json, _made_by.result("echocal.correct")),
-        Output("--out", out if inputs.single else None, _made_by.table("correct")),
-        *_made(inputs, out),
-        inputs=[*(source.path for source in inputs.files), model, *toml_files(column)],
-        folder=None if inputs.single else out,
+        *_made(inputs, place),
+        inputs=[*(s.path for s in inputs.files if isinstance(s.path, Path)), model, *toml_files(column)],
+        folder=None if inputs.single or isinstance(place, Object) else place,
         force=force,
     )
     if models is not None and (model is not None or law is not None or effect):
@@ -134,6 +143,7 @@ def command(
             round_mm=round_mm,
             memory=memory,
             processes=processes,
+            engine=engine,
             layout=Layout(skip_lines, decimal, encoding),
             force=force,
             progress=progress,
@@ -141,7 +151,7 @@ def command(
             **options,
         )
     notes([*inputs.left_out(), *sentences(summary.results.values()), *_of_model(correction)], quiet)
-    files = {str(out if inputs.single else out / place): it for place, it in summary.results.items()}
+    files = {str(place if inputs.single else place / name): it for name, it in summary.results.items()}
     write_json(
         {"schema": "echocal.correct/1", "files": {path: _rows(it) for path, it in files.items()}}, json
     )
@@ -153,12 +163,27 @@ def command(
         raise DataError(message)
 
 
-def _made(inputs: Inputs, out: Path) -> list[Output]:
-    """Outputs in a folder; those that its manifest has may be replaced."""
-    if inputs.single or (out / FOLDER).is_dir():
+def _made(inputs: Inputs, out: Place) -> list[Output]:
+    """Outputs on a disk; those that the manifest of a folder has may be replaced."""
+    if isinstance(out, Object):
+        return []
+    if inputs.single:
+        return [Output("--out", out, _made_by.table("correct"))]
+    if (out / FOLDER).is_dir():
         return []
     names = [source.place.as_posix() for source in inputs.files]
     return made_in(out, "--out", names, _made_by.table("correct"))
+
+
+def _refuse_replacing(inputs: Inputs, out: Object) -> None:
+    """Refuse objects that exist, unless they are in a folder of outputs."""
+    if not inputs.single and (out / FOLDER / "manifest.jsonl").exists():
+        return
+    for source in inputs.files:
+        coming = out if inputs.single else out / source.place
+        if coming.exists():
+            message = f"--out {coming} exists: choose another name, or replace it with --force"
+            raise UsageError(message)
 
 
 def _of_model(correction: Model | None) -> list[str]:

@@ -26,6 +26,7 @@ from echocal.cli._tables import (
 )
 from echocal.diagnose import Diagnosis, diagnose
 from echocal.diagnose.experiment_design.ranges import parsed_ranges
+from echocal.engines.names import ENGINES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
@@ -136,6 +137,10 @@ def command(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Of a fleet: processes; default: all processors.")
     ] = None,
+    engine: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help=f"Of a fleet: who does the work: {', '.join(ENGINES)}."),
+    ] = None,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     force: Force = False,
@@ -147,7 +152,9 @@ def command(
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
     reading = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout)
     is_fleet = _fleet.is_fleet([data, *tables], output)
-    _refuse_fleet_options(is_fleet, {"--results": results, "--kind": kind, "--workers": workers})
+    _refuse_fleet_options(
+        is_fleet, {"--results": results, "--kind": kind, "--workers": workers, "--engine": engine}
+    )
     if is_fleet or tables or by is not None:
         alone = {
             "--save-model": model,
@@ -174,7 +181,7 @@ def command(
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading,
                 _fleet.Outputs(output, models, results, plots, json),
-                _fleet.How(kind, memory, workers),
+                _fleet.How(kind, memory, workers, engine or "local"),
                 force=force,
                 quiet=quiet,
             )

@@ -6,21 +6,24 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
-from echocal.correct.driver import Progress, Summary, run, task_of
-from echocal.correct.executors import Executor, Here, Processes
+from echocal.correct.driver import Progress, Summary, question_of, run, run_tasks, task_of
 from echocal.correct.inputs import Inputs, find_inputs, refuse_nested
 from echocal.correct.job import plain_job
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
 from echocal.correct.tables import as_names
-from echocal.correct.task import run_task
 from echocal.correct.uncertainty import Uncertainties
+from echocal.engines import Engine, open_engine
+from echocal.engines.checks import check_workers
+from echocal.engines.names import is_elsewhere
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
+from echocal.objects import is_url
 from echocal.observations.plan import read_columns
 from echocal.observations.text import Layout
+from echocal.places import place_of, size_of
 
 __all__ = ["correct_files", "job_of"]
 
@@ -42,7 +45,7 @@ def correct_files(
     round_mm: float | None = None,
     memory: int | str = "512MB",
     processes: int = 2,
-    executor: Executor | None = None,
+    engine: str | Engine = "local",
     layout: Layout | None = None,
     force: bool = False,
     progress: Callable[[Progress], None] = lambda state: None,
@@ -52,10 +55,10 @@ def correct_files(
 
     Parameters
     ----------
-    source : path
+    source : path or URL
         CSV, TSV, either gzipped, Parquet; a folder of them, or a glob. Folders may be partitions
         (``sensor_id=17/``).
-    out : path
+    out : path or URL
         The file to write; a folder for a folder or a glob. There, what is done is recorded, and is not done
         again.
     model : Model, optional
@@ -78,9 +81,10 @@ def correct_files(
     memory : int or str
         Memory that the run may use: ``"512MB"``.
     processes : int
-        Processes, or threads for a single file.
-    executor : Executor, optional
-        Who runs the tasks; default: this machine.
+        Processes of this machine, or threads for a single file.
+    engine : str or Engine
+        Who corrects the files: ``"local"``, ``"dask-local"``, ``"dask://HOST:PORT"``; see docs/batch.md. On a
+        cluster, `memory` is what each task may use.
     layout : Layout, optional
         How text files are written.
     force : bool
@@ -115,14 +119,18 @@ def correct_files(
     >>> (folder / "out.csv").read_text().splitlines()[1]
     '11680,20,2.000305,,,'
     """
-    inputs, target = find_inputs(source), Path(out)
+    elsewhere = is_elsewhere(engine)
+    if elsewhere:  # whose processes have working folders of their own
+        source, out = (path if is_url(path) else Path(path).absolute() for path in (source, out))
+        models = None if models is None else Path(models).absolute()
+    inputs, target = find_inputs(source), place_of(out)
     refuse_nested(inputs, source, target)
     if (model is None) == (models is None):
         raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
     if (models is None) != (by is None) and models is not None:
         raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
-    several = len(inputs.files) > 1 and sum(_size(file.path) for file in inputs.files) > _SMALL
-    spread = several and processes > 1 and executor is None
+    several = len(inputs.files) > 1 and sum(size_of(file.path) for file in inputs.files) > _SMALL
+    spread = processes > 1 and (several or engine != "local") and not elsewhere
     limit = in_bytes(memory)
     job = job_of(
         model,
@@ -134,7 +142,7 @@ def correct_files(
         append_only=append_only,
         round_mm=round_mm,
         memory=limit // processes if spread else limit,
-        threads=1 if spread else processes,
+        threads=1 if spread or elsewhere else processes,
         options=options,
         several=not inputs.single,
         logs=logs,
@@ -146,27 +154,30 @@ def correct_files(
     found = logs_of(inputs, keys, model, folder, logs, job)
     tasks = {
         s.place.as_posix(): task_of(
-            s, targets[s.place.as_posix()], job, keys[s.place.as_posix()], found[s.place.as_posix()]
+            s, targets[s.place.as_posix()], job, digest, keys[s.place.as_posix()], found[s.place.as_posix()]
         )
         for s in inputs.files
     }
-    if inputs.single:
-        return _single(inputs, next(iter(tasks.values())), progress)
-    run_by = executor or (Processes(processes) if spread else Here())
-    return run(inputs, tasks, target, run_by, digest, force=force, progress=progress)
+    with open_engine(engine, processes if spread else 1) as by_whom:
+        if inputs.single:
+            return _single(inputs, next(iter(tasks.values())), by_whom, progress)
+        return run(inputs, tasks, target, by_whom, force=force, progress=progress)
 
 
-def _single(inputs: Inputs, task: Mapping[str, Any], progress: Callable[[Progress], None]) -> Summary:
+def _single(
+    inputs: Inputs, task: Mapping[str, Any], engine: Engine, progress: Callable[[Progress], None]
+) -> Summary:
     """Correct one file; a mistake in it is an error."""
     import echocal.errors as errors
 
-    state = Progress(1, _size(inputs.files[0].path))
+    state = Progress(1, size_of(inputs.files[0].path))
 
     def tell(rows: int) -> None:
         state.rows += rows
         progress(state)
 
-    result = run_task(task, tell)
+    check_workers(engine, question_of(task))
+    (result,) = run_tasks(engine, [task], tell)
     if result["error"] is not None:
         kind = getattr(errors, result["error"]["kind"], errors.DataError)
         raise kind(result["error"]["text"])
@@ -238,10 +249,3 @@ def _plain_codes(missing: Any) -> Any:
     if isinstance(missing, Mapping):
         return {str(name): _plain_codes(codes) for name, codes in missing.items()}
     return [str(code) for code in ([missing] if isinstance(missing, str | int | float) else missing)]
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except (OSError, ValueError):  # the reader of the file says what is wrong
-        return 0

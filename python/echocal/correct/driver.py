@@ -1,20 +1,25 @@
-"""The run over many files: tasks, manifest, resume. Who runs the tasks is another matter (`executors`)."""
+"""The run over many files: tasks, manifest, resume. `echocal.engines` has who runs the tasks."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
-from echocal.correct.executors import Executor
 from echocal.correct.inputs import Inputs, Source
 from echocal.correct.lock import locked
 from echocal.correct.manifest import FOLDER, Manifest
-from echocal.correct.task import SCHEMA
+from echocal.correct.task import RESULT, SCHEMA, run_task
+from echocal.engines import Engine
+from echocal.engines.checks import check_workers
 from echocal.errors import OutputError
+from echocal.objects import Object
+from echocal.places import Place, exists, file_digest, place_of, size_of
 
-__all__ = ["Progress", "Summary", "run", "task_of"]
+__all__ = ["Progress", "Summary", "question_of", "run", "run_tasks", "task_of"]
 
 _STRAY = re.compile(r"\..+\.[0-9a-f]{16}\.unfinished")
 
@@ -72,7 +77,12 @@ class Summary:
 
 
 def task_of(
-    source: Source, target: Path, job: Mapping[str, Any], key: str | None, log: list[Path]
+    source: Source,
+    target: Place,
+    job: Mapping[str, Any],
+    digest: str,
+    key: str | None,
+    log: Sequence[Place],
 ) -> dict[str, Any]:
     """The task of one file, as plain data."""
     return {
@@ -82,6 +92,7 @@ def task_of(
         "target": str(target),
         "key": key,
         "log": [str(path) for path in log],
+        "digest": digest,
         "job": dict(job),
     }
 
@@ -89,9 +100,8 @@ def task_of(
 def run(
     inputs: Inputs,
     tasks: Mapping[str, Mapping[str, Any]],
-    out: Path,
-    executor: Executor,
-    models: str,
+    out: Place,
+    engine: Engine,
     *,
     force: bool = False,
     progress: Callable[[Progress], None] = lambda state: None,
@@ -103,29 +113,27 @@ def run(
     inputs : Inputs
     tasks : mapping of str to dict
         Task of each file by the place of its output.
-    out : Path
+    out : Path or Object
         Folder of the outputs.
-    executor : Executor
-    models : str
-        Digest of the models.
+    engine : Engine
     force : bool
         Begin anew where the folder was begun with another model.
 
     Raises
     ------
     UsageError
-        If another run writes the folder, it was begun with another model, or it cannot be written.
+        If another run writes the folder, it was begun with another model, it cannot be written, or a worker
+        of the engine would do other work than this process.
     """
     summary = Summary()
-    with locked(out / FOLDER / "lock"):
-        sweep(out)
-        job = next(iter(tasks.values()))["job"]
-        manifest = Manifest(out, job, models, __version__, force=force)
+    with _alone(out):
+        first = next(iter(tasks.values()))
+        manifest = Manifest(out, first["job"], first["digest"], __version__, force=force)
         sources = {source.place.as_posix(): source for source in inputs.files}
         left = [place for place, source in sources.items() if not manifest.is_done(place, source.path)]
         summary.skipped = len(sources) - len(left)
         summary.results = {place: manifest.line(place) for place in sources if place not in set(left)}
-        sizes = {place: _size(sources[place].path) for place in left}
+        sizes = {place: size_of(sources[place].path) for place in left}
         state = Progress(len(left), sum(sizes.values()))
         places = {tasks[place]["target"]: place for place in left}
 
@@ -134,7 +142,9 @@ def run(
             progress(state)
 
         progress(state)
-        for result in executor.run((tasks[place] for place in left), tell):
+        if left:
+            check_workers(engine, question_of(tasks[left[0]], manifest.file))
+        for result in run_tasks(engine, [tasks[place] for place in left], tell):
             place = places[result["target"]]
             if (result["error"] or {}).get("kind") == "OutputError":
                 raise OutputError(result["error"]["text"])
@@ -143,8 +153,59 @@ def run(
             state.files += 1
             state.bytes += sizes[place]
             progress(state)
-        sweep(out)  # of workers that died
+        manifest.close()
     return summary
+
+
+@contextmanager
+def _alone(out: Place) -> Iterator[None]:
+    """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays."""
+    if isinstance(out, Object):
+        yield
+        return
+    with locked(out / FOLDER / "lock"):
+        sweep(out)
+        yield
+        sweep(out)  # of workers that died
+
+
+def question_of(task: Mapping[str, Any], written: Place | None = None) -> dict[str, Any]:
+    """What every worker must see as this process does: input, models, and what this process has written."""
+    question: dict[str, Any] = {
+        "files": {task["source"]: size} if (size := size_of(place_of(task["source"]))) else {},
+        "models": task["job"]["models"],
+        "digest": task["digest"],
+    }
+    if written is not None:
+        question["written"] = [str(written), file_digest(written)]
+    return question
+
+
+def run_tasks(
+    engine: Engine, tasks: Sequence[Mapping[str, Any]], tell: Callable[[int], None]
+) -> Iterator[dict[str, Any]]:
+    """Results of tasks, as they end; `tell` is told the rows that are done."""
+    for task, result in engine.run(partial(run_task, progress=tell) if engine.inside else run_task, tasks):
+        if result is None:
+            yield _died(task)
+            continue
+        if not engine.inside:
+            tell(result.get("rows", 0))
+            if result["error"] is None and not exists(place_of(result["target"])):
+                text = f"{task['source']}: a worker wrote {result['target']}, which is absent here"
+                result = {**result, "error": {"kind": "OutputError", "text": text}}
+        yield result
+
+
+def _died(task: Mapping[str, Any]) -> dict[str, Any]:
+    text = f"{task['source']}: each process that corrected it was killed; too little memory?"
+    return {
+        "schema": RESULT,
+        "source": task["source"],
+        "target": task["target"],
+        "error": {"kind": "ProcessDied", "text": text},
+        "seconds": 0.0,
+    }
 
 
 def sweep(out: Path) -> None:
@@ -155,10 +216,3 @@ def sweep(out: Path) -> None:
 
 def _strays(out: Path) -> Iterator[Path]:
     return (path for path in out.rglob(".*.unfinished") if _STRAY.fullmatch(path.name))
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except OSError:
-        return 0

@@ -14,6 +14,7 @@ from echocal.errors import DataError, UsageError, writing
 from echocal.model import Model
 from echocal.observations.source import is_folder
 from echocal.observations.text import Layout
+from echocal.places import Place
 
 __all__ = ["correct_file", "correct_folder"]
 
@@ -114,7 +115,7 @@ def correct_folder(
     return {Path(out) / place: _corrected(result) for place, result in summary.results.items()}
 
 
-def refuse_ending(path: Path) -> None:
+def refuse_ending(path: Place) -> None:
     """Raise `UsageError` for an output of an unknown kind."""
     if not path.name.lower().endswith(ENDINGS):
         message = f"cannot write {path}; endings: {', '.join(ENDINGS)}"

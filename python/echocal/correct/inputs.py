@@ -1,12 +1,14 @@
 """Files to correct: one, those of a folder, of a glob, of a tree of partitions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath, PurePosixPath
 from urllib.parse import unquote
 
 from echocal.errors import DataError, UsageError
+from echocal.objects import Object, is_url
 from echocal.observations.source import is_folder
+from echocal.places import Place
 
 __all__ = ["ENDINGS", "PARQUETS", "TEXTS", "Inputs", "Source", "find_inputs"]
 
@@ -24,13 +26,27 @@ class Source:
 
     Attributes
     ----------
-    path : Path
-    place : Path
+    path : Path or Object
+    place : PurePath
         The same below the folder that was given: its output has this name in the folder of the outputs.
     """
 
-    path: Path
-    place: Path
+    path: Place
+    place: PurePath
+
+    @property
+    def file(self) -> Path:
+        """The file of a disk.
+
+        Raises
+        ------
+        UsageError
+            If it is an object of a store.
+        """
+        if isinstance(self.path, Path):
+            return self.path
+        message = f"{self.path} is in an object store, and this command reads files: copy it first"
+        raise UsageError(message)
 
     @property
     def partition(self) -> dict[str, str]:
@@ -50,14 +66,14 @@ class Inputs:
         In the order of their names.
     single : bool
         Whether one file was named, so that the output is a file.
-    hidden, unknown : tuple of Path
+    hidden, unknown : tuple of Path or Object
         Files that are left out: by a name that begins with ``.`` or ``_``, and by an unknown ending.
     """
 
     files: tuple[Source, ...]
     single: bool
-    hidden: tuple[Path, ...] = field(default=())
-    unknown: tuple[Path, ...] = field(default=())
+    hidden: tuple[Place, ...] = field(default=())
+    unknown: tuple[Place, ...] = field(default=())
 
     def left_out(self) -> list[str]:
         """A sentence on each kind of files that are left out."""
@@ -69,31 +85,47 @@ class Inputs:
 
 
 def find_inputs(given: str | Path) -> Inputs:
-    """Find the files of a path, a folder or a glob.
+    """Find the files of a path, a folder or a glob; of a disk, or of an object store by its URL.
 
     Raises
     ------
     DataError
         If there is none that can be corrected.
     """
+    if is_url(given):
+        return _objects(str(given))
     path = Path(given)
     if is_folder(path):
-        return _sorted_out(path, (file for file in path.rglob("*")), str(given))
+        return _sorted_out(_below(path, path.rglob("*")), str(given))
     if _GLOB & set(str(given)) and not _exists(path):
         fixed = _fixed(path)
         pattern = str(path.relative_to(fixed))
-        return _sorted_out(fixed, fixed.glob(pattern), str(given))
+        return _sorted_out(_below(fixed, fixed.glob(pattern)), str(given))
     return Inputs((Source(path, Path(path.name)),), single=True)
 
 
-def _sorted_out(root: Path, found: Iterator[Path], given: str) -> Inputs:
+def _objects(url: str) -> Inputs:
+    """Find objects."""
+    root, pattern = Object(url), "**"
+    if not root.is_folder():
+        if not _GLOB & set(url) or root.exists():
+            return Inputs((Source(root, PurePosixPath(root.name)),), single=True)
+        scheme, _, path = url.partition("://")
+        fixed = _fixed(Path(path)).as_posix()
+        root, pattern = Object(f"{scheme}://{fixed}"), path[len(fixed) + 1 :]
+    found = ((root / name, PurePosixPath(name)) for name in root.below(pattern))
+    return _sorted_out(found, url)
+
+
+def _below(root: Path, found: Iterator[Path]) -> Iterator[tuple[Path, PurePath]]:
+    return ((path, path.relative_to(root)) for path in sorted(set(found)) if path.is_file())
+
+
+def _sorted_out(found: Iterable[tuple[Place, PurePath]], given: str) -> Inputs:
     files: list[Source] = []
-    hidden: list[Path] = []
-    unknown: list[Path] = []
-    for path in sorted(set(found)):
-        if not path.is_file():
-            continue
-        place = path.relative_to(root)
+    hidden: list[Place] = []
+    unknown: list[Place] = []
+    for path, place in found:
         if any(part.startswith((".", "_")) for part in place.parts):
             hidden.append(path)
         elif path.name.lower().endswith(ENDINGS):
@@ -106,9 +138,15 @@ def _sorted_out(root: Path, found: Iterator[Path], given: str) -> Inputs:
     return Inputs(tuple(files), False, tuple(hidden), tuple(unknown))
 
 
-def refuse_nested(inputs: Inputs, given: str | Path, out: Path) -> None:
+def refuse_nested(inputs: Inputs, given: str | Path, out: Place) -> None:
     """Raise `UsageError` where outputs would lie among the inputs."""
-    root = _fixed(Path(given)) if not is_folder(Path(given)) else Path(given)
+    if is_url(given) or is_url(out):
+        folder = str(given).rstrip("/") + "/"
+        if not inputs.single and f"{out}/".startswith(folder):
+            message = f"{out} is or lies in the input itself; choose another output"
+            raise UsageError(message)
+        return
+    root, out = _fixed(Path(given)) if not is_folder(Path(given)) else Path(given), Path(str(out))
     if not inputs.single and root.resolve() in (out.resolve(), *out.resolve().parents):
         message = f"{out} is or lies in the input itself; choose another output"
         raise UsageError(message)
@@ -131,7 +169,7 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _listed(files: tuple[Path, ...]) -> str:
+def _listed(files: tuple[Place, ...]) -> str:
     shown = ", ".join(str(file) for file in files[:3])
     more = f" and {len(files) - 3} more" if len(files) > 3 else ""
     return f"{len(files)} {'file' if len(files) == 1 else 'files'} ({shown}{more})"

@@ -9,6 +9,8 @@ from typing import Any
 
 from echocal.correct.rows import Reading
 from echocal.correct.uncertainty import Uncertainties
+from echocal.engines.checks import models_digest
+from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
@@ -79,14 +81,26 @@ class Job:
 
     @classmethod
     def of(cls, task: Mapping[str, Any]) -> "Job":
-        """The job of a task."""
-        return _job(json.dumps(task["job"], sort_keys=True))
+        """The job of a task.
+
+        Raises
+        ------
+        ModelError
+            If this process has other models than the one that made the task.
+        """
+        return _job(json.dumps(task["job"], sort_keys=True), task["digest"])
 
 
 @lru_cache(maxsize=4)
-def _job(text: str) -> Job:
+def _job(text: str, digest: str) -> Job:
     plain = json.loads(text)
     models = plain["models"]
+    if models_digest(models) != digest:
+        message = (
+            f"the models {models.get('folder', 'of the task')} are not those that the run was begun with; "
+            "every process needs the same files, and they may not change while it runs"
+        )
+        raise ModelError(message)
     reading = plain["reading"]
     return Job(
         Models(from_plain(models["model"]))

@@ -16,6 +16,8 @@ from echocal.correct.needed import remembered
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
+from echocal.objects import Object
+from echocal.places import Place
 
 __all__ = ["LOGS", "Surroundings", "logs_of", "surroundings"]
 
@@ -78,11 +80,11 @@ def surroundings(
         If the log is larger than the memory, or its files overlap in time.
     """
     key = (tuple(files), corrector.columns)
-    if key not in _KEPT:
+    log = _KEPT.get(key)
+    if log is None:
         log = _read_log(files, corrector, read, memory)
         _KEPT.clear()
         _KEPT[key] = log
-    log = _KEPT[key]
     begin, end = log.places[files[place]]
     first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(log.table))
     return Surroundings(
@@ -155,7 +157,7 @@ def logs_of(
     folder: ModelFolder | None,
     logs: str | None,
     job: Mapping[str, Any],
-) -> dict[str, list[Path]]:
+) -> Mapping[str, Sequence[Place]]:
     """Files of the log that each file belongs to, in the order of time, by the place of its output.
 
     Only where the model depends on other rows; else every file is corrected by itself.
@@ -168,7 +170,7 @@ def logs_of(
     if logs not in (None, *LOGS):
         message = f"--logs {logs} is not one of {', '.join(LOGS)}"
         raise UsageError(message)
-    alone = {source.place.as_posix(): [source.path] for source in inputs.files}
+    alone: dict[str, list[Place]] = {s.place.as_posix(): [s.path] for s in inputs.files}
     if len(inputs.files) == 1 or logs == "file":
         return alone
     groups: dict[str | None, list[Source]] = {}
@@ -187,7 +189,14 @@ def logs_of(
                 "or --by COLUMN with one partition for each sensor"
             )
             raise UsageError(message)
-        ordered = [source.path for source in sources]
+        ordered: list[Place] = [source.path for source in sources]
+        if any(isinstance(path, Object) for path in ordered):
+            message = (
+                f"the model has {', '.join(depends)}, which depends on the other rows of a log, and the "
+                f"{len(ordered)} files of it are in an object store; copy them to a disk first, or write "
+                "each log into one file"
+            )
+            raise UsageError(message)
         for source in sources:
             alone[source.place.as_posix()] = ordered
     return alone

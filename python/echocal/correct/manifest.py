@@ -1,25 +1,31 @@
 """The manifest of a folder of outputs: what is done, with what, and what was set aside.
 
 Lines of JSON in ``_echocal/manifest.jsonl``: first what all files have in common, then a line for each file
-when it is in its place. A line that a crash cut off is no line.
+when it is in its place. A line that a crash cut off is no line. In an object store, where nothing can be
+appended, the whole manifest is put anew every few seconds, and at the end.
 """
 
 import json
 import os
+import time
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from echocal.correct.task import file_digest, stamp
-from echocal.errors import UsageError, writing
+from echocal.errors import DataError, UsageError, writing
 from echocal.model.document import sha256
+from echocal.objects import Object
 from echocal.outputs import replace_text
+from echocal.places import Place, exists, file_digest, stamp
 
 __all__ = ["FOLDER", "Manifest"]
 
 FOLDER = "_echocal"
 _SCHEMA = "echocal.manifest/1"
 _FILE = "manifest.jsonl"
+_EVERY = 5.0
+"""Time between two manifests in an object store [s]: a killed run repeats what it did since; judgement."""
+_SHARE = 20.0
+"""The same in times that putting one takes; judgement."""
 _OF_THE_MACHINE = ("memory", "threads")  # options that change no output
 
 
@@ -28,7 +34,7 @@ class Manifest:
 
     Parameters
     ----------
-    out : Path
+    out : Path or Object
         Folder of the outputs.
     job : mapping
         The job of all tasks; see `echocal.correct.job`.
@@ -46,7 +52,7 @@ class Manifest:
     """
 
     def __init__(
-        self, out: Path, job: Mapping[str, Any], models: str, version: str, *, force: bool = False
+        self, out: Place, job: Mapping[str, Any], models: str, version: str, *, force: bool = False
     ) -> None:
         self.out = out
         self.file = out / FOLDER / _FILE
@@ -58,23 +64,20 @@ class Manifest:
             raise UsageError(self._other(lines[0]))
         if lines and lines[0] == self._head:
             self._done = {line["place"]: line for line in lines[1:]}
-        with writing(self.file):
-            self.file.parent.mkdir(parents=True, exist_ok=True)
-        text = "".join(json.dumps(line) + "\n" for line in (self._head, *self._done.values()))
-        replace_text(self.file, text)  # without what a crash cut off
+        self._put()  # without what a crash cut off
 
     @property
     def places(self) -> set[str]:
         """Outputs that are known."""
         return set(self._done)
 
-    def is_done(self, place: str, source: Path) -> bool:
+    def is_done(self, place: str, source: Place) -> bool:
         """Whether an output is in its place, whole, and of this input as it is now."""
         line = self._done.get(place)
         if line is None or line["error"] is not None:
             return False
         target = self.out / place
-        if not target.is_file() or stamp(target) != line["output"]:
+        if not exists(target) or stamp(target) != line["output"]:
             return False
         now, then = stamp(source), dict(line["input"])
         digest = then.pop("sha256")
@@ -85,18 +88,42 @@ class Manifest:
         return self._done[place]
 
     def add(self, place: str, result: Mapping[str, Any]) -> None:
-        """Record the result of a task; it is on the disk when this returns."""
+        """Record the result of a task; on a disk, it is there when this returns."""
         line = {"place": place, **result}
+        self._done[place] = line
+        if isinstance(self.file, Object):
+            if time.monotonic() > self._next:
+                self._put()
+            return
         with writing(self.file), self.file.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
             file.flush()
             os.fsync(file.fileno())
-        self._done[place] = line
+
+    def close(self) -> None:
+        """Put what is not yet in the store."""
+        if isinstance(self.file, Object):
+            self._put()
+
+    def _put(self) -> None:
+        begun = time.monotonic()
+        text = "".join(json.dumps(line) + "\n" for line in (self._head, *self._done.values()))
+        if isinstance(self.file, Object):
+            self.file.write_text(text)
+        else:
+            with writing(self.file):
+                self.file.parent.mkdir(parents=True, exist_ok=True)
+            replace_text(self.file, text)
+        now = time.monotonic()
+        self._next = now + max(_EVERY, _SHARE * (now - begun))
 
     def _read(self) -> list[dict[str, Any]]:
         try:
-            text = self.file.read_text(encoding="utf-8", errors="replace")
-        except OSError:
+            if isinstance(self.file, Object):
+                text = self.file.read_text()
+            else:
+                text = self.file.read_text(encoding="utf-8", errors="replace")
+        except (OSError, DataError):
             return []
         lines = []
         for line in text.splitlines():

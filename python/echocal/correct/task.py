@@ -4,7 +4,6 @@ The output has a temporary name of its own until it is complete, so that a task 
 time too, or be killed at any moment. The same task makes the same file, byte for byte.
 """
 
-import hashlib
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -15,11 +14,12 @@ from echocal._core import __version__
 from echocal.correct.corrector import Tally
 from echocal.correct.inputs import PARQUETS, TEXTS
 from echocal.correct.job import Job
-from echocal.errors import DataError, EchocalError, UsageError, writing
+from echocal.correct.staged import fetched, replaced
+from echocal.errors import DataError, EchocalError, UsageError
 from echocal.observations.source import is_parquet, refuse_other_kinds
-from echocal.outputs import replacing
+from echocal.places import file_digest, place_of, stamp
 
-__all__ = ["SCHEMA", "file_digest", "run_task", "stamp"]
+__all__ = ["RESULT", "SCHEMA", "run_task"]
 
 SCHEMA = "echocal.task/1"
 RESULT = "echocal.task_result/1"
@@ -43,13 +43,14 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
         raises.
     """
     begun = time.perf_counter()
-    source, target = Path(task["source"]), Path(task["target"])
+    place, target = place_of(task["source"]), place_of(task["target"])
     result: dict[str, Any] = {
         "schema": RESULT,
-        "source": str(source),
+        "source": str(place),
         "target": str(target),
         "error": None,
     }
+    staged = str(place)
     try:
         if task["schema"] != SCHEMA or task["version"] != __version__:
             message = (
@@ -58,15 +59,14 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             )
             raise UsageError(message)
         job = Job.of(task)
-        before = stamp(source)
-        with writing(target.parent):
-            target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as unfinished, ThreadPoolExecutor(1) as beside:
+        before = stamp(place)
+        with fetched(place) as source, replaced(target) as unfinished, ThreadPoolExecutor(1) as beside:
+            staged = str(source)
             digesting = beside.submit(file_digest, source)
-            tally = _correct(source, unfinished, target, job, task, progress)
+            tally = _correct(source, unfinished, target.name, job, task, progress)
             digest = digesting.result()
-            if stamp(source) != before:
-                message = f"{source} was written while it was read; run again when it is complete"
+            if stamp(place) != before:
+                message = f"{place} was written while it was read; run again when it is complete"
                 raise DataError(message)
         result |= {
             "input": {**before, "sha256": digest},
@@ -80,11 +80,11 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             "notes": list(tally.notes),
         }
     except EchocalError as error:
-        result["error"] = {"kind": type(error).__name__, "text": str(error)}
+        result["error"] = {"kind": type(error).__name__, "text": str(error).replace(staged, str(place))}
     except MemoryError:
-        result["error"] = {"kind": "MemoryError", "text": f"{source}: memory ran out; give --memory less"}
+        result["error"] = {"kind": "MemoryError", "text": f"{place}: memory ran out; give --memory less"}
     except OSError as error:
-        text = f"{error.filename or source}: {error.strerror or error}"
+        text = f"{error.filename or place}: {error.strerror or error}".replace(staged, str(place))
         result["error"] = {"kind": "OSError", "text": text}
     result["seconds"] = round(time.perf_counter() - begun, 6)
     return result
@@ -93,14 +93,14 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
 def _correct(
     source: Path,
     unfinished: Path,
-    target: Path,
+    target: str,
     job: Job,
     task: Mapping[str, Any],
     progress: Callable[[int], None],
 ) -> Tally:
     """Correct a file by its kind: what it begins with, and the ending of the output."""
-    log = [Path(path) for path in task["log"]]
-    ending = next((own for own in (*TEXTS, *PARQUETS) if target.name.lower().endswith(own)), "")
+    log = [source if path == task["source"] else Path(path) for path in task["log"]]
+    ending = next((own for own in (*TEXTS, *PARQUETS) if target.lower().endswith(own)), "")
     parquet = is_parquet(source)
     if parquet and ending in PARQUETS:
         from echocal.correct.parquet.file import correct_parquet
@@ -115,31 +115,3 @@ def _correct(
     from echocal.correct.convert import convert
 
     return convert(source, unfinished, ending, job, task["key"])
-
-
-def stamp(path: Path) -> dict[str, int]:
-    """Size [B] and time of the last change [ns] of a file.
-
-    Raises
-    ------
-    DataError
-        If it cannot be read.
-    """
-    try:
-        facts = path.stat()
-    except FileNotFoundError:
-        message = f"no file {path}"
-        raise DataError(message) from None
-    except OSError as error:
-        message = f"{path} cannot be read: {error.strerror or error}"
-        raise DataError(message) from None
-    except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"{str(path)!r} cannot be the name of a file: {error}"
-        raise DataError(message) from None
-    return {"size": facts.st_size, "mtime_ns": facts.st_mtime_ns}
-
-
-def file_digest(path: Path) -> str:
-    """SHA-256 of a file's content."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

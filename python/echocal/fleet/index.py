@@ -83,9 +83,9 @@ def indexed(files: Sequence[Source], by: str | None, kind: str | None, layout: L
     names = _names(files) if by is None else {}
     for file in files:
         try:
-            counted = _counted(file, by, kind, names.get(file.path), layout)
+            counted = _counted(file, by, kind, names.get(file.file), layout)
         except DataError as error:
-            broken[str(file.path)] = str(error)
+            broken[str(file.file)] = str(error)
             continue
         for key, own, rows in counted:
             if key is None:
@@ -121,12 +121,12 @@ def _counted(
     if by is None or by in path:
         own = name if by is None else path[by].strip() or None
         if kind is None or kind in path:
-            return [(own, path.get(kind or ""), _rows(file.path, layout))]
-        table = opened(file.path, layout)
+            return [(own, path.get(kind or ""), _rows(file.file, layout))]
+        table = opened(file.file, layout)
         found = table.read([_label(table, kind).alias("kind")])
         counts = found.group_by("kind").len().sort("kind", nulls_last=True)
         return [(own, value, rows) for value, rows in counts.iter_rows()]
-    table = opened(file.path, layout)
+    table = opened(file.file, layout)
     wanted = [_label(table, by).alias("key")]
     wanted.append(
         _label(table, kind).alias("kind") if kind and kind not in path else pl.lit(None).alias("kind")
@@ -154,9 +154,9 @@ def _rows(file: Path, layout: Layout) -> int:
 
 def _names(files: Sequence[Source]) -> dict[Path, str]:
     """Stems of files, or as much of their paths as makes them differ."""
-    stems = {file.path: file.path.name.partition(".")[0] for file in files}
+    stems = {file.file: file.file.name.partition(".")[0] for file in files}
     if len(set(stems.values())) < len(stems):
-        return {file.path: file.place.as_posix() for file in files}
+        return {file.file: file.place.as_posix() for file in files}
     return stems
 
 

@@ -40,7 +40,7 @@ def tasks_of(
     places: dict[Path, int] = {}
     for sensor in sensors:
         for file, _ in sensor.files:
-            places.setdefault(file.path, len(places))
+            places.setdefault(file.file, len(places))
     most = max(memory // BYTES_A_ROW, 1)
     groups: list[list[Sensor]] = [[]]
     rows = 0
@@ -61,7 +61,7 @@ def tasks_of(
                     "kind": s.kind,
                     "file": names[s.key],
                     "files": [
-                        [str(file.path), by in file.partition, places[file.path]] for file, _ in s.files
+                        [str(file.file), by in file.partition, places[file.file]] for file, _ in s.files
                     ],
                 }
                 for s in group

@@ -10,17 +10,21 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal.correct.driver import sweep
 from echocal.correct.inputs import Source
-from echocal.correct.task import stamp
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
+from echocal.engines import Engine, open_engine
+from echocal.engines.checks import check_workers
+from echocal.engines.here import Here
+from echocal.engines.names import is_elsewhere
+from echocal.engines.processes import processors
 from echocal.errors import DataError, UsageError, writing
 from echocal.fleet import verdicts
 from echocal.fleet.index import Sensor, indexed
 from echocal.fleet.judge import judged
 from echocal.fleet.names import index_text, named
 from echocal.fleet.plan import BYTES_A_ROW, digest, tasks_of
-from echocal.fleet.pool import processors, run_all
 from echocal.fleet.record import FAILED, failure
 from echocal.fleet.source import files_of
 from echocal.fleet.spill import is_spilled, plan_spills, run_spill
@@ -32,6 +36,7 @@ from echocal.model.folder import INDEX
 from echocal.model.plain import to_plain
 from echocal.observations.text import Layout
 from echocal.outputs import replace_text
+from echocal.places import file_digest, stamp
 
 __all__ = ["Fleet", "Progress", "diagnose_fleet"]
 
@@ -76,6 +81,7 @@ def diagnose_fleet(
     layout: Layout | None = None,
     settings: Settings | Mapping[str, Mapping[str, Any]] | None = None,
     workers: int | None = None,
+    engine: str | Engine = "local",
     memory: int = _MEMORY,
     force: bool = False,
     progress: Progress | None = None,
@@ -108,7 +114,9 @@ def diagnose_fleet(
     settings, seed
         As for `echocal.diagnose`.
     workers : int, optional
-        Processes; default: as many as processors.
+        Processes of this machine; default: as many as processors.
+    engine : str or Engine
+        Who diagnoses: ``"local"``, ``"dask-local"``, ``"dask://HOST:PORT"``; see docs/batch.md.
     memory : int
         Bytes of rows that a process holds at a time.
     force : bool
@@ -131,7 +139,7 @@ def diagnose_fleet(
     """
     begun = time.perf_counter()
     given = [inputs] if isinstance(inputs, str | Path) else list(inputs)
-    files = files_of(given)
+    files = files_of([Path(one).absolute() for one in given] if is_elsewhere(engine) else given)
     layout = layout or Layout()
     index = indexed(files.sources, by, kind, layout)
     folders = {"models": _folder(models), "results": _folder(results)}
@@ -155,8 +163,13 @@ def diagnose_fleet(
                 with writing(folder):
                     Path(folder).mkdir(parents=True, exist_ok=True)
             spills = plan_spills(index.sensors, tasks, job, max(memory // BYTES_A_ROW, 1))
-            _divide(store, spills, workers or processors())
-            records = _records(store, tasks, job, workers or processors(), progress)
+            count = workers or processors()
+            with open_engine(engine, count) as by_whom:
+                check_workers(by_whom, _question(store, files.sources[0].file))
+                _divide(store, spills, by_whom, count)
+                records = _records(store, tasks, job, by_whom, progress)
+            for folder in (path for path in folders.values() if path):
+                sweep(Path(folder))  # of workers that died
             found = judged(records, checked)
             rows = [verdicts.row(one, own) for one, own in zip(records, found.sensors, strict=True)]
             whole = [*files.notes, *index.notes]
@@ -170,11 +183,19 @@ def diagnose_fleet(
     return Fleet(rows, told)
 
 
-def _divide(store: Store, spills: Sequence[Mapping[str, Any]], workers: int) -> None:
+def _question(store: Store, file: Path) -> dict[str, Any]:
+    """What every worker must see as this process does: a file, and what this process has written."""
+    return {
+        "files": {str(file): stamp(file)["size"]},
+        "written": [str(store.job.resolve()), file_digest(store.job)],
+    }
+
+
+def _divide(store: Store, spills: Sequence[Mapping[str, Any]], engine: Engine, workers: int) -> None:
     """Divide the files that hold many sensors, as far as an earlier run has not."""
     left = [task for task in spills if not is_spilled(store.folder, task["number"])]
     few = len(left) <= workers  # then starting processes takes longer than the work
-    for task, result in run_all(run_spill, left, 1 if few else workers):
+    for task, result in (Here() if few else engine).run(run_spill, left):
         if result is None:
             files = ", ".join(file for file, *_ in task["files"][:3])
             message = f"the process that divided {files} was killed twice, perhaps for want of memory; "
@@ -185,7 +206,7 @@ def _records(
     store: Store,
     tasks: Sequence[Mapping[str, Any]],
     job: Mapping[str, Any],
-    workers: int,
+    engine: Engine,
     progress: Progress | None,
 ) -> list[dict[str, Any]]:
     """Run what is not finished, and return the records of all sensors in the order of the tasks."""
@@ -201,7 +222,7 @@ def _records(
     done = earlier = sum(len(records) for records in kept.values())
     if progress is not None:
         progress(done, total, earlier)
-    for task, result in run_all(run_task, left, workers):
+    for task, result in engine.run(run_task, left):
         if result is None:
             kept[task["number"]] = [_lost(sensor) for sensor in task["sensors"]]
         done += len(task["sensors"])
@@ -271,7 +292,7 @@ def _state(
     asked: Mapping[str, Any], files: Sequence[Source], sensors: Sequence[Sensor], memory: int
 ) -> dict[str, Any]:
     """What makes a run the same: a change of any of it would mix two runs."""
-    stamps = [(str(file.path.resolve()), *stamp(file.path).values()) for file in files]
+    stamps = [(str(file.file.resolve()), *stamp(file.file).values()) for file in files]
     return {
         "version": __version__,
         **{name: asked[name] for name in sorted(asked)},

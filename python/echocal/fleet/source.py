@@ -38,10 +38,10 @@ def files_of(inputs: Sequence[str | Path]) -> Files:
     notes: list[str] = []
     for given in inputs:
         found = find_inputs(given)
-        if found.single and not found.files[0].path.exists():
+        if found.single and not found.files[0].file.exists():
             message = f"no file {given}"
             raise DataError(message)
         for source in found.files:
-            sources.setdefault(source.path.resolve(), source)
+            sources.setdefault(source.file.resolve(), source)
         notes += found.left_out()
     return Files(tuple(sources.values()), tuple(notes))

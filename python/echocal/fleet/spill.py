@@ -5,6 +5,7 @@ read as often as there are tasks. A piece holds the rows of some input files tha
 tasks.
 """
 
+import secrets
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -98,7 +99,7 @@ def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
         path = folder / f"{bucket:06d}" / f"{task['number']:06d}.parquet"
         with writing(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            unfinished = path.with_name(f".{path.name}.unfinished")
+            unfinished = path.with_name(f".{path.name}.{secrets.token_hex(8)}.unfinished")
             part.drop("_bucket").write_parquet(unfinished, compression="lz4")
             unfinished.replace(path)
     put(_mark(folder, task["number"]), b"")

@@ -44,6 +44,7 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.job = folder / _JOB
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -65,9 +66,8 @@ class Store:
         UsageError
             If the folder has another run.
         """
-        file = self.folder / _JOB
-        if file.exists():
-            before = _json(file)
+        if self.job.exists():
+            before = _json(self.job)
             if before == job:
                 return
             if not force:
@@ -78,7 +78,7 @@ class Store:
                 )
                 raise UsageError(message)
             self.clear()
-        put(file, json.dumps(job, indent=1, sort_keys=True).encode())
+        put(self.job, json.dumps(job, indent=1, sort_keys=True).encode())
 
     def finished(self, number: int) -> list[dict[str, Any]] | None:
         """What a task has left, None if it is not finished or damaged."""

@@ -1,0 +1,43 @@
+"""Files of a task, wherever they lie: an object is copied to this machine for the time of the work."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from echocal.errors import writing
+from echocal.outputs import replacing
+from echocal.places import Place
+
+__all__ = ["fetched", "replaced"]
+
+
+@contextmanager
+def fetched(place: Place) -> Iterator[Path]:
+    """Give a file of this machine with the content."""
+    if isinstance(place, Path):
+        yield place
+        return
+    with _scratch() as folder:
+        place.fetch(folder / place.name)
+        yield folder / place.name
+
+
+@contextmanager
+def replaced(place: Place) -> Iterator[Path]:
+    """Give a file of this machine to write to, and put it in place when it is complete."""
+    if isinstance(place, Path):
+        with writing(place.parent):
+            place.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(place) as unfinished:
+            yield unfinished
+        return
+    with _scratch() as folder:
+        yield folder / "unfinished"
+        place.put(folder / "unfinished")
+
+
+@contextmanager
+def _scratch() -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix="echocal-") as folder:
+        yield Path(folder)

@@ -1,0 +1,46 @@
+"""What an engine is."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
+
+__all__ = ["Engine", "Result", "Task", "Work"]
+
+Task = Mapping[str, Any]
+Result = dict[str, Any]
+Work = Callable[[Task], Result]
+
+
+class Engine(Protocol):
+    """Runs tasks, each at least once.
+
+    Attributes
+    ----------
+    name : str
+        As a message says it: "Dask scheduler tcp://10.0.0.5:8786".
+    inside : bool
+        Whether tasks run in this process, so that they can tell how far they are.
+    """
+
+    name: str
+    inside: bool
+
+    def run(self, work: Work, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result | None]]:
+        """Each task with its result, as they end; None of a task that keeps losing its worker.
+
+        What `work` raises ends the run.
+
+        Parameters
+        ----------
+        work : callable
+            A function of a module, which workers import.
+        tasks : sequence of mapping
+            Plain data.
+        """
+        ...
+
+    def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
+        """The answer of each worker by its name; an exception where it raised one.
+
+        Empty where all workers are of this installation and of this machine.
+        """
+        ...

@@ -1,0 +1,107 @@
+"""Processes of this machine: one task at a time in each, with one thread.
+
+They are started anew and not copied from this process, whose threads may hold locks.
+"""
+
+import multiprocessing
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any
+
+from echocal.engines.engine import Result, Task, Work
+
+__all__ = ["ONE_THREAD", "Processes", "processors"]
+
+ONE_THREAD = {
+    "ECHOCAL_NUM_THREADS": "1",
+    "POLARS_MAX_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment of a process that shares its machine with others of its kind."""
+
+_TWICE = 2  # times that a task may lose its worker
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:
+        return os.cpu_count() or 1
+
+
+class Processes:
+    """Several processes of this machine.
+
+    Parameters
+    ----------
+    count : int
+        Number of processes.
+    """
+
+    inside = False
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self.name = f"{count} processes"
+
+    def run(self, work: Work, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result | None]]:
+        """Run tasks. Those that were running when a process was killed are run again, each alone."""
+        left = dict(enumerate(tasks))
+        lost: Counter[int] = Counter()
+        while left:
+            alone = next((number for number in left if lost[number]), None)
+            few = left if alone is None else {alone: left[alone]}
+            for number, result in self._one_pool(work, dict(few)):
+                lost[number] += result is None
+                if result is not None or (alone is not None and lost[number] >= _TWICE):
+                    yield left.pop(number), result
+
+    def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
+        """Nobody to ask: the processes run the same files."""
+        return {}
+
+    def _one_pool(self, work: Work, tasks: Mapping[int, Task]) -> Iterator[tuple[int, Result | None]]:
+        """Run tasks until all are done or a process is killed; None then for those that were running."""
+        count = min(self._count, len(tasks))
+        with _environment(ONE_THREAD):
+            pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+            try:
+                coming = iter(tasks.items())
+                running: dict[Future[Result], int] = {}
+                while True:
+                    while len(running) < 2 * count and (following := next(coming, None)) is not None:
+                        running[pool.submit(work, following[1])] = following[0]
+                    if not running:
+                        return
+                    done, _ = wait(running, return_when=FIRST_COMPLETED)
+                    for future in done:
+                        result = future.result()
+                        yield running.pop(future), result
+            except BrokenProcessPool:
+                for future, number in running.items():
+                    whole = future.done() and future.exception() is None
+                    yield number, future.result() if whole else None
+            finally:
+                pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _environment(more: Mapping[str, str]) -> Iterator[None]:
+    """Processes that are started meanwhile have these variables."""
+    before = {name: os.environ.get(name) for name in more}
+    os.environ.update(more)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
