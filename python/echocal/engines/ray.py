@@ -41,6 +41,11 @@ class _Ray:
                     result = None
                 except ray.exceptions.RayTaskError as error:
                     raise error.cause from None
+                except ray.exceptions.RayError as error:
+                    message = (
+                        f"{self.name} is gone ({error}); what is complete stays: run again when it is back"
+                    )
+                    raise UsageError(message) from None
                 yield task, result
 
     def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
