@@ -42,6 +42,8 @@ def test_the_same_files_though_a_worker_is_killed(
     logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     correct_files(logs, tmp_path / "here", MODEL)
+    tests = str(Path(__file__).parent)  # its processes import this file and fleet_work
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([tests, os.environ.get("PYTHONPATH", "")]))
     with open_engine("ray-local", 2) as engine:
 
         def kill(state: Progress) -> None:
