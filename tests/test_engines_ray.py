@@ -2,9 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import fleet_work
@@ -65,28 +62,6 @@ def test_the_same_files_though_a_worker_is_killed(
         monkeypatch.setattr(model_folder.ModelFolder, "digest", lambda self: "0" * 64)  # here, not there
         with pytest.raises(UsageError, match=r"worker \S+ \w+ has other models: their digest is"):
             correct_files(logs, tmp_path / "o", models=tmp_path / "m", by="sensor_id", engine=engine)
-
-
-@pytest.fixture
-def address() -> Iterator[str]:
-    ray = str(Path(sys.executable).with_name("ray"))
-    port, client = "16379", "11001"
-    options = ["--head", "--port", port, "--ray-client-server-port", client, "--num-cpus", "2", "--block"]
-    cluster = subprocess.Popen(
-        [ray, "start", *options, "--include-dashboard", "false", "--disable-usage-stats"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    yield f"127.0.0.1:{client}"
-    cluster.terminate()
-    cluster.wait(30)
-
-
-def test_a_cluster_that_runs(logs: Path, tmp_path: Path, address: str) -> None:
-    correct_files(logs, tmp_path / "here", MODEL)
-    correct_files(logs, tmp_path / "there", MODEL, engine=f"ray://{address}")
-    assert contents(tmp_path / "there") == contents(tmp_path / "here")
 
 
 def _refuses(task: object) -> dict[str, object]:

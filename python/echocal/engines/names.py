@@ -27,12 +27,6 @@ def _dask_local(rest: str, workers: int) -> AbstractContextManager[Engine]:
     return local_cluster(workers)
 
 
-def _ray(rest: str, workers: int) -> AbstractContextManager[Engine]:
-    from echocal.engines.ray import cluster
-
-    return cluster(rest)
-
-
 def _ray_local(rest: str, workers: int) -> AbstractContextManager[Engine]:
     from echocal.engines.ray import local_cluster
 
@@ -44,7 +38,6 @@ ENGINES: dict[str, Callable[[str, int], AbstractContextManager[Engine]]] = {
     "dask-local": _dask_local,
     "dask://HOST:PORT": _dask,
     "ray-local": _ray_local,
-    "ray://HOST:PORT": _ray,
 }
 """What opens an engine, by the form of its name."""
 

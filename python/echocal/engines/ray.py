@@ -1,4 +1,4 @@
-"""Ray: a cluster that runs already, or one on this machine for the time of a run."""
+"""Ray on this machine, for the time of a run."""
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -9,7 +9,7 @@ from echocal.engines.engine import Engine, Result, Task, Work
 from echocal.engines.processes import ONE_THREAD
 from echocal.errors import UsageError
 
-__all__ = ["cluster", "local_cluster"]
+__all__ = ["local_cluster"]
 
 _RETRIES = 3
 """How often Ray begins a task again whose worker dies."""
@@ -77,32 +77,6 @@ def _done(work: Callable[..., Any]) -> Callable[..., Any]:
         return work(*given)
 
     return call
-
-
-@contextmanager
-def cluster(address: str) -> Iterator[Engine]:
-    """Connect to a cluster.
-
-    Parameters
-    ----------
-    address : str
-        ``HOST:PORT`` of its Ray client server, or ``auto`` on one of its machines.
-
-    Raises
-    ------
-    UsageError
-        If nobody answers there.
-    """
-    ray = _ray()
-    try:
-        ray.init(address if address == "auto" else f"ray://{address}", log_to_driver=False)
-    except (ConnectionError, ValueError) as error:
-        message = f"no Ray cluster answers at {address}: {error}"
-        raise UsageError(message) from None
-    try:
-        yield _Ray(ray, f"Ray cluster {address}")
-    finally:
-        ray.shutdown()
 
 
 @contextmanager
