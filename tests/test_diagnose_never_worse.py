@@ -102,7 +102,6 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
         assert not any(refuted.id in member.ids for member in diagnosis.members), say
 
 
-@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
 def test_no_model_is_worse_than_the_base(wide: bool, random: np.random.Generator) -> None:
@@ -110,7 +109,6 @@ def test_no_model_is_worse_than_the_base(wide: bool, random: np.random.Generator
         check(echocal.diagnose(humid(random, wide=wide)), f"{table=} {wide=}")
 
 
-@pytest.mark.statistical
 @pytest.mark.slow
 @pytest.mark.parametrize("wide", [False, True])
 def test_nor_on_rows_that_we_hold_out_ourselves(wide: bool, random: np.random.Generator) -> None:

@@ -75,7 +75,8 @@ def test_three_deviations_in_each_of_four_tables_are_named_once_with_more_than_f
     assert lag.probability > 0.9
     assert len(lag.recurs_in) >= 3
     (size,) = lag.parameters
-    (alone,) = zip(*(one.parameters for one in lag.tables), strict=True)
+    alone = [p for one in lag.tables for p in one.parameters]  # a table that cannot show it has none
+    assert len(alone) >= 3
     assert all(1.5 < p.value / p.standard_uncertainty < 4.5 for p in alone)
     assert size.value / size.standard_uncertainty > 4.0
     assert all(p.standard_uncertainty > 1.25 * size.standard_uncertainty for p in alone)

@@ -108,7 +108,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             raise reading.refusal
         if why := still_refused(faults.observations):  # a repair of one column hides no other one
             raise DataError(why)
-        held = None if after is None else held_rows(whole, after, base, distance, constant, settings)
+        columns = {found.cause for found in faults.accepted if found.facts.kind == "gross"}
+        held = None if after is None else held_rows(whole, after, base, distance, constant, settings, columns)
         observations = faults.observations
         ranges = request.ranges(list(observations.conditions))
         level_steps: list[int] = []

@@ -1,5 +1,6 @@
 """The rows that the user holds out, prepared without the others."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -23,11 +24,13 @@ def held_rows(
     distance: float | None,
     constant: bool,
     settings: Settings,
+    columns: Collection[str],
 ) -> Table:
     """Repair and prepare the held-out rows.
 
     A fault may begin in the rows before. So the repair of the held-out rows, and it alone, comes from a
-    search in all rows.
+    search in all rows. Columns are repaired only for faults that the rows before show by themselves: of any
+    other one nobody would know, and a model is judged by the rows as they are.
 
     Parameters
     ----------
@@ -42,6 +45,9 @@ def held_rows(
         Whether the distance is only known to be constant.
     settings : Settings
 
+    columns : collection of str
+        Faults of whole columns that were found without the held-out rows.
+
     Returns
     -------
     Table
@@ -52,7 +58,7 @@ def held_rows(
     DataError
         If too few of them are usable.
     """
-    faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
+    faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises, columns)
     _, later = split(faults.observations, after, settings.rows.fewest)
     assert later is not None
     try:

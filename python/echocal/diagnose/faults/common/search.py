@@ -1,5 +1,6 @@
 """The search for every fault in turn."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -99,6 +100,7 @@ def find_faults(
     constant: bool,
     settings: FaultSettings,
     noise_settings: NoiseSettings,
+    columns: Collection[str] | None = None,
 ) -> Faults:
     """Look for every fault in turn, each in the table that the ones before left.
 
@@ -113,6 +115,8 @@ def find_faults(
     settings : FaultSettings
     noise_settings : NoiseSettings
         Of the search for quantization.
+    columns : collection of str, optional
+        Faults of whole columns that are looked for. Default: all.
 
     Returns
     -------
@@ -125,6 +129,8 @@ def find_faults(
     found = []
     for fault in (*registry.of_kind("gross"), *registry.of_kind("row")):
         if fault.facts.kind == "row" and not view.good.any():
+            continue
+        if fault.facts.kind == "gross" and columns is not None and fault.facts.id not in columns:
             continue
         finding = fault.detect(view, settings)
         if finding is None:
