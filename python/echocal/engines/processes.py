@@ -5,11 +5,13 @@ They are started anew and not copied from this process, whose threads may hold l
 
 import multiprocessing
 import os
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.connection import wait as wait_for
 from typing import Any
 
 from echocal.engines.engine import Result, Task, Work
@@ -71,7 +73,8 @@ class Processes:
         """Run tasks until all are done or a process is killed; None then for those that were running."""
         count = min(self._count, len(tasks))
         with _environment(ONE_THREAD):
-            pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+            context = multiprocessing.get_context("spawn")
+            pool = ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_parent)
             try:
                 coming = iter(tasks.items())
                 running: dict[Future[Result], int] = {}
@@ -90,6 +93,18 @@ class Processes:
                     yield number, future.result() if whole else None
             finally:
                 pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """End this process when the run is killed: it would wait for tasks for ever, or write into the next run."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None  # a process of a pool
+
+    def watch() -> None:
+        wait_for([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, name="end with parent", daemon=True).start()
 
 
 @contextmanager
