@@ -22,9 +22,8 @@ from echocal.engines.processes import Processes
 pytestmark = pytest.mark.slow
 
 MODEL = echocal.Model("linear", {"zero_error": {"offset": 2e-3}})
-FILES = 6
-ROWS = sum(20_000 + number for number in range(FILES))
-MOMENTS = 20
+FILES = 8
+ROWS = sum(80_000 + number for number in range(FILES))
 
 RUN = """
 import sys
@@ -42,7 +41,7 @@ with open_engine(sys.argv[3], int(sys.argv[4])) as engine:
 def logs(tmp_path: Path, random: np.random.Generator) -> Path:
     """Files of two kinds, in folders."""
     for number in range(FILES):
-        rows = 20_000 + number
+        rows = 80_000 + number
         table = pd.DataFrame(
             {
                 "echo_us": np.round(random.uniform(2000, 20_000, rows), 1),
@@ -52,7 +51,7 @@ def logs(tmp_path: Path, random: np.random.Generator) -> Path:
         folder = tmp_path / "in" / f"month={number % 2}"
         folder.mkdir(parents=True, exist_ok=True)
         if number % 3:
-            table.to_parquet(folder / f"{number}.parquet", row_group_size=5000)
+            table.to_parquet(folder / f"{number}.parquet", row_group_size=20_000)
         else:
             table.to_csv(folder / f"{number}.csv", index=False)
     return tmp_path / "in"
@@ -92,19 +91,43 @@ def check_whole(out: Path, whole: dict[str, bytes], summary: Summary) -> None:
     assert sum(line["rows"] for line in lines[1:]) == ROWS
 
 
-def killed(logs: Path, out: Path, engine: str, workers: int, moment: float) -> int:
-    """Kill a run, but not its workers, some time after it began [s]; the group of its processes."""
+def begun(logs: Path, out: Path, engine: str, workers: int) -> "subprocess.Popen[bytes]":
+    """A run that has read its code and begins with the files."""
     command = [sys.executable, "-c", RUN, str(logs), str(out), engine, str(workers)]
     run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
     assert run.stdout is not None
     assert run.stderr is not None
     assert run.stdout.readline() == b"begun\n", run.stderr.read()
+    return run
+
+
+def await_files(out: Path, count: int) -> float:
+    """Wait until so many files are done [s]."""
+    start, manifest = time.monotonic(), out / "_echocal" / "manifest.jsonl"
+    while time.monotonic() - start < 30 and count:
+        if manifest.exists() and manifest.read_text().count("\n") > count:
+            break
+        time.sleep(0.002)
+    return time.monotonic() - start
+
+
+def killed(logs: Path, out: Path, engine: str, workers: int, files: int, moment: float) -> int:
+    """Kill a run, not its workers, some time after some files are done [s]; the group of its processes."""
+    run = begun(logs, out, engine, workers)
+    await_files(out, files)
     time.sleep(moment)
     run.kill()
-    run.wait()
-    run.stdout.close()
-    run.stderr.close()
+    run.communicate()
     return run.pid
+
+
+def durations(logs: Path, out: Path, engine: str, workers: int) -> tuple[float, float]:
+    """Time until the first file is done, and from then until all are [s]."""
+    run = begun(logs, out, engine, workers)
+    taken = await_files(out, 1), await_files(out, FILES)
+    run.communicate()
+    assert run.returncode == 0
+    return taken
 
 
 def await_end(group: int) -> float:
@@ -122,15 +145,14 @@ def await_end(group: int) -> float:
 
 
 @pytest.mark.parametrize(
-    ("engine", "workers", "moments", "latest"),
-    [("local", 1, MOMENTS, 0.5), ("local", 2, 8, 2.5), ("dask-local", 2, 5, 1.0)],
+    ("engine", "workers", "moments"),
+    [("local", 1, 20), ("local", 2, 6), ("dask-local", 2, 4)],
     ids=["alone", "processes", "dask-local"],
 )
 def test_the_driver(
     engine: str,
     workers: int,
     moments: int,
-    latest: float,
     logs: Path,
     whole: dict[str, bytes],
     tmp_path: Path,
@@ -139,10 +161,12 @@ def test_the_driver(
     """Killed once, or twice in the same folder, then run again while its workers may be alive."""
     if engine == "dask-local":
         pytest.importorskip("distributed")
-    partial = 0
+    partial, (first, others) = 0, durations(logs, tmp_path / "timed", engine, workers)
     for number in range(moments):
         out = tmp_path / f"out {number - number % 2 * random.integers(0, 2)}"
-        group = killed(logs, out, engine, workers, float(random.uniform(0.0, latest)))
+        before = number % 4 == 0
+        latest = first + others if before else others
+        group = killed(logs, out, engine, workers, not before, float(random.uniform(0.0, latest)))
         check_partial(out, whole)
         summary = None
         if number % 2 or random.integers(0, 2):
@@ -164,9 +188,9 @@ def test_the_driver_of_a_cluster(
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as own:
         cluster = "dask://" + str(own.scheduler_address).removeprefix("tcp://")
-        for number in range(5):
+        for number in range(4):
             out = tmp_path / f"out {number}"
-            await_end(killed(logs, out, cluster, 2, float(random.uniform(0.0, 0.5))))
+            await_end(killed(logs, out, cluster, 2, 0, float(random.uniform(0.0, 0.5))))
             check_whole(out, whole, correct_files(logs, out, MODEL, engine=cluster))
             time.sleep(0.5)
             check_whole(out, whole, correct_files(logs, out, MODEL))
@@ -176,24 +200,35 @@ def test_the_driver_of_a_cluster(
 def test_workers(
     every: bool, logs: Path, whole: dict[str, bytes], tmp_path: Path, random: np.random.Generator
 ) -> None:
+    """While they start, or after the first file is done."""
     lost = 0
-    for number in range(MOMENTS // 2):
-        out, moment = tmp_path / f"out {number}", float(random.uniform(0.0, 2.0))
+    for number in range(6):
+        out, started = tmp_path / f"out {number}", number % 2
+        latest = 0.1 if started else 0.8
         dead: list[int] = []
-
-        def kill(moment: float = moment, dead: list[int] = dead) -> None:
-            while not multiprocessing.active_children():
-                time.sleep(0.01)
-            time.sleep(moment)
-            children = multiprocessing.active_children()
-            for child in children if every else children[:1]:
-                dead.append(int(child.pid or 0))
-                os.kill(dead[-1], signal.SIGKILL)
-
-        killer = threading.Thread(target=kill, daemon=True)
+        killer = Killer(every, out if started else None, float(random.uniform(0.0, latest)), dead)
         killer.start()
         check_whole(out, whole, correct_files(logs, out, MODEL, engine=Processes(2)))
-        killer.join(5)
+        killer.join(40)
         lost += bool(dead)
         assert correct_files(logs, out, MODEL).skipped == FILES
-    assert lost, "no moment found a worker"
+    assert lost > 1, "no moment found a worker"
+
+
+class Killer(threading.Thread):
+    """Kills workers of this process some time after they start, or after the first file in `out` is done."""
+
+    def __init__(self, every: bool, out: Path | None, moment: float, dead: list[int]) -> None:
+        super().__init__(daemon=True)
+        self._every, self._out, self._moment, self._dead = every, out, moment, dead
+
+    def run(self) -> None:
+        while not multiprocessing.active_children():
+            time.sleep(0.01)
+        if self._out is not None:
+            await_files(self._out, 1)
+        time.sleep(self._moment)
+        children = multiprocessing.active_children()
+        for child in children if self._every else children[:1]:
+            self._dead.append(int(child.pid or 0))
+            os.kill(self._dead[-1], signal.SIGKILL)
