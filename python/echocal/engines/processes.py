@@ -98,7 +98,7 @@ class Processes:
 
 
 def _end_with_parent() -> None:
-    """End this process when the run is killed: it would wait for tasks for ever, or write into the next run."""
+    """End this process with the run; else it would wait for ever, or write into the run that follows."""
     parent = multiprocessing.parent_process()
     assert parent is not None  # a process of a pool
 
