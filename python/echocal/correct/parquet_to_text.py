@@ -11,7 +11,14 @@ from echocal.correct.columns import as_text
 from echocal.correct.corrector import Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.parquet import footer as f
-from echocal.correct.parquet.file import Opened, check_whole, keys_of, opened_file, surroundings_of
+from echocal.correct.parquet.file import (
+    Opened,
+    arrow_file,
+    check_whole,
+    keys_of,
+    opened_file,
+    surroundings_of,
+)
 from echocal.correct.parquet.pieces import names_of, read_pieces, read_tables
 from echocal.correct.results import DISTANCE
 from echocal.correct.rows import Rows
@@ -83,9 +90,8 @@ def parquet_to_text(
 
 def _stored(opened: Opened) -> Iterator[Table]:
     """All columns of each piece."""
-    pa = arrow()
     schema = (opened.file.metadata.metadata or {}).get(b"ARROW:schema")
-    with opened.path.open("rb") as raw, pa.parquet.ParquetFile(raw) as file:
+    with arrow_file(opened.path) as file:
         for table in read_tables(opened.path, file, opened.pieces, None):
             yield as_stored(table, schema)
 

@@ -20,7 +20,15 @@ from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
 
-__all__ = ["Opened", "check_whole", "correct_parquet", "keys_of", "opened_file", "surroundings_of"]
+__all__ = [
+    "Opened",
+    "arrow_file",
+    "check_whole",
+    "correct_parquet",
+    "keys_of",
+    "opened_file",
+    "surroundings_of",
+]
 
 _CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
 """Names for writing, where files call them differently."""
@@ -109,12 +117,17 @@ def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opene
     least, largest = _PIECE
     most = (job.memory - _FIXED) // (_BYTES_A_ROW * width * (job.threads + 2))
     try:
-        file = pa.parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
+        file = arrow_file(path)
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
         message = f"{path} begins like Parquet and cannot be read: {reason}"
         raise DataError(message) from None
     return Opened(path, file, footer, pieces_of(footer, min(max(most, least), largest)))
+
+
+def arrow_file(path: Path) -> Any:
+    """Open a file so that no whole column of a row group is held."""
+    return arrow().parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
 
 
 def _name(path: Path) -> Any:
