@@ -166,7 +166,14 @@ def test_what_is_left_out_is_said_once(
     assert sum("begins with . or _" in note and "3 files" in note for note in notes) == 1
     assert sum("1 file (logs/notes.md), of another kind" in note for note in notes) == 1
     assert sum("(dry air) (all 3 files)" in note for note in notes) == 1
-    assert any("columns differ between files: logs/b.parquet has battery_V (double)" in n for n in notes)
+    differ = [note for note in notes if "columns differ" in note]
+    assert len(differ) == 1, "a text has no types, and is no other table than Parquet with the same names"
+    assert "columns differ between files: logs/b.parquet has battery_V" in differ[0]
+    echoes(random).astype({"echo_us": "float32"}).to_parquet(logs / "b.parquet")
+    notes = run("correct", "logs", "-o", "out", "--law", "cramer")[-1].splitlines()
+    differ = [note for note in notes if "columns differ" in note]
+    assert len(differ) == 1
+    assert "logs/b.parquet has echo_us (float) and lacks echo_us (double)" in differ[0]
 
 
 def test_globs(tmp_path: Path, random: np.random.Generator) -> None:

@@ -45,6 +45,8 @@ class Tally:
 
     rows: int = 0
     columns: list[str] = field(default_factory=list)
+    types: list[str] = field(default_factory=list)
+    """Types of the columns; empty for a text, which has none."""
     unusable: dict[str, int] = field(default_factory=dict)
     marked: dict[str, int] = field(default_factory=dict)
     first: dict[str, int] = field(default_factory=dict)

@@ -18,6 +18,7 @@ from echocal.correct.parquet.file import (
     keys_of,
     opened_file,
     surroundings_of,
+    tally_of,
 )
 from echocal.correct.parquet.pieces import names_of, read_pieces, read_tables
 from echocal.correct.results import DISTANCE
@@ -58,6 +59,7 @@ def parquet_to_text(
     """
     if job.append_only is not None:
         raise UsageError("--append-only is for Parquet to Parquet")
+    pa = arrow()
     with source.open("rb") as raw:
         footer = f.read_footer(raw, str(source))
     opened = opened_file(source, footer, job, 1 + len(f.fields_of(footer)) // 4)
@@ -67,7 +69,7 @@ def parquet_to_text(
         if corrector.by:
             corrector.prepare(keys_of(opened, corrector.by))
         around = surroundings_of(opened, corrector, job, log)
-        tally = Tally(columns=names)
+        tally = tally_of(opened)
         tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
         made = corrected(tables, corrector, tally, lambda rows, _: rows, **around, threads=job.threads)
         finest = _finest(opened)
@@ -84,7 +86,7 @@ def parquet_to_text(
                 progress(len(rows.codes))
         if tally.doubtful(job):
             check_whole(opened, corrector)
-    arrow().default_memory_pool().release_unused()
+    pa.default_memory_pool().release_unused()
     return tally
 
 

@@ -77,6 +77,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             "first": tally.first,
             "outside": {domain: list(own) for domain, own in tally.outside.items()},
             "columns": tally.columns,
+            "types": tally.types,
             "notes": list(tally.notes),
         }
     except EchocalError as error:

@@ -28,6 +28,7 @@ __all__ = [
     "keys_of",
     "opened_file",
     "surroundings_of",
+    "tally_of",
 ]
 
 _CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
@@ -88,7 +89,7 @@ def correct_parquet(
             if corrector.by:
                 corrector.prepare(keys_of(opened, corrector.by))
             around = surroundings_of(opened, corrector, job, log)
-            tally = Tally(columns=[f"{own.name} ({own.type})" for own in opened.file.schema_arrow])
+            tally = tally_of(opened)
             codec = _codec(footer)
 
             def encoded(rows: Rows, place: int) -> list[Encoded]:
@@ -137,6 +138,12 @@ def _name(path: Path) -> Any:
     except UnicodeEncodeError:
         return path.open("rb")
     return str(path)
+
+
+def tally_of(opened: Opened) -> Tally:
+    """A tally of no rows yet, with the columns of a file."""
+    types = [str(own.type) for own in opened.file.schema_arrow]
+    return Tally(columns=names_of(opened.file), types=types)
 
 
 def keys_of(opened: Opened, by: str) -> list[str]:
