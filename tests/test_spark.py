@@ -1,4 +1,4 @@
-"""The recipe of docs/dataframes.md on Spark, which the project's tests do not install."""
+"""The recipe of docs/dataframes.md on Spark, which is not among the packages of the tests."""
 
 import os
 import shutil
