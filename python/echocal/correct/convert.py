@@ -1,5 +1,6 @@
 """From text to Parquet and back: the whole file is in memory."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -14,7 +15,10 @@ from echocal.correct.results import DISTANCE
 from echocal.correct.tables import results_of
 from echocal.errors import UsageError
 from echocal.observations.arrow import arrow, read_parquet
-from echocal.observations.source import is_parquet, load
+from echocal.observations.found import Found
+from echocal.observations.hints import completed
+from echocal.observations.source import is_parquet, load, refuse_unstreamed
+from echocal.observations.text import resolved
 
 __all__ = ["convert"]
 
@@ -41,6 +45,14 @@ def convert(source: Path, out: Path, ending: str, job: Job, key: str | None) -> 
     if ending in (".parquet", ".pq"):
         arrow()  # fail early without it
     stored, compression = read_parquet(source) if parquet else (None, "SNAPPY")
+    if parquet:
+        job = replace(job, layout=replace(job.layout, decimal=job.layout.decimal or "."))
+    else:
+        refuse_unstreamed(source, job.layout)
+        head, layout = resolved(source, job.layout)
+        job = replace(
+            job, layout=layout, requests=completed(head.names, job.requests, Found(units=head.units))[0]
+        )
     table = load(source if stored is None else stored, job.layout)
     corrector = Corrector(list(table.columns), job, key)
     if corrector.remembers:
