@@ -11,7 +11,7 @@ from echocal.observations.names import by_name
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
 
-__all__ = ["ALSO", "conditions_at", "parsed", "sentences"]
+__all__ = ["ALSO", "conditions_at", "parsed", "sentences", "uncertainties_of"]
 
 ALSO = {"temperature": "temperature_C", "humidity": "humidity_percent", "pressure": "pressure_hPa"}
 """Names without a unit: degC, percent, hPa."""
@@ -75,6 +75,16 @@ def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[
         table[column] = value
         stated[quantity] = (unit.to_si(value), unit.to_si(value + uncertainty) - unit.to_si(value))
     return stated
+
+
+def uncertainties_of(texts: Mapping[str, Any]) -> dict[str, float]:
+    """Standard uncertainty [SI] of each stated condition that has one, by quantity."""
+    found = {}
+    for quantity, (column, _, uncertainty) in parsed(texts).items():
+        form, symbol = NAMES[column]
+        if uncertainty:
+            found[quantity] = uncertainty * form.units[symbol].numerator / form.units[symbol].denominator
+    return found
 
 
 def sentences(stated: Mapping[str, tuple[float, float]]) -> list[str]:

@@ -10,7 +10,7 @@ from echocal.observations.names import IGNORE, by_name, by_request
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import split_unit, symbol_of
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "refusal_of_levels"]
+__all__ = ["Hint", "completed", "hint", "is_time_name", "refusal_of_levels", "role_of"]
 
 _LENGTH = ("m", "cm", "mm", "inch")
 _TIME = ("us", "ms", "s")
@@ -252,3 +252,21 @@ def _held(columns: Collection[str], requests: Mapping[str, str]) -> set[str]:
         if found is not None and not found[0].several:
             held.add(found[0].quantity)
     return held
+
+
+def role_of(column: str) -> str:
+    """Which quantity a name without a unit speaks of; empty for none.
+
+    Examples
+    --------
+    >>> role_of("distance"), role_of("Temp"), role_of("battery")
+    ('reading', 'temperature', '')
+    """
+    words, _ = split_unit(_STATISTIC.sub("", column))
+    tokens = {token.lower() for token in _TOKEN.findall(words)}
+    if tokens & _NEVER:
+        return ""
+    roles = (
+        role for role, (_, known) in _WORDS.items() if tokens & known and not tokens & _NOT.get(role, set())
+    )
+    return next(roles, "")
