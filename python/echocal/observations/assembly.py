@@ -15,10 +15,12 @@ from echocal.observations import checks, clock, labels
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
-from echocal.observations.names import looks_like, phrase, unit_of
+from echocal.observations.found import found_in
+from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
+from echocal.observations.proposals import propose
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
 from echocal.quantities import QUANTITIES
@@ -289,6 +291,10 @@ class Assembly:
     def _hint(self, echo: Collection[Form]) -> str:
         """Which column may be the one, of those whose names say nothing: misspelled, alike, or the first."""
         others = self.plan.others
+        reference = self.plan.assignments.get("reference_distance")
+        if reference is not None and not self._meant(echo):
+            name = f"reading_{reference.unit_name}"
+            return f"If the sensor indicates '{reference.column}': --column \"{reference.column}={name}\""
         if not others:
             return "Record one of them"
         if meant := self._meant(echo):
@@ -297,7 +303,12 @@ class Assembly:
         for name, form in alike:
             if unit_of(name) in form.units:
                 return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
-        return f'Say which it is: --column "{alike[0][0] if alike else others[0]}=reading_m"'
+        guessed = propose(self.table, found_in(self.table), {})
+        likely = [
+            f"{name}={p.request}" for name, p in guessed.items() if p.request.startswith(("reading", "echo"))
+        ]
+        first = likely[0] if likely else f"{alike[0][0] if alike else others[0]}=reading_m"
+        return f'Say which it is: --column "{first}"; {INSPECT}'
 
     def _meant(self, forms: Collection[Form]) -> str | None:
         """Request of a column whose name says a quantity in other words, or misspells it."""

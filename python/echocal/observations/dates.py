@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.observations.fields import row, shown
 
-__all__ = ["CLOCK", "DAY", "as_iso", "by_format", "unwrapped_clock"]
+__all__ = ["CLOCK", "DAY", "MONTH", "as_iso", "by_format", "unwrapped_clock"]
 
 DAY = re.compile(
     r"(?:(?P<y1>\d{4})[-/.](?P<m1>\d{1,2})[-/.](?P<d1>\d{1,2})"
@@ -23,7 +23,7 @@ CLOCK = re.compile(
     r"(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2})(?:[.,](?P<f>\d{1,9}))?)?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
     r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}:?\d{2})?"
 )
-_MONTH = re.compile(r"(?i)\b(jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)[a-z]*\b")
+MONTH = re.compile(r"(?i)\b(jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)[a-z]*\b")
 _TWELVE = 12
 _CENTURY = 2000
 
@@ -160,7 +160,7 @@ def _iso(match: re.Match[str], *, day_first: bool) -> str:
 
 def _by_month_name(texts: pd.Series[Any], filled: pd.Series[Any]) -> pd.Series[Any]:
     """Dates with the name of a month."""
-    if not all(_MONTH.search(text) and re.search(r"\d", text) for text in filled.iloc[:50]):
+    if not all(MONTH.search(text) and re.search(r"\d", text) for text in filled.iloc[:50]):
         return texts
     times = pd.to_datetime(filled, format="mixed", dayfirst=True, errors="coerce")
     if times.isna().any():

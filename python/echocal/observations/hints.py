@@ -164,9 +164,10 @@ def completed(
     held = _held(columns, requests)
     hints: dict[str, list[tuple[str, Hint]]] = {}
     for column in columns:
-        if column in requests or _is_ours(column):
+        unit = beside.units.get(column, "")
+        if column in requests or _is_ours(column, unit):
             continue
-        if said := hint(column, beside.units.get(column, "")):
+        if said := hint(column, unit):
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
     notes: list[str] = []
     _drop_unsure(hints, held, notes)
@@ -231,11 +232,12 @@ def _listed(words: str) -> list[str]:
     return [token.lower() for token in _TOKEN.findall(words)]
 
 
-def _is_ours(column: str) -> bool:
+def _is_ours(column: str, unit: str) -> bool:
+    """Whether a name is one of echocal's; one that lacks its unit is none where the log gives the unit."""
     try:
         return by_name(column) is not None
     except DataError:
-        return True
+        return not symbol_of(unit)
 
 
 def _held(columns: Collection[str], requests: Mapping[str, str]) -> set[str]:

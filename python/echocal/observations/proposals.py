@@ -96,7 +96,8 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
             form, unit = ours
             return Proposal(f"{form.role}_{unit}" if unit else form.role, "its name")
     except EchocalError:
-        return Proposal("", "its name has no unit")
+        if name not in sure:
+            return Proposal("", "its name has no unit")
     if name in found.requests:
         joined = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
         return Proposal(found.requests[name], joined)

@@ -23,6 +23,7 @@ _PAIR = re.compile(
     r"(?P<value>[-+]?(?:\d++(?:[.,]\d++)?|\.\d++)(?:[eE][-+]?\d+)?(?!:)|nan|inf|NaN|--+)"
     r"\s*(?P<unit>°\s?[CF]|[*º]C|deg[ _]?[CF]?|%(?: ?RH)?|[A-Za-zµμ]+(?:/\w+)?)?"
 )
+_LEVEL = re.compile(r"^(?:INFO|DEBUG|WARN(?:ING)?|TRACE|NOTICE|I|D)\b[ :-]*")
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
 _LOOK = 100
 
@@ -51,7 +52,7 @@ def pairs_of(text: str) -> list[tuple[str, str, str]]:
     """Names, values and units in a line."""
     found = []
     for match in _PAIR.finditer(text):
-        name = " ".join(match["name"].strip(" -,;|").split())
+        name = _LEVEL.sub("", " ".join(match["name"].strip(" -,;|").split()))
         if name and not re.fullmatch(r"https?|\d*", name):
             found.append((name, match["value"], match["unit"] or ""))
     return found

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from echocal.observations.dates import CLOCK, DAY, unwrapped_clock
+from echocal.observations.dates import CLOCK, DAY, MONTH, unwrapped_clock
 from echocal.observations.found import Found
 from echocal.observations.hints import is_time_name
 from echocal.observations.numbers import NO_NUMBER
@@ -18,13 +19,14 @@ __all__ = ["step"]
 
 _EPOCH = {1.0: (4e8, 5e9), 1e3: (4e11, 5e12), 1e6: (4e14, 5e15), 1e9: (4e17, 5e18)}
 """Seconds, ms, us and ns since 1970, from 1982 to 2128."""
+_NAMELESS = re.compile(r"column \d+")
 _UNITS = {1.0: "time_s", 1e3: "time_ms", 1e6: "time_us"}
 _LOOK = 500
 
 
 def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     """Make one column `time` or `time_s` where the log has times in another way."""
-    named = [str(name) for name in table.columns if is_time_name(str(name))]
+    named = [str(name) for name in table.columns if is_time_name(str(name)) or _NAMELESS.fullmatch(str(name))]
     days = [n for n in named if _share(table[n], DAY, clock=False)]
     clocks = [n for n in named if _share(table[n], CLOCK)]
     whole = [n for n in named if _share(table[n], DAY, clock=True)]
@@ -82,12 +84,7 @@ def _share(values: pd.Series[Any], pattern: Any, *, clock: bool | None = None) -
     for text in texts:
         match = pattern.fullmatch(text)
         if match is None and pattern is DAY and clock:
-            good += bool(
-                len(text) > 9
-                and any(c.isalpha() for c in text)
-                and any(c.isdigit() for c in text)
-                and ":" in text
-            )
+            good += bool(MONTH.search(text) and ":" in text)
             continue
         has = match is not None and (
             clock is None or bool(match["clock"] and match["clock"][:8] != "00:00:00") == clock
