@@ -108,5 +108,7 @@ def _print(found: Calibration, out: Path | None) -> None:
                 console.print(f"{second} and {first} are correlated: {found.correlation[i, j]:+.3f}")
     for name in found.at_bounds:
         console.print(f"{name} ended on a bound: its uncertainty is not reliable", style="yellow")
+    for note in found.notes:
+        console.print(f"note: {note}", markup=False)
     if out is not None:
         console.print(f"wrote {out}", markup=False)

@@ -116,6 +116,8 @@ def _print(result: Verification) -> None:
     for reason, count in result.outside_smooth.items():
         table.add_row("examined without it", f"{count} rows: {reason}")
     Console().print(table)
+    for note in result.notes:
+        Console(soft_wrap=True).print(f"note: {note}", markup=False)
 
 
 def _shown(name: str, value: float) -> str:

@@ -320,6 +320,10 @@ class Model:
         """The same model with another record of where it comes from."""
         return copy.copy(self)._set(provenance=fixed(provenance))
 
+    def with_covariance(self, covariance: ArrayLike) -> "Model":
+        """The same model with another covariance of its parameters, in the order of `parameter_names`."""
+        return copy.copy(self)._set(covariance=covariances.checked(covariance, self.parameter_names))
+
     def _like(self, effects: Mapping[str, Mapping[str, float]], shape: Shape | Smooth | None) -> "Model":
         known: dict[str, Any] = {"air": self.air, "provenance": self.provenance}
         return Model(self.law, effects, **known, shape=shape, columns=self.given_columns)
