@@ -1,15 +1,14 @@
-"""Logs as loggers, scripts and spreadsheets write them, with fresh numbers: text or bytes, and what they hold."""
+"""Logs as loggers and spreadsheets write them, with fresh numbers: text or bytes, and what they hold."""
 
 import gzip
 import io
 import json
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-__all__ = ["LOGS", "Truth", "drawn"]
+__all__ = ["Made", "Truth", "drawn", "text_log"]
 
 
 @dataclass(frozen=True)
@@ -56,13 +55,13 @@ def drawn(random: np.random.Generator, rows: int = 80) -> Truth:
     return Truth(np.round(distance, 4), temperature, humidity, np.arange(rows) * 600.0, start)
 
 
-def _text(name: str, lines: list[str], flags: list[str] | None = None, **kind: object) -> Made:
+def text_log(name: str, lines: list[str], flags: list[str] | None = None, **kind: object) -> Made:
     return Made(name, ("\n".join(lines) + "\n").encode(), flags or [], **kind)  # type: ignore[arg-type]
 
 
 def commonest(t: Truth) -> Made:
     lines = [f"{d * 100:.2f},{c:.1f}" for d, c, _ in t.rows]
-    return _text("log.csv", ["Distance (cm),Temp (°C)", *lines], time=False)
+    return text_log("log.csv", ["Distance (cm),Temp (°C)", *lines], time=False)
 
 
 def toa5(t: Truth) -> Made:
@@ -76,14 +75,14 @@ def toa5(t: Truth) -> Made:
         f'"{w}",{n},{"NAN" if n == 7 else f"{d:.4f}"},{c},{h},12.6,{c + 2:.1f}'
         for n, (w, (d, c, h)) in enumerate(zip(t.times(), t.rows, strict=True))
     ]
-    return _text("roof.dat", head + rows)
+    return text_log("roof.dat", head + rows)
 
 
 def serial_monitor(t: Truth) -> Made:
     lines = []
     for w, (d, c, _) in zip(t.times("%H:%M:%S.199"), t.rows, strict=True):
         lines += [f"{w} -> Distance: {d * 100:.2f} cm", f"{w} -> Temperature: {c} °C"]
-    return _text("putty.log", ["06:00:00.000 -> ets Jul 29 2019 12:21:46", *lines])
+    return text_log("putty.log", ["06:00:00.000 -> ets Jul 29 2019 12:21:46", *lines])
 
 
 def german_excel(t: Truth) -> Made:
@@ -102,7 +101,7 @@ def two_columns_of_time(t: Truth) -> Made:
         f"{w},{d * 1000:.0f},{c}"
         for w, (d, c, _) in zip(t.times("%m/%d/%Y,%I:%M:%S %p"), t.rows, strict=True)
     ]
-    return _text("log.txt", ["Date,Time,Range [mm],Air Temp [C]", *lines])
+    return text_log("log.txt", ["Date,Time,Range [mm],Air Temp [C]", *lines])
 
 
 def corrupt_line(t: Truth) -> Made:
@@ -113,7 +112,7 @@ def corrupt_line(t: Truth) -> Made:
     lines[30] += ",12.5,9,9"
     lines.insert(40, "# moved the shield")
     lines.insert(50, "time,reading_cm,temperature_C")
-    return _text("sd.csv", ["time,reading_cm,temperature_C", *lines])
+    return text_log("sd.csv", ["time,reading_cm,temperature_C", *lines])
 
 
 def bursts(t: Truth) -> Made:
@@ -122,7 +121,7 @@ def bursts(t: Truth) -> Made:
         f"{w},{c}," + ",".join(f"{d * 100 + k / 100:.2f}" for k in range(5))
         for w, (d, c, _) in zip(t.times(), t.rows, strict=True)
     ]
-    return _text(
+    return text_log(
         "bursts.csv", [f"time,temperature_C,{names}", *lines], ["--column", "obs=reading_cm"], readings=5
     )
 
@@ -149,7 +148,7 @@ def json_lines(t: Truth) -> Made:
         for w, (d, c, _) in zip(t.times("%Y-%m-%dT%H:%M:%SZ"), t.rows, strict=True)
     ]
     lines[11] = lines[11][:17]
-    return _text("log.jsonl", lines, ["--column", "distance_mm=reading_mm"])
+    return text_log("log.jsonl", lines, ["--column", "distance_mm=reading_mm"])
 
 
 def zipped(t: Truth) -> Made:
@@ -160,7 +159,7 @@ def arduino_sd(t: Truth) -> Made:
     lines = [
         f"{int(s * 1000)},{2e6 * d / 343:.0f},{c}" for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)
     ]
-    return _text("DATALOG.TXT", ["millis,duration_us,temp_c", *lines], ["--column", "millis=time_ms"])
+    return text_log("DATALOG.TXT", ["millis,duration_us,temp_c", *lines], ["--column", "millis=time_ms"])
 
 
 def esphome(t: Truth) -> Made:
@@ -171,7 +170,7 @@ def esphome(t: Truth) -> Made:
             f"[{w}][D][sensor:094]: 'Tank distance': Sending state {d:.5f} m with 2 decimals of accuracy",
             f"[{w}][D][sensor:094]: 'Outside Temperature': Sending state {c:.5f} °C with 1 decimals of accuracy",
         ]
-    return _text("esphome.log", lines)
+    return text_log("esphome.log", lines)
 
 
 def home_assistant(t: Truth) -> Made:
@@ -179,7 +178,7 @@ def home_assistant(t: Truth) -> Made:
     for w, (d, c, _) in zip(t.times("%Y-%m-%dT%H:%M:%S.000Z"), t.rows, strict=True):
         lines += [f"sensor.outdoor_temperature,{c},{w}", f"sensor.tank_distance,{d * 100:.2f},{w}"]
     lines.append("sensor.outdoor_temperature,unavailable,2024-12-31T23:00:00.000Z")
-    return _text("history.csv", lines, ["--options"])
+    return text_log("history.csv", lines, ["--options"])
 
 
 def influx(t: Truth) -> Made:
@@ -196,7 +195,7 @@ def influx(t: Truth) -> Made:
         f",,1,{stamps[0]},{stamps[-1]},{w},{c},temperature_C,tank"
         for w, c in zip(stamps, t.temperature, strict=True)
     ]
-    return _text("query.csv", lines, ["--column", "distance_cm=reading_cm"])
+    return text_log("query.csv", lines, ["--column", "distance_cm=reading_cm"])
 
 
 def thingspeak(t: Truth) -> Made:
@@ -204,7 +203,7 @@ def thingspeak(t: Truth) -> Made:
         f"{w} UTC,{n},{d * 100:.2f},{c}"
         for n, (w, (d, c, _)) in enumerate(zip(t.times(), t.rows, strict=True), 1)
     ]
-    return _text("feeds.csv", ["created_at,entry_id,field1,field2", *lines], ["--options"])
+    return text_log("feeds.csv", ["created_at,entry_id,field1,field2", *lines], ["--options"])
 
 
 def labview(t: Truth) -> Made:
@@ -217,7 +216,7 @@ def labview(t: Truth) -> Made:
         "X_Value\tDistance\tTemperature\tComment",
     ]  # fmt: skip
     lines = [f"{s:.6f}\t{d * 100:.6f}\t{c:.6f}" for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)]
-    return _text("run1.lvm", head + lines, ["--column", "X_Value=time_s"])
+    return text_log("run1.lvm", head + lines, ["--column", "X_Value=time_s"])
 
 
 def hobo(t: Truth) -> Made:
@@ -232,206 +231,22 @@ def hobo(t: Truth) -> Made:
     return Made("snow3.csv", ("\ufeff" + "\n".join(head + lines) + "\n").encode())
 
 
-def maxbotix(t: Truth) -> Made:
-    return _text(
-        "minicom.cap",
-        [f"R{d * 1000:04.0f}" for d in t.distance],
-        ["--at", "temperature=18+-5"],
-        temperature=False,
-        time=False,
-    )
-
-
-def ros(t: Truth) -> Made:
-    head = "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.radiation_type,field.field_of_view,field.min_range,field.max_range,field.range"
-    stamps = [int((t.start.timestamp() + s) * 1e9) for s in t.seconds]
-    lines = [
-        f"{w},{n},{w},sonar,0,0.26,0.02,4.0,{d:.4f}"
-        for n, (w, d) in enumerate(zip(stamps, t.distance, strict=True))
-    ]
-    return _text("range.csv", [head, *lines], ["--at", "temperature=18+-5"], temperature=False)
-
-
-def micropython(t: Truth) -> Made:
-    return _text(
-        "repl.txt",
-        [
-            "MicroPython v1.22.0 on 2023-12-27",
-            ">>> main()",
-            *(f"({int(s)}, {d * 100:.2f}, {c})" for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)),
-        ],
-        ["--options"],
-        time=False,
-    )
-
-
-def senix(t: Truth) -> Made:
-    head = [
-        "SenixVIEW Data Log",
-        "Model: TSPC-30S1-485",
-        "Serial Number: 60212",
-        "",
-        "Date,Time,Distance (in),Temperature (F)",
-    ]
-    lines = [
-        f"{w},{d / 0.0254:.3f},{c * 1.8 + 32:.2f}"
-        for w, (d, c, _) in zip(t.times("%m/%d/%Y,%H:%M:%S"), t.rows, strict=True)
-    ]
-    return _text("senix.csv", head + lines)
-
-
-def grafana(t: Truth) -> Made:
-    lines = [f'"{w}","{d * 100:.2f} cm","{c} °C"' for w, (d, c, _) in zip(t.times(), t.rows, strict=True)]
-    return _text("Tank-data-2024.csv", ['"Time","Distance","Outside Temperature"', *lines], [])
-
-
-def ttn(t: Truth) -> Made:
-    lines = [
-        json.dumps(
-            {
-                "end_device_ids": {"device_id": "tank-7"},
-                "received_at": w,
-                "uplink_message": {
-                    "f_port": 2,
-                    "decoded_payload": {"distance_mm": round(d * 1000), "air_temp_c": c, "batt_v": 3.6},
-                    "rx_metadata": [{"rssi": -97}],
-                },
-            }
-        )
-        for w, (d, c, _) in zip(t.times("%Y-%m-%dT%H:%M:%S.123456789Z"), t.rows, strict=True)
-    ]
-    return _text("ttn.json", lines, ["--column", "distance_mm=reading_mm"])
-
-
-def line_protocol(t: Truth) -> Made:
-    lines = [
-        f"tank,site=roof distance_cm={d * 100:.2f},temperature_C={c} {int((t.start.timestamp() + s) * 1e9)}"
-        for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)
-    ]
-    return _text("points.lp", lines, ["--column", "distance_cm=reading_cm"])
-
-
-def mobaxterm(t: Truth) -> Made:
-    lines = [
-        f"[{w}] dist={d * 100:.2f}cm temp={c}C hum={h}%"
-        for w, (d, c, h) in zip(t.times(), t.rows, strict=True)
-    ]
-    return _text("session.log", ["[2024-01-01 00:00:00] boot ok", *lines])
-
-
-def key_values(t: Truth) -> Made:
-    lines = [f"Distance: {d * 100:.2f} cm, Temperature: {c} C" for d, c, _ in t.rows]
-    lines[33] = "Out of range"
-    return _text("serial.txt", ["HC-SR04 test", *lines], time=False)
-
-
-def python_logging(t: Truth) -> Made:
-    lines = [
-        f"{w},123 INFO distance: {d:.4f} m temperature: {c} C"
-        for w, (d, c, _) in zip(t.times(), t.rows, strict=True)
-    ]
-    return _text("sensor.log", lines)
-
-
-def blanks(t: Truth) -> Made:
-    lines = [f"{s:8.1f} {2 * d / 343:12.9f} {c:6.1f}" for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)]
-    return _text("run.dat", ["# time_s  echo_s  temperature_C", *lines])
-
-
-def savetxt(t: Truth) -> Made:
-    lines = [f"{s:.6e},{2 * d / 343:.9e},{c:.6e}" for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)]
-    return _text("run.csv", ["# time_s,echo_s,temperature_C", *lines])
-
-
-def excel_sep(t: Truth) -> Made:
-    lines = [
-        f"{w};{d * 100:.2f};{c:.1f}".replace(".", ",")
-        for w, (d, c, _) in zip(t.times("%Y-%m-%d %H:%M:%S"), t.rows, strict=True)
-    ]
-    return _text("export.csv", ["sep=;", "Zeitstempel;Entfernung [cm];Temperatur [°C]", *lines])
-
-
-def utf16(t: Truth) -> Made:
-    lines = [f"{w}\t{d * 100:.2f}\t{c}" for w, (d, c, _) in zip(t.times(), t.rows, strict=True)]
-    return Made(
-        "unicode.txt",
-        "\r\n".join(["Timestamp\tDistance (cm)\tTemperature (°C)", *lines]).encode("utf-16"),
-        ["--encoding", "utf-16"],
-    )
-
-
-def epoch(t: Truth) -> Made:
-    lines = [
-        f"{t.start.timestamp() + s:.0f},{d * 100:.2f},{c},{h}"
-        for s, (d, c, h) in zip(t.seconds, t.rows, strict=True)
-    ]
-    return _text("epoch.csv", ["timestamp,distance,temperature,humidity", *lines], ["--options"])
-
-
-def no_header(t: Truth) -> Made:
-    lines = [f"{w},{d * 100:.2f},{c}" for w, (d, c, _) in zip(t.times(), t.rows, strict=True)]
-    return _text("LOG0001.CSV", lines, ["--options"], time=False)
-
-
-def thingspeak_json(t: Truth) -> Made:
-    feeds = [
-        {"created_at": w, "entry_id": n, "field1": f"{d * 100:.2f}", "field2": str(c)}
-        for n, (w, (d, c, _)) in enumerate(zip(t.times("%Y-%m-%dT%H:%M:%SZ"), t.rows, strict=True), 1)
-    ]
-    whole = {
-        "channel": {"id": 7, "name": "tank", "field1": "Distance (cm)", "field2": "Temperature (C)"},
-        "feeds": feeds,
-    }
-    return Made("feeds.json", json.dumps(whole).encode())
-
-
-def two_units_rows(t: Truth) -> Made:
-    head = ["Time,Distance,AirTemp,RH", "UTC,cm,degC,%"]
-    return _text(
-        "station.csv",
-        head + [f"{w},{d * 100:.2f},{c},{h}" for w, (d, c, h) in zip(t.times(), t.rows, strict=True)],
-    )
-
-
-LOGS: dict[str, Callable[[Truth], Made]] = {
-    made.__name__: made
-    for made in (
-        *(
-            commonest,
-            toa5,
-            serial_monitor,
-            german_excel,
-            two_columns_of_time,
-            corrupt_line,
-            bursts,
-            excel,
-            json_lines,
-        ),
-        *(
-            zipped,
-            arduino_sd,
-            esphome,
-            home_assistant,
-            influx,
-            thingspeak,
-            labview,
-            hobo,
-            maxbotix,
-            ros,
-            micropython,
-        ),
-        *(
-            senix,
-            grafana,
-            ttn,
-            line_protocol,
-            mobaxterm,
-            key_values,
-            python_logging,
-            blanks,
-            savetxt,
-            excel_sep,
-        ),
-        *(utf16, epoch, no_header, thingspeak_json, two_units_rows),
-    )
-}
+KINDS = (
+    commonest,
+    toa5,
+    serial_monitor,
+    german_excel,
+    two_columns_of_time,
+    corrupt_line,
+    bursts,
+    excel,
+    json_lines,
+    zipped,
+    arduino_sd,
+    esphome,
+    home_assistant,
+    influx,
+    thingspeak,
+    labview,
+    hobo,
+)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from realistic_logs import LOGS, drawn
+from realistic_logs import drawn
+from realistic_logs_more import LOGS
 
 import echocal
 from echocal.cli import main

@@ -348,8 +348,7 @@ class Model:
         >>> list(model.transferable().effects)
         ['fixed_delay']
         """
-        left_out = self.campaign_effects
-        effects = {id_: own for id_, own in self.effects.items() if id_ not in left_out}
+        effects = {id_: own for id_, own in self.effects.items() if id_ not in self.campaign_effects}
         kept = [i for i, name in enumerate(self.parameter_names) if name.partition(".")[0] in effects]
         known = None if self.covariance is None else self.covariance[np.ix_(kept, kept)]
         return self._like(effects, self.shape)._set(covariance=known)

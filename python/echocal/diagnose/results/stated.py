@@ -56,9 +56,7 @@ def _said(diagnosis: Diagnosis) -> str:
     return f"'{diagnosis.verdict}'{f' ({named})' if named else ''}"
 
 
-def _change(
-    model: Model, observations: Observations, quantity: str, uncertainty: float
-) -> dict[str, float]:
+def _change(model: Model, observations: Observations, quantity: str, uncertainty: float) -> dict[str, float]:
     """Change of each parameter, by ``effect.parameter``, that a higher condition makes up for.
 
     Least squares over the rows: the tangents of the parameters take the change of the corrected distances.
