@@ -159,7 +159,7 @@ def arduino_sd(t: Truth) -> Made:
     lines = [
         f"{int(s * 1000)},{2e6 * d / 343:.0f},{c}" for s, (d, c, _) in zip(t.seconds, t.rows, strict=True)
     ]
-    return text_log("DATALOG.TXT", ["millis,duration_us,temp_c", *lines], ["--column", "millis=time_ms"])
+    return text_log("DATALOG.TXT", ["millis,duration_us,temp_c", *lines], [])
 
 
 def esphome(t: Truth) -> Made:

@@ -20,7 +20,7 @@ from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
-from echocal.observations.proposals import propose
+from echocal.observations.proposals import propose, unfit
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
 from echocal.quantities import QUANTITIES
@@ -307,6 +307,9 @@ class Assembly:
         likely = [
             f"{name}={p.request}" for name, p in guessed.items() if p.request.startswith(("reading", "echo"))
         ]
+        told = unfit(self.table, [name for name, _ in alike]) if not likely else ""
+        if told:
+            return f"{told}; {INSPECT}"
         first = likely[0] if likely else f"{alike[0][0] if alike else others[0]}=reading_m"
         return f'Say which it is: --column "{first}"; {INSPECT}'
 

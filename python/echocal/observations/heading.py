@@ -56,10 +56,19 @@ def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
     usual = _usual(lines[1:], separator)
     if _all_values(lines[0], separator):
         return _nameless(lines, skipped, separator, before)
+    names = fields_of(lines[0], separator)
+    if _rows_alike(lines, separator):
+        return _nameless(lines, skipped, separator, before)
+    if len(set(names)) < len(names) and (place := _last_names(lines, separator)):
+        return _table(lines, place, skipped, separator)
     if own < usual or (own == 1 and any(s in line for line in lines[1:3] for s in SEPARATORS)):
         place = _search(lines)
         if place is not None:
             return _table(lines, place, skipped, max(SEPARATORS, key=lines[place].count))
+        for place in range(1, min(len(lines), _LOOK)):
+            own_separator = max(SEPARATORS, key=lines[place].count)
+            if own_separator in lines[place] and _all_values(lines[place], own_separator):
+                return _nameless(lines[place:], skipped + place, own_separator, "")
     return _table(lines, 0, skipped, separator)
 
 
@@ -136,6 +145,21 @@ def _search(lines: Sequence[str]) -> int | None:
     return None
 
 
+def _rows_alike(lines: Sequence[str], separator: str) -> bool:
+    """Whether the first lines have values and texts in the same places: none of them has names."""
+    kinds = [[is_value(field) for field in fields_of(line, separator)] for line in lines[:4]]
+    return len(kinds) > 2 and len(kinds[0]) > 1 and any(kinds[0]) and all(own == kinds[0] for own in kinds)
+
+
+def _last_names(lines: Sequence[str], separator: str) -> int | None:
+    """Place of the last line without values above the rows, where several lines have names."""
+    for place in range(1, min(len(lines), 6)):
+        fields = fields_of(lines[place], separator)
+        if any(map(is_value, fields)):
+            return place - 1 if place > 1 else None
+    return None
+
+
 def _says_units(line: str, separator: str, names: Sequence[str]) -> bool:
     fields = fields_of(line, separator)
     return len(fields) <= len(names) and not any(map(is_value, fields)) and is_unit_row(fields)
@@ -161,4 +185,5 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
 
 
 def _names(fields: Sequence[str]) -> list[str]:
-    return [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
+    names = [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
+    return [names[0].removeprefix("% "), *names[1:]] if names else names

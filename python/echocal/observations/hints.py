@@ -58,7 +58,7 @@ _NOT = {
     "humidity": {"soil", "boden", "box", "internal", "logger", "moisture"},
     "pressure": {"water", "vapor", "vapour", "diff", "differential", "tire", "wasser", "sea"},
     "reading": {
-        "depth", "level", "height", "hoehe", "höhe", "tiefe", "stand", "snow", "offset", "error", "err",
+        "depth", "level", "height", "hoehe", "höhe", "tiefe", "stand", "offset", "error", "err",
         "resolution", "threshold", "filtered", "corrected", "travelled", "traveled", "path", "twoway",
     },
     "wind": {"dir", "direction", "gust"},
@@ -88,11 +88,33 @@ _TIMES = {
     "timestamp", "datetime", "date time", "date_time", "time stamp", "zeitstempel", "zeitpunkt", "date/time",
     "datum/uhrzeit", "created_at", "_time", "received_at", "last_changed", "time_utc", "time [utc]", "utc",
     "time (utc)", "timestamp_utc", "utc_time", "datum uhrzeit", "datumzeit", "last_updated", "recorded_at",
-    "date_heure", "horodatage", "fecha", "measured_at", "time local", "date and time",
+    "date_heure", "horodatage", "fecha", "yyyy-mm-dd", "hh:mm", "hh:mm:ss", "dd.mm.yyyy", "measured_at", "time local", "date and time",
 }  # fmt: skip
 """Names of columns of times."""
 
+_COUNTERS = {"millis": "time_ms", "millis()": "time_ms", "micros": "time_us", "micros()": "time_us"}
+"""Functions of Arduino and MicroPython."""
+
+_CLOCK_UNITS = ("us", "ms", "s", "min", "h")
+_SINCE = {
+    "timestamp",
+    "elapsed",
+    "uptime",
+    "ticks",
+    "seconds",
+    "zeit",
+    "time",
+    "millis",
+    "micros",
+    "runtime",
+    "clock",
+}
+_NO_CLOCK = {
+    "flight", "echo", "pulse", "tof", "duration", "transit", "travel", "laufzeit", "response", "delay", "return",
+    "round", "measured", "diff",
+}  # fmt: skip
 _CLOCKS = {
+    "timestamps",
     "time", "date", "timestamp", "datetime", "datum", "uhrzeit", "zeit", "zeitstempel", "clock", "ts", "utc",
     "heure", "hora", "fecha", "created", "received", "changed", "epoch", "unix", "unixtime", "stamp", "tijd",
 }  # fmt: skip
@@ -131,12 +153,17 @@ def hint(column: str, unit: str = "") -> Hint | None:
         return Hint("time")
     words, own = split_unit(_STATISTIC.sub("", column))
     symbol = symbol_of(unit) or own
+    if column.strip().lower() in _COUNTERS:
+        return Hint(_COUNTERS[column.strip().lower()])
     if not symbol:
         return None
     tokens = {token.lower() for token in _TOKEN.findall(words)}
     tokens |= {"".join(sorted_pair) for sorted_pair in zip(_listed(words), _listed(words)[1:], strict=False)}
     if tokens & _NEVER:
         return None
+    since = _SINCE - {"time", "zeit"} if symbol == "us" else _SINCE  # a time in us may be that of the echo
+    if symbol in _CLOCK_UNITS and tokens & since and not tokens & _NO_CLOCK:
+        return Hint(f"time_{symbol}")
     for role, (units, known) in _WORDS.items():
         if symbol in units and tokens & known and not tokens & _NOT.get(role, set()):
             name = _name(role, symbol)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from echocal.errors import EchocalError
 from echocal.observations.checks import CODES
+from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, role_of
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
 from echocal.observations.units import NAMES
-from echocal.observations.units_said import split_unit, symbol_of
+from echocal.observations.units_said import has_foreign_unit, split_unit, symbol_of
 
-__all__ = ["Proposal", "codes_in", "propose"]
+__all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
 Column = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
     bare = {name: role for name in columns if not proposals[name].request and (role := role_of(name))}
     for name, role in sorted(bare.items(), key=lambda pair: pair[1] == "distance"):
         numbers = _numbers(table[name])
-        if numbers is None or given.get(name) in {EXTRA, IGNORE}:
+        if numbers is None or has_foreign_unit(name) or given.get(name) in {EXTRA, IGNORE}:
             continue
         own = "reading" if role == "distance" and not {"reading", "echo_time"} & held else role
         unit = symbol_of(found.units.get(name, "")) or split_unit(name)[1] or _usual(own, numbers)
@@ -72,6 +73,23 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
     if not {"reading", "echo_time"} & held:
         _by_values(table, found, proposals, held)
     return proposals
+
+
+def unfit(table: pd.DataFrame, names: Sequence[str]) -> str:
+    """Why columns that are called like an echo cannot be one; empty where one may be."""
+    for name in table.columns:
+        if has_foreign_unit(name) and role_of(name.partition("(")[0].partition("[")[0]) in {
+            "reading",
+            "echo",
+        }:
+            return f"'{name}' has a unit that echocal does not convert: convert it to m, cm, mm or inch"
+    for name in names:
+        if _numbers(table[name]) is None:
+            text = next((str(value) for value in table[name] if not is_empty(value)), "")
+            return f"'{name}' has text ('{shown(text)}'): write plain numbers, 2495 or 2495.5"
+    if not names and all(_numbers(table[name]) is None for name in table.columns):
+        return "No column has numbers"
+    return ""
 
 
 def codes_in(values: pd.Series[Any]) -> list[float]:
@@ -113,7 +131,7 @@ def _by_values(table: pd.DataFrame, found: Found, proposals: dict[str, Proposal]
     """The first column that varies like a reading, and the first after it like a temperature."""
     for name in map(str, table.columns):
         numbers = _numbers(table[name])
-        if proposals[name].request or numbers is None or _counts(numbers):
+        if proposals[name].request or numbers is None or _counts(numbers) or has_foreign_unit(name):
             continue
         stated = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
         if not {"reading", "echo_time"} & held and (not stated or f"reading_{stated}" in NAMES):

@@ -20,6 +20,7 @@ _NO_TEXT = {
     b"ARRO": "an Arrow (Feather) file; save it as Parquet, or read it with pyarrow and pass the table",
     b"\x89HDF": "an HDF5 or NetCDF file; read it with xarray or pandas and pass the table",
     b"CDF": "a NetCDF file; read it with xarray and pass the dataset",
+    b'"TOB': "binary data of a Campbell logger; convert it to TOA5 with CardConvert (LoggerNet, PC400)",
     b"SQLi": "an SQLite database; save the table as CSV",
 }
 """What files begin with that are no table of text."""

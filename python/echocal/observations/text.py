@@ -44,7 +44,8 @@ def head_of(path: Path, layout: Layout) -> Head:
         head = replace(head, decimal=layout.decimal)
     first = lines[0]
     if (
-        head.separator not in first
+        not head.nameless
+        and head.separator not in first
         and head.above == skip + 1
         and any(s in "".join(lines[1:2]) for s in SEPARATORS)
     ):

@@ -4,7 +4,7 @@ import re
 
 from echocal.observations.units import UNIT_WORDS
 
-__all__ = ["is_unit_row", "split_unit", "symbol_of"]
+__all__ = ["has_foreign_unit", "is_unit_row", "split_unit", "symbol_of"]
 
 _MORE = {
     "degc": "C", "deg c": "C", "deg_c": "C", "°c": "C", "c": "C", "ºc": "C", "*c": "C", "grad c": "C",
@@ -35,6 +35,7 @@ _LOGGERS = {
 """What stands in a row of units beside units: how a logger made a value, and kinds of columns."""
 
 _BRACKET = re.compile(r"(?P<words>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])](?P<rest>.*)")
+_BEFORE = re.compile(r"(?P<unit>°[CF]|%|mm|cm|hPa|kPa|mbar)\s+(?P<words>\w.*)")
 _AFTER = re.compile(
     r"(?P<words>.+?)(?:\s+in\s+|\s*/\s*|\s*,\s*|_|\s+|\.|-)(?P<unit>[^\s_,./-]+(?:/\S+)?|deg[_ ][cf])",
     re.IGNORECASE,
@@ -64,10 +65,21 @@ def split_unit(name: str) -> tuple[str, str]:
     if bracket and (unit := symbol_of(bracket["unit"])):
         return f"{bracket['words']} {bracket['rest']}".strip(), unit
     plain = bracket["words"] if bracket else name
+    before = _BEFORE.fullmatch(plain.strip())
+    if before and (unit := symbol_of(before["unit"])):
+        return before["words"], unit
     after = _AFTER.fullmatch(plain.strip())
     if after and (unit := symbol_of(after["unit"])):
         return after["words"].strip(), unit
     return name, ""
+
+
+def has_foreign_unit(name: str) -> bool:
+    """Whether a name has something in brackets that is no unit of ours: ``Range (ft)``."""
+    bracket = _BRACKET.fullmatch(name)
+    return bool(
+        bracket and re.fullmatch(r"[A-Za-zµ°/%²³^-]{1,8}", bracket["unit"]) and not symbol_of(bracket["unit"])
+    )
 
 
 def is_unit_row(fields: list[str]) -> bool:

@@ -20,6 +20,7 @@ from echocal.observations.readers import (
     literals,
     long_tables,
     maxbotix,
+    mqtt_lines,
     ros,
     serial_lines,
     spreadsheet,
@@ -29,7 +30,7 @@ from echocal.observations.readers import (
 
 __all__ = ["format_of", "read", "tidy"]
 
-_FORMATS = (json_records, literals, maxbotix, esphome, line_protocol, serial_lines, white_space)
+_FORMATS = (json_records, literals, maxbotix, esphome, mqtt_lines, line_protocol, serial_lines, white_space)
 _STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step)
 _FIRST = 200
 

@@ -29,6 +29,9 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
         parts = filled.astype(str).str.extract(_CELL)
         known = parts[1].dropna().map(symbol_of)
         usual = known[known != ""].mode()
+        grouped = parts[0].dropna().str.fullmatch(r"[-+]?[1-9]\d{0,2},\d{3}")
+        if grouped.any() and not parts[0].dropna().str.fullmatch(r"[-+]?0?,\d+|[-+]?\d+,\d{1,2}").any():
+            continue  # 2,495 may be 2495
         if usual.empty or 10 * int((known == usual[0]).sum()) < 9 * len(filled):
             continue
         same = known.index[known == usual[0]]

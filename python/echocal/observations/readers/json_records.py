@@ -7,7 +7,7 @@ from typing import Any
 from echocal.errors import DataError
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
+__all__ = ["NAME", "flat", "read", "recognizes"]
 
 NAME = "JSON"
 
@@ -32,7 +32,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     if not records:
         message = f'{path} is JSON without records; a record is {{"distance_cm": 12.3, ...}}, one a line'
         raise DataError(message)
-    log.records = _short([_flat(record) for record in records])
+    log.records = _short([flat(record) for record in records])
     return log
 
 
@@ -45,7 +45,7 @@ def _lines(lines: Sequence[str], path: str) -> Log:
         except ValueError:
             record = None
         if isinstance(record, Mapping):
-            records.append(_flat(record))
+            records.append(flat(record))
         else:
             log.corrupt[len(records)] = line
             records.append({})
@@ -93,11 +93,12 @@ def _named(key: str, channel: Any) -> str:
     return str(name) if name else key
 
 
-def _flat(record: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+def flat(record: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Values of a record and of the records in it; names are joined by points."""
     found: dict[str, Any] = {}
     for name, value in record.items():
         if isinstance(value, Mapping):
-            found |= _flat(value, f"{before}{name}.")
+            found |= flat(value, f"{before}{name}.")
         elif not isinstance(value, list):
             found[f"{before}{name}"] = value
     return found

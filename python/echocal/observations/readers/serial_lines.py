@@ -3,6 +3,7 @@
 import csv
 import re
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 from echocal.observations.heading import find_head, is_value
@@ -23,6 +24,8 @@ _PAIR = re.compile(
     r"(?P<value>[-+]?(?:\d++(?:[.,]\d++)?|\.\d++)(?:[eE][-+]?\d+)?(?!:)|nan|inf|NaN|--+)"
     r"\s*(?P<unit>°\s?[CF]|[*º]C|deg[ _]?[CF]?|%(?: ?RH)?|[A-Za-zµμ]+(?:/\w+)?)?"
 )
+_SYSLOG = re.compile(r"(?P<time>[A-Z][a-z]{2} [ \d]\d \d\d:\d\d:\d\d) \S+ \S+?: (?P<rest>.*)")
+_SINGLE = re.compile(r"[-+]?\d+(?:[.,]\d+)?\s*(?:cm|mm|m|in|inch|us|µs)")
 _LEVEL = re.compile(r"^(?:INFO|DEBUG|WARN(?:ING)?|TRACE|NOTICE|I|D)\b[ :-]*")
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
 _LOOK = 100
@@ -34,6 +37,8 @@ def recognizes(lines: Sequence[str]) -> bool:
     arrows = sum(bool((m := _PREFIX.fullmatch(line)) and m["arrow"] in {"->", "=>"}) for line in look)
     if 2 * arrows > len(look):
         return True
+    if 2 * sum(bool(_SINGLE.fullmatch(_split(line)[1])) for line in look) > len(look):
+        return True
     named = sum(bool(pairs_of(_split(line)[1])) for line in look)
     return 2 * named > len(look) or (3 * named > len(look) and not any(_delimited(line) for line in look))
 
@@ -42,7 +47,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; a line without values below the first is a row with a reason."""
     split = [_split(line) for line in lines if line.strip()]
     rests = [rest for _, rest in split]
-    named = sum(bool(pairs_of(rest)) for rest in rests)
+    named = sum(bool(pairs_of(rest) or _SINGLE.fullmatch(rest)) for rest in rests)
     if 2 * named >= len(rests) or (named >= 3 and not any(_delimited(r) for r in rests)):
         return _named(split)
     return _delimited_rests(split)
@@ -60,7 +65,7 @@ def pairs_of(text: str) -> list[tuple[str, str, str]]:
 
 def _split(line: str) -> tuple[str, str]:
     """Time and rest of a line."""
-    match = _PREFIX.fullmatch(line) or _STAMP.fullmatch(line)
+    match = _PREFIX.fullmatch(line) or _STAMP.fullmatch(line) or _SYSLOG.fullmatch(line)
     return (match["time"], match["rest"].strip()) if match else ("", line.strip())
 
 
@@ -70,6 +75,8 @@ def _named(split: Sequence[tuple[str, str]]) -> Log:
     units: dict[str, set[str]] = {}
     for time, rest in split:
         pairs = pairs_of(rest)
+        if not pairs and _SINGLE.fullmatch(rest):
+            pairs = pairs_of(f"{'echo' if rest.endswith('s') else 'distance'}: {rest}")
         if not pairs:
             if records and re.search(r"\w", rest):
                 log.corrupt[len(records)] = rest
@@ -97,7 +104,10 @@ def _at(time: str) -> dict[str, Any]:
         return {}
     if time.replace(".", "").isdigit():
         return {"time_s": time}
-    return {"time": time.replace(",", ".")}
+    if time[:1].isalpha():  # a date without a year
+        instant = datetime.strptime(f"2000 {time}", "%Y %b %d %H:%M:%S").replace(tzinfo=UTC)
+        return {"time_s": instant.timestamp()}
+    return {"time": re.sub(r"(?<=\d),(?=\d)", ".", time)}
 
 
 def _delimited(rest: str) -> bool:
