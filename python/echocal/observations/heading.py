@@ -65,9 +65,9 @@ def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
         place = _search(lines)
         if place is not None:
             return _table(lines, place, skipped, max(SEPARATORS, key=lines[place].count))
-        for place in range(1, min(len(lines), _LOOK)):
+        for place in range(1, min(len(lines), _LOOK) if own == 1 else 0):
             own_separator = max(SEPARATORS, key=lines[place].count)
-            if own_separator in lines[place] and _all_values(lines[place], own_separator):
+            if len(fields_of(lines[place], own_separator)) > 1 and _all_values(lines[place], own_separator):
                 return _nameless(lines[place:], skipped + place, own_separator, "")
     return _table(lines, 0, skipped, separator)
 

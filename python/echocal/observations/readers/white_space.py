@@ -39,7 +39,9 @@ def read(lines: Sequence[str], path: str) -> Log:
     names = [f"column {place}" for place in range(1, width + 1)]
     above = [line.lstrip("# ") for line in filled[max(first - 2, 0) : first]]
     for line in reversed(above):
-        words = re.split(r"\s{2,}", line) if len(words_of(line)) != width else words_of(line)
+        words = words_of(line)
+        if len(words) not in {width, width - 1}:
+            words = re.split(r"\s{2,}", line)
         if len(words) == width - 1 and not any(map(is_value, words)):
             names = ["row", *words]  # as R writes the numbers of rows
             break
