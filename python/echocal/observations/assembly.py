@@ -294,7 +294,7 @@ class Assembly:
         reference = self.plan.assignments.get("reference_distance")
         if reference is not None and not self._meant(echo):
             name = f"reading_{reference.unit_name}"
-            return f"If the sensor indicates '{reference.column}': --column \"{reference.column}={name}\""
+            return f"Record one of them; if the sensor indicates '{reference.column}': --column \"{reference.column}={name}\""
         if not others:
             return "Record one of them"
         if meant := self._meant(echo):
