@@ -166,7 +166,14 @@ def test_what_is_left_out_is_said_once(
     assert sum("begins with . or _" in note and "3 files" in note for note in notes) == 1
     assert sum("1 file (logs/notes.md), of another kind" in note for note in notes) == 1
     assert sum("(dry air) (all 3 files)" in note for note in notes) == 1
-    assert any("columns differ between files: logs/b.parquet has battery_V (double)" in n for n in notes)
+    differ = [note for note in notes if "columns differ" in note]
+    assert len(differ) == 1, "a text has no types, and is no other table than Parquet with the same names"
+    assert "columns differ between files: logs/b.parquet has battery_V" in differ[0]
+    echoes(random).astype({"echo_us": "float32"}).to_parquet(logs / "b.parquet")
+    notes = run("correct", "logs", "-o", "out", "--law", "cramer")[-1].splitlines()
+    differ = [note for note in notes if "columns differ" in note]
+    assert len(differ) == 1
+    assert "logs/b.parquet has echo_us (float) and lacks echo_us (double)" in differ[0]
 
 
 def test_globs(tmp_path: Path, random: np.random.Generator) -> None:
@@ -225,8 +232,12 @@ def test_a_log_of_a_key_may_lie_in_several_files(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ending", ["parquet", "csv"])
-def test_memory_stays_below_what_is_allowed(ending: str, tmp_path: Path, random: np.random.Generator) -> None:
+@pytest.mark.parametrize(
+    ("ending", "out"), [("parquet", "parquet"), ("csv", "csv"), ("csv", "parquet"), ("parquet", "csv")]
+)
+def test_memory_stays_below_what_is_allowed(
+    ending: str, out: str, tmp_path: Path, random: np.random.Generator
+) -> None:
     """One row group of 3 million rows; a table of them in memory takes as much again."""
     rows = 3_000_000
     columns = {
@@ -246,6 +257,6 @@ def test_memory_stays_below_what_is_allowed(ending: str, tmp_path: Path, random:
         "echocal.correct_files(sys.argv[1], sys.argv[2], echocal.Model('cramer'), memory='320MB')\n"
         "print(next(l for l in open('/proc/self/status') if l.startswith('VmHWM')).split()[1])\n"
     )
-    command = [sys.executable, "-c", run, str(tmp_path / f"in.{ending}"), str(tmp_path / f"out.{ending}")]
+    command = [sys.executable, "-c", run, str(tmp_path / f"in.{ending}"), str(tmp_path / f"out.{out}")]
     told = subprocess.run(command, capture_output=True, text=True, check=True)
     assert int(told.stdout) / 1024 < 320

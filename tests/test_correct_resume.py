@@ -2,10 +2,8 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +15,6 @@ import echocal
 from echocal.correct import correct_files
 from echocal.correct.driver import Progress
 from echocal.correct.task import run_task
-from echocal.engines.processes import Processes
 
 MODEL = echocal.Model("linear", {"zero_error": {"offset": 2e-3}})
 OTHER = echocal.Model("linear", {"zero_error": {"offset": 3e-3}})
@@ -27,9 +24,10 @@ RUN = """
 import sys
 import echocal
 from echocal.correct import correct_files
+from echocal.engines import open_engine
 model = echocal.Model("linear", {"zero_error": {"offset": 2e-3}})
-print("begun", flush=True)
-summary = correct_files(sys.argv[1], sys.argv[2], model, processes=1)
+with open_engine("local", int(sys.argv[3])) as engine:
+    summary = correct_files(sys.argv[1], sys.argv[2], model, engine=engine)
 sys.exit(3 if summary.set_aside else 0)
 """
 
@@ -129,53 +127,14 @@ def test_a_line_that_a_crash_cut_off_is_no_line(logs: Path, whole: dict[str, byt
 
 
 @pytest.mark.slow
-def test_killed_anywhere(
-    logs: Path, whole: dict[str, bytes], tmp_path: Path, random: np.random.Generator
-) -> None:
-    out = tmp_path / "out"
-    for _ in range(8):
-        run = subprocess.Popen(
-            [sys.executable, "-c", RUN, str(logs), str(out)], stdout=subprocess.PIPE, text=True
-        )
-        assert run.stdout is not None
-        run.stdout.readline()
-        time.sleep(float(random.uniform(0.0, 0.6)))
-        run.kill()
-        run.wait()
-        run.stdout.close()
-        done = contents(out) if out.exists() else {}
-        strays = {name for name in done if name.endswith(".unfinished")}
-        assert all(whole[name] == data for name, data in done.items() if name not in strays)
-    assert subprocess.run([sys.executable, "-c", RUN, str(logs), str(out)], check=False).returncode == 0
-    assert contents(out) == whole
-    assert sorted(line["place"] for line in lines(out)[1:]) == sorted(whole)  # type: ignore[type-var]
-
-
-@pytest.mark.slow
-def test_a_worker_that_is_killed(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:
-    import multiprocessing
-
-    killed = []
-
-    def kill(state: Progress) -> None:
-        children = multiprocessing.active_children()
-        if children and not killed:
-            killed.append(children[0].pid)
-            os.kill(int(children[0].pid or 0), signal.SIGKILL)
-
-    summary = correct_files(logs, tmp_path / "out", MODEL, engine=Processes(2), progress=kill)
-    assert not summary.set_aside
-    assert contents(tmp_path / "out") == whole
-
-
-@pytest.mark.slow
-def test_a_full_disk(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_full_disk(workers: str, logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:
     limit = (
         "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))\n"
         "import echocal.errors\n"
     )
     out = tmp_path / "out"
-    command = [sys.executable, "-c", limit + RUN, str(logs), str(out)]
+    command = [sys.executable, "-c", limit + RUN, str(logs), str(out), workers]
     told = subprocess.run(command, capture_output=True, text=True, check=False)
     assert told.returncode != 0
     assert "cannot be written: File too large" in told.stderr
@@ -187,15 +146,30 @@ def test_a_full_disk(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> Non
 @pytest.mark.slow
 def test_two_runs_on_one_output(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:
     out = tmp_path / "out"
+    told: list[str] = []
 
     def second(state: Progress) -> None:
-        if state.files == 1:
-            command = [sys.executable, "-c", RUN, str(logs), str(out)]
-            told = subprocess.run(command, capture_output=True, text=True, check=False)
-            assert f"is being written by process {os.getpid()} on" in told.stderr
+        if state.files == 1 and not told:
+            command = [sys.executable, "-c", RUN, str(logs), str(out), "1"]
+            told.append(subprocess.run(command, capture_output=True, text=True, check=False).stderr)
+            assert f"is being written by process {os.getpid()} on" in told[0]
 
     correct_files(logs, out, MODEL, progress=second)
+    assert told
     assert contents(out) == whole
+
+
+@pytest.mark.slow
+def test_two_runs_that_begin_together(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", RUN, str(logs), str(out), "1"]
+    runs = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True) for _ in range(3)]
+    said = [run.communicate(timeout=60)[1] for run in runs]
+    assert 0 in {run.returncode for run in runs}
+    for run, text in zip(runs, said, strict=True):  # a later one may begin when the first has ended
+        assert run.returncode == 0 or "is being written by" in text
+    assert contents(out) == whole
+    assert len(lines(out)) == FILES + 1
 
 
 def test_damaged_files_are_set_aside(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:

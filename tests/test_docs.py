@@ -64,6 +64,8 @@ def test_python_blocks(name: str, text: str, workplace: Path) -> None:
     engines = [name for name in ("duckdb", "pyspark") if re.search(rf"(import|from) {name}\b", text)]
     for engine in engines:
         pytest.importorskip(engine)
+        if engine == "pyspark" and shutil.which("java") is None and "JAVA_HOME" not in os.environ:
+            pytest.skip("Spark needs Java")
     if engines:  # in a process of their own: they keep threads and write when they end
         subprocess.run(
             [sys.executable, "-c", text], cwd=workplace, capture_output=True, timeout=300, check=True

@@ -158,7 +158,7 @@ def test_on_processes(engine: str, logs: Path, whole: dict[str, bytes], store: A
 def test_killed_anywhere(
     logs: Path, whole: dict[str, bytes], store: Any, random: np.random.Generator
 ) -> None:
-    for _ in range(4):
+    for _ in range(8):
         run = subprocess.Popen(
             [sys.executable, "-c", RUN, "s3://fleet/in", "s3://fleet/out"], stdout=subprocess.PIPE, text=True
         )

@@ -1,6 +1,5 @@
 """``echocal diagnose`` of several tables."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,11 +13,13 @@ from echocal.cli._outputs import Output, check_outputs, made_in
 from echocal.cli._tables import noted, write_json
 from echocal.diagnose.pooling.engine import diagnose_many
 from echocal.errors import DomainWarning, UsageError
+from echocal.model.folder import INDEX
+from echocal.model.names import index_text, named
+from echocal.outputs import replace_text
 
 __all__ = ["Outputs", "bar", "diagnose_tables", "refuse_options", "told_apart"]
 
 _SHARED = "shared.json"
-_UNSAFE = re.compile(r"[^\w.-]+")
 _INSTEAD = {
     "--save-model": "give --models DIR",
     "--with-shape": "an unexplained term belongs to its table: diagnose this table alone",
@@ -100,6 +101,7 @@ def diagnose_tables(
         _made_by.sign(pooled.model, "diagnose", tables[0], shared).save(shared)
         for name, model in pooled.models.items():
             _made_by.sign(model, "diagnose", origin[name], files[name]).save(files[name])
+        replace_text(outputs.models / INDEX, index_text({name: files[name].name for name in pooled.models}))
     if outputs.plots is not None:
         from echocal.plots.pooled import save_pooled  # matplotlib takes a second to import
 
@@ -117,24 +119,15 @@ def bar(quiet: bool) -> Progress:
 
 
 def _model_files(names: Sequence[str], folder: Path | None) -> dict[str, Path]:
-    """File of each table's model: its name, with signs that a file name may have."""
+    """File of each table's model, as `echocal correct --models` looks for it."""
     if folder is None:
         return {}
-    files = {name: (_UNSAFE.sub("_", name).strip(".") or "_") + ".json" for name in names}
-    seen: dict[str, str] = {_SHARED: "the shared model"}
-    for name, file in files.items():
-        if file.lower() in seen:
-            message = (
-                f"--models would write the models of {seen[file.lower()]} and {name} to the same file "
-                f"{file}; rename one of them"
-            )
-            raise UsageError(message)
-        seen[file.lower()] = name
-    return {name: folder / file for name, file in files.items()}
+    return {name: folder / file for name, file in named(names, [_SHARED]).items()}
 
 
 def _shared(folder: Path | None, table: Path) -> list[Output]:
-    return made_in(folder, "--models", [_SHARED], _made_by.model("diagnose", table))
+    index = made_in(folder, "--models", [INDEX], _made_by.sensor_model())
+    return [*made_in(folder, "--models", [_SHARED], _made_by.model("diagnose", table)), *index]
 
 
 def _pictures(folder: Path | None) -> list[Output]:

@@ -1,6 +1,6 @@
 """What a person should know of a run: each cause once, with the files that it is in."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 __all__ = ["sentences"]
@@ -49,19 +49,37 @@ def _of_domains(done: list[Mapping[str, Any]]) -> list[str]:
 
 
 def _of_schemas(done: list[Mapping[str, Any]]) -> list[str]:
-    """How columns differ between files: the files that are not as most are."""
+    """How columns differ between files: the files that are not as most are. A text has names, no types."""
+    said = _of_columns(done, lambda result: result["columns"])
+    typed: dict[frozenset[str], list[Mapping[str, Any]]] = {}
+    for result in done:
+        if result["types"]:
+            typed.setdefault(frozenset(result["columns"]), []).append(result)
+    for alike in typed.values():
+        said += _of_columns(alike, _with_types)
+    return said
+
+
+def _with_types(result: Mapping[str, Any]) -> list[str]:
+    pairs = zip(result["columns"], result["types"], strict=True)
+    return sorted(f"{name} ({kind})" for name, kind in pairs)
+
+
+def _of_columns(
+    done: list[Mapping[str, Any]], columns: Callable[[Mapping[str, Any]], list[str]]
+) -> list[str]:
     kinds: dict[tuple[str, ...], list[str]] = {}
     for result in done:
-        kinds.setdefault(tuple(result["columns"]), []).append(result["source"])
+        kinds.setdefault(tuple(columns(result)), []).append(result["source"])
     if len(kinds) < 2:
         return []
     usual = max(kinds, key=lambda columns: len(kinds[columns]))
     said = []
-    for columns, files in kinds.items():
-        if columns == usual:
+    for own, files in kinds.items():
+        if own == usual:
             continue
-        more = [name for name in columns if name not in usual]
-        less = [name for name in usual if name not in columns]
+        more = [name for name in own if name not in usual]
+        less = [name for name in usual if name not in own]
         how = [f"has {', '.join(more)}"] * bool(more) + [f"lacks {', '.join(less)}"] * bool(less)
         how = how or ["has the columns in another order"]
         said.append(f"columns differ between files: {_listed(files)} {' and '.join(how)}")

@@ -77,6 +77,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             "first": tally.first,
             "outside": {domain: list(own) for domain, own in tally.outside.items()},
             "columns": tally.columns,
+            "types": tally.types,
             "notes": list(tally.notes),
         }
     except EchocalError as error:
@@ -106,12 +107,17 @@ def _correct(
         from echocal.correct.parquet.file import correct_parquet
 
         return correct_parquet(source, unfinished, job, task["key"], log, progress)
-    refuse_other_kinds(source)
+    if not parquet:
+        refuse_other_kinds(source)
     if not parquet and ending in TEXTS:
         from echocal.correct.text.file import correct_text
 
         zipped = ending.endswith(".gz")
         return correct_text(source, unfinished, job, task["key"], log, progress, zipped=zipped)
-    from echocal.correct.convert import convert
+    if ending in PARQUETS:
+        from echocal.correct.text_to_parquet import text_to_parquet
 
-    return convert(source, unfinished, ending, job, task["key"])
+        return text_to_parquet(source, unfinished, job, task["key"], log, progress)
+    from echocal.correct.parquet_to_text import parquet_to_text
+
+    return parquet_to_text(source, unfinished, ending, job, task["key"], log, progress)

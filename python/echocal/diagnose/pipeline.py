@@ -14,11 +14,12 @@ from echocal.diagnose.faults import find_faults
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Stack
-from echocal.diagnose.inference.posterior import infer
+from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.inference.weigh_steps import weigh_steps
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.offsets import without_offsets
 from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
+from echocal.diagnose.noises.common.rows_off import without_rows_off
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
@@ -123,14 +124,17 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
 
             work.begin("comparing causes")
             case, inference, offsets = without_offsets(case, infer(case))
-            if growing := convections(case, inference.fits, inference.reduced):
-                case = case.with_correlations(growing)
-                del inference  # it is large for a wide table
-                inference = infer(case)
+            case, inference = _with_convection(case, inference)
 
             work.begin("comparing noises")
+            tried = not_imitated(faults.quantizations)
+            shares = infer_noises(case, inference.fits, inference.reduced, tried)
+            if off := without_rows_off(case, inference, shares, tried):
+                case, inference = _with_convection(off.case, off.inference)
+                tried = tuple(noise for noise in tried if noise is not off.noise)
+                shares = infer_noises(case, inference.fits, inference.reduced, tried)
+                offsets.append(off.finding)
             reduced = inference.reduced
-            shares = infer_noises(case, inference.fits, reduced, not_imitated(faults.quantizations))
             ranking = rank(shares.fits, case.found.competing, settings)
 
             work.begin("validating claims")
@@ -159,3 +163,13 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         diagnosis = replace(diagnosis, model=diagnosis.model.with_provenance(known))
     work.end()
     return Examined(diagnosis, case, reduced, shares, ranking, selection)
+
+
+def _with_convection(case: Case, inference: Inference) -> tuple[Case, Inference]:
+    """The posterior once more, if noise whose variance grows with the distance may be there."""
+    growing = convections(case, inference.fits, inference.reduced)
+    if not growing:
+        return case, inference
+    case = case.with_correlations(growing)
+    del inference  # it is large for a wide table
+    return case, infer(case)

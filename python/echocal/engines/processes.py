@@ -5,11 +5,13 @@ They are started anew and not copied from this process, whose threads may hold l
 
 import multiprocessing
 import os
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.connection import wait as wait_for
 from typing import Any
 
 from echocal.engines.engine import Result, Task, Work
@@ -52,31 +54,34 @@ class Processes:
         self.name = f"{count} processes"
 
     def run(self, work: Work, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result | None]]:
-        """Run tasks. Those that were running when a process was killed are run again, each alone."""
+        """Run tasks. Those that were running when a process was killed are run again, one after the other."""
         left = dict(enumerate(tasks))
         lost: Counter[int] = Counter()
         while left:
-            alone = next((number for number in left if lost[number]), None)
-            few = left if alone is None else {alone: left[alone]}
-            for number, result in self._one_pool(work, dict(few)):
+            suspects = {number: task for number, task in left.items() if lost[number]}
+            for number, result in self._one_pool(work, suspects or dict(left), alone=bool(suspects)):
                 lost[number] += result is None
-                if result is not None or (alone is not None and lost[number] >= _TWICE):
+                if result is not None or lost[number] >= _TWICE:
                     yield left.pop(number), result
 
     def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
         """Nobody to ask: the processes run the same files."""
         return {}
 
-    def _one_pool(self, work: Work, tasks: Mapping[int, Task]) -> Iterator[tuple[int, Result | None]]:
+    def _one_pool(
+        self, work: Work, tasks: Mapping[int, Task], *, alone: bool
+    ) -> Iterator[tuple[int, Result | None]]:
         """Run tasks until all are done or a process is killed; None then for those that were running."""
-        count = min(self._count, len(tasks))
+        count = 1 if alone else min(self._count, len(tasks))
+        ahead = 1 if alone else 2 * count
         with _environment(ONE_THREAD):
-            pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+            context = multiprocessing.get_context("spawn")
+            pool = ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_parent)
             try:
                 coming = iter(tasks.items())
                 running: dict[Future[Result], int] = {}
                 while True:
-                    while len(running) < 2 * count and (following := next(coming, None)) is not None:
+                    while len(running) < ahead and (following := next(coming, None)) is not None:
                         running[pool.submit(work, following[1])] = following[0]
                     if not running:
                         return
@@ -90,6 +95,18 @@ class Processes:
                     yield number, future.result() if whole else None
             finally:
                 pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """End this process with the run; else it would wait for ever, or write into the run that follows."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None  # a process of a pool
+
+    def watch() -> None:
+        wait_for([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, name="end with parent", daemon=True).start()
 
 
 @contextmanager

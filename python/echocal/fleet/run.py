@@ -23,7 +23,6 @@ from echocal.errors import DataError, UsageError, writing
 from echocal.fleet import verdicts
 from echocal.fleet.index import Sensor, indexed
 from echocal.fleet.judge import judged
-from echocal.fleet.names import index_text, named
 from echocal.fleet.plan import BYTES_A_ROW, digest, tasks_of
 from echocal.fleet.record import FAILED, failure
 from echocal.fleet.source import files_of
@@ -33,6 +32,7 @@ from echocal.fleet.summary import summary
 from echocal.fleet.task import run_task
 from echocal.model import Model
 from echocal.model.folder import INDEX
+from echocal.model.names import index_text, named
 from echocal.model.plain import to_plain
 from echocal.observations.text import Layout
 from echocal.outputs import replace_text
@@ -156,7 +156,7 @@ def diagnose_fleet(
     with tempfile.TemporaryDirectory(prefix="echocal-") as scratch:
         store = Store(Path(scratch) if out is None else _beside(Path(out)))
         job = {**asked, "store": str(store.folder.resolve())}
-        tasks = tasks_of(index.sensors, named(index.sensors), by, job, memory)
+        tasks = tasks_of(index.sensors, named(sensor.key for sensor in index.sensors), by, job, memory)
         with store.locked():
             store.begin(_state(asked, files.sources, index.sensors, memory), force)
             for folder in (path for path in folders.values() if path):

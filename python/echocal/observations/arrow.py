@@ -9,7 +9,7 @@ import pandas as pd
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Table", "arrow", "has_arrow", "read_parquet", "to_pandas"]
+__all__ = ["Table", "arrow", "as_stored", "has_arrow", "read_parquet", "to_pandas"]
 
 Table: TypeAlias = Any
 """A ``pyarrow.Table``; the library has no types, and may be absent."""
@@ -59,7 +59,7 @@ def read_parquet(path: Path) -> tuple[Table, str]:
         # a file, not its name: Arrow takes "station=7" in a name for a column, and only UTF-8 for a name
         with path.open("rb") as raw, pa.parquet.ParquetFile(raw) as file:
             facts = file.metadata
-            table = _as_stored(file.read(), (facts.metadata or {}).get(_STORED))
+            table = as_stored(file.read(), (facts.metadata or {}).get(_STORED))
             filled = facts.num_row_groups and facts.num_columns
             return table, facts.row_group(0).column(0).compression if filled else "SNAPPY"
     except (OSError, pa.ArrowException) as error:
@@ -91,7 +91,7 @@ def _objects(column: Any, pa: Any) -> Any:
         return pd.Series(list(column), dtype=object)  # refused where they are to be numbers
 
 
-def _as_stored(table: Table, schema: bytes | None) -> Table:
+def as_stored(table: Table, schema: bytes | None) -> Table:
     """Give columns the types that they were stored as, which Parquet alone does not know."""
     pa = arrow()
     if schema is None:

@@ -93,7 +93,7 @@ class Observations:
         """Which rows can be used, shape (n,)."""
         codes = np.ascontiguousarray(self.unusable, dtype=np.str_)
         # a text is empty if its first character is: no text is compared
-        return np.asarray(codes.view(np.uint32).reshape(len(codes), -1)[:, 0] == 0)
+        return np.asarray(codes.view(np.uint32).reshape(len(codes), codes.dtype.itemsize // 4)[:, 0] == 0)
 
     @property
     def unusable_counts(self) -> dict[str, int]:

@@ -15,7 +15,7 @@ from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUS
 from echocal.correct.rows import Rows
 from echocal.observations.arrow import arrow
 
-__all__ = ["Encoded", "encode", "result_elements", "result_fields"]
+__all__ = ["Encoded", "columns_of", "encode", "result_elements", "result_fields"]
 
 _SPLIT = "BYTE_STREAM_SPLIT"
 
@@ -44,7 +44,7 @@ def result_fields() -> list[Any]:
 def result_elements() -> list[Struct]:
     """Elements of the results in the schema of a file."""
     nothing = Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
-    footer, _ = _written(_columns(nothing), [0], "NONE", whole=True)
+    footer, _ = _written(columns_of(nothing), [0], "NONE", whole=True)
     return list(footer.struct[f.SCHEMA][1][1][1:])
 
 
@@ -61,7 +61,7 @@ def encode(rows: Rows, sizes: Sequence[int], codec: str, *, whole: bool) -> list
         Whether these are whole row groups. Parts of one have no dictionary, so that they can be joined.
     """
     constant = _constants(rows)
-    columns = {name: own for name, own in _columns(rows).items() if name not in constant}
+    columns = {name: own for name, own in columns_of(rows).items() if name not in constant}
     found = _encoded(columns, sizes, codec, whole=whole)
     repeated = [_of_constant(constant, size, codec, whole) for size in sizes]
     each = zip(sizes, found, repeated, strict=True)
@@ -84,7 +84,7 @@ def _of_constant(
     nothing = Rows(
         np.zeros(size), np.full(size, np.nan, np.float32), np.zeros(size, np.int16), ("",), (False,), ()
     )
-    columns = {name: own for name, own in _columns(nothing).items() if name in names}
+    columns = {name: own for name, own in columns_of(nothing).items() if name in names}
     return _encoded(columns, [size], codec, whole=whole)[0]
 
 
@@ -126,7 +126,8 @@ def _written(
     return f.read_footer(BytesIO(data), "the results"), data
 
 
-def _columns(rows: Rows) -> dict[str, Any]:
+def columns_of(rows: Rows) -> dict[str, Any]:
+    """Results in Arrow, by name."""
     pa = arrow()
     status = pa.DictionaryArray.from_arrays(pa.array(rows.codes, pa.int16()), pa.array(rows.reasons))
     return {

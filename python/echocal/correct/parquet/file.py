@@ -20,7 +20,16 @@ from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
 
-__all__ = ["correct_parquet"]
+__all__ = [
+    "Opened",
+    "arrow_file",
+    "check_whole",
+    "correct_parquet",
+    "keys_of",
+    "opened_file",
+    "surroundings_of",
+    "tally_of",
+]
 
 _CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
 """Names for writing, where files call them differently."""
@@ -36,7 +45,7 @@ _PIECE = (4096, 1 << 18)
 
 
 @dataclass(frozen=True)
-class _Open:
+class Opened:
     """A Parquet file that is open for reading."""
 
     path: Path
@@ -74,13 +83,13 @@ def correct_parquet(
     pa = arrow()
     with source.open("rb") as raw:
         footer = f.read_footer(raw, str(source))
-        opened = _opened(source, footer, job)
+        opened = opened_file(source, footer, job)
         with opened.file:
             corrector = Corrector(names_of(opened.file), job, key)
             if corrector.by:
-                corrector.prepare(_keys(opened, corrector.by))
-            around = _surroundings(opened, corrector, job, log)
-            tally = Tally(columns=[f"{own.name} ({own.type})" for own in opened.file.schema_arrow])
+                corrector.prepare(keys_of(opened, corrector.by))
+            around = surroundings_of(opened, corrector, job, log)
+            tally = tally_of(opened)
             codec = _codec(footer)
 
             def encoded(rows: Rows, place: int) -> list[Encoded]:
@@ -98,22 +107,28 @@ def correct_parquet(
                 metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
                 splice.finish(metadata)
             if tally.doubtful(job):
-                _look_at_whole(opened, corrector)
+                check_whole(opened, corrector)
     pa.default_memory_pool().release_unused()
     return tally
 
 
-def _opened(path: Path, footer: f.Footer, job: Job) -> _Open:
+def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opened:
+    """Open a file; its pieces are small enough for the memory, where a row takes `width` times as much."""
     pa = arrow()
     least, largest = _PIECE
-    most = (job.memory - _FIXED) // (_BYTES_A_ROW * (job.threads + 2))
+    most = (job.memory - _FIXED) // (_BYTES_A_ROW * width * (job.threads + 2))
     try:
-        file = pa.parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
+        file = arrow_file(path)
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
         message = f"{path} begins like Parquet and cannot be read: {reason}"
         raise DataError(message) from None
-    return _Open(path, file, footer, pieces_of(footer, min(max(most, least), largest)))
+    return Opened(path, file, footer, pieces_of(footer, min(max(most, least), largest)))
+
+
+def arrow_file(path: Path) -> Any:
+    """Open a file so that no whole column of a row group is held."""
+    return arrow().parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
 
 
 def _name(path: Path) -> Any:
@@ -125,14 +140,21 @@ def _name(path: Path) -> Any:
     return str(path)
 
 
-def _keys(opened: _Open, by: str) -> list[str]:
+def tally_of(opened: Opened) -> Tally:
+    """A tally of no rows yet, with the columns of a file."""
+    types = [str(own.type) for own in opened.file.schema_arrow]
+    return Tally(columns=names_of(opened.file), types=types)
+
+
+def keys_of(opened: Opened, by: str) -> list[str]:
+    """All keys of a file."""
     keys: dict[str, None] = {}
     for table in read_pieces(opened.path, opened.file, opened.pieces, [by]):
         keys |= dict.fromkeys(label(value) for value in table[by].unique().tolist())
     return list(keys)
 
 
-def _surroundings(opened: _Open, corrector: Corrector, job: Job, log: Sequence[Path]) -> dict[str, Any]:
+def surroundings_of(opened: Opened, corrector: Corrector, job: Job, log: Sequence[Path]) -> dict[str, Any]:
     """What the rows depend on, besides themselves."""
     if not corrector.remembers and (len(log) < 2 or not corrector.rows_around):
         return {"context": Context()}
@@ -141,7 +163,7 @@ def _surroundings(opened: _Open, corrector: Corrector, job: Job, log: Sequence[P
     def read(path: Path) -> pd.DataFrame:
         with path.open("rb") as raw:
             footer = f.read_footer(raw, str(path))
-        other = _opened(path, footer, job)
+        other = opened_file(path, footer, job)
         with other.file:
             tables = list(read_pieces(path, other.file, other.pieces, corrector.columns))
         return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=corrector.columns)
@@ -150,7 +172,7 @@ def _surroundings(opened: _Open, corrector: Corrector, job: Job, log: Sequence[P
     return {"context": found.context, "before": found.before, "after": found.after}
 
 
-def _look_at_whole(opened: _Open, corrector: Corrector) -> None:
+def check_whole(opened: Opened, corrector: Corrector) -> None:
     """Refuse a file whose columns, taken as a whole, have no value or are in another unit."""
     tables = list(read_pieces(opened.path, opened.file, opened.pieces, corrector.columns))
     whole = pd.concat(tables, ignore_index=True)

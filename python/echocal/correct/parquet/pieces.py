@@ -11,7 +11,7 @@ from echocal.correct.parquet import footer as f
 from echocal.errors import DataError
 from echocal.observations.arrow import arrow, to_pandas
 
-__all__ = ["Piece", "names_of", "pieces_of", "read_pieces"]
+__all__ = ["Piece", "names_of", "pieces_of", "read_pieces", "read_tables"]
 
 _INDEX = "__index_level_0__"
 _BUFFER = 1 << 20  # bytes of a column that are read at a time
@@ -73,9 +73,28 @@ def read_pieces(
     DataError
         If the file is damaged.
     """
-    pa = arrow()
     stored = dict(zip(names_of(file), file.schema_arrow.names, strict=True))
     wanted = [stored[name] for name in columns]
+    for piece, table in zip(pieces, read_tables(path, file, pieces, wanted), strict=True):
+        if not columns:
+            yield pd.DataFrame(index=range(piece.rows))
+            continue
+        table = table.select(wanted).rename_columns(list(columns)).replace_schema_metadata(None)
+        yield to_pandas(table)
+
+
+def read_tables(
+    path: Path, file: Any, pieces: Sequence[Piece], columns: Sequence[str] | None
+) -> Iterator[Any]:
+    """Read some columns of each piece, or all, as Arrow has them.
+
+    Raises
+    ------
+    DataError
+        If the file is damaged.
+    """
+    pa = arrow()
+    wanted = None if columns is None else list(columns)
     parts: Iterator[Any] = iter(())
     try:
         for piece, before in zip(pieces, [None, *pieces], strict=False):
@@ -87,11 +106,7 @@ def read_pieces(
                         batch_size=piece.rows, row_groups=list(piece.groups), columns=wanted
                     )
                 table = _next(parts, piece.rows, pa)
-            if not columns:
-                yield pd.DataFrame(index=range(piece.rows))
-                continue
-            table = table.select(wanted).rename_columns(list(columns)).replace_schema_metadata(None)
-            yield to_pandas(table)
+            yield table
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
         message = f"{path} begins like Parquet and cannot be read: {reason}"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TypeVar
 
 import pandas as pd
 
@@ -28,7 +28,9 @@ from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
 from echocal.observations.text import no_text, resolved
 
-__all__ = ["correct_text"]
+__all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_text"]
+
+Made = TypeVar("Made")
 
 _BLOCK = (1 << 18, 1 << 22)
 """Least and largest number of bytes that are corrected together."""
@@ -40,7 +42,7 @@ _TIMES = 12
 """Bytes of memory for each byte of a block, by each thread; measured."""
 
 
-class _Text:
+class Text:
     """A text file that is corrected."""
 
     def __init__(self, path: Path, job: Job, key: str | None) -> None:
@@ -61,14 +63,18 @@ class _Text:
         """Blocks of rows."""
         return blocks_of(self.path, self.job.layout, self.head, self.size)
 
-    def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
-        """Lines of a block, and the columns that the models of its rows read."""
+    def checked(self, block: Block) -> Lines:
+        """Lines of a block, if it is text."""
         try:
             if not block.data.isascii():
                 block.data.decode()
         except UnicodeError:
             raise DataError(no_text(self.path, self.job.layout)) from None
-        lines = self.parser.lines(block)
+        return self.parser.lines(block)
+
+    def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
+        """Lines of a block, and the columns that the models of its rows read."""
+        lines = self.checked(block)
         corrector = self.corrector
         columns = corrector.columns
         if corrector.by:
@@ -113,66 +119,73 @@ def correct_text(
     DataError
         If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
-    text = _Text(source, job, key)
+    text = Text(source, job, key)
     job = text.job
     if job.append_only is not None:
         raise UsageError("--append-only is for Parquet; in a text file every line stays as it is")
     tally = Tally(columns=list(text.head.names))
     separator = text.head.separator
-    with _writing(out, zipped) as file:
+    with writing_text(out, zipped) as file:
         above, header, end, units = prelude(source, job.layout, text.head)
         if job.layout.encoding == "utf-8-sig" and begins_with_mark(source):
             file.write(codecs.BOM_UTF8)
-        file.write(
-            (above + header_with_results(header, separator) + end + with_empty(units, separator)).encode()
-        )
-        for rows, data in _corrected(text, tally, log):
+        names = above + header_with_results(header, separator) + end
+        file.write((names + with_empty(units, separator)).encode())
+
+        def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes]:
+            return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
+
+        for count, data in correct_blocks(text, tally, log, written):
             file.write(data)
-            progress(rows)
-    if tally.doubtful(job):
-        whole = pd.concat(list(text.tables()), ignore_index=True)
-        text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)
+            progress(count)
+    check_whole(text, tally)
     return tally
 
 
-def _corrected(text: _Text, tally: Tally, log: Sequence[Path]) -> Iterator[tuple[int, bytes]]:
-    """Lines with results, and the number of rows, block by block."""
-    job, corrector, separator = text.job, text.corrector, text.head.separator
+def check_whole(text: Text, tally: Tally) -> None:
+    """Refuse a file whose columns, taken as a whole, have no value or are in another unit."""
+    if tally.doubtful(text.job):
+        whole = pd.concat(list(text.tables()), ignore_index=True)
+        text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)
 
-    def written(lines: Lines, rows: Rows) -> tuple[int, bytes]:
-        return len(rows.codes), with_results(lines, rows, separator, job.layout.decimal)
 
+def correct_blocks(
+    text: Text, tally: Tally, log: Sequence[Path], made: Callable[[Block, Lines, Rows], Made]
+) -> Iterator[Made]:
+    """What is made of each block, its lines and its results, in the order of the rows."""
+    job, corrector = text.job, text.corrector
     if not corrector.remembers and not corrector.rows_around:
 
-        def work(block: Block) -> tuple[Rows, list[Part], tuple[int, bytes]]:
+        def work(block: Block) -> tuple[Rows, list[Part], Made]:
             lines, table = text.parsed(block)
             rows, parts = corrector.correct(table, Context(), (0, len(table)))
-            return rows, parts, written(lines, rows)
+            return rows, parts, made(block, lines, rows)
 
-        for rows, parts, made in in_order(text.blocks(), work, job.threads):
+        for rows, parts, one in in_order(text.blocks(), work, job.threads):
             tally.add(rows, parts)
-            yield made
+            yield one
         return
-    held: dict[int, Lines] = {}
+    held: dict[int, tuple[Block, Lines]] = {}
 
     def tables() -> Iterator[pd.DataFrame]:
         for place, block in enumerate(text.blocks()):
-            held[place], table = text.parsed(block)
+            lines, table = text.parsed(block)
+            held[place] = block, lines
             yield table
 
     around = _surroundings(text, log)
-    then = lambda rows, place: written(held.pop(place), rows)  # noqa: E731
+    then = lambda rows, place: made(*held.pop(place), rows)  # noqa: E731
     yield from corrected(tables(), corrector, tally, then, **around, threads=job.threads)
 
 
-def _surroundings(text: _Text, log: Sequence[Path]) -> dict[str, Any]:
+def _surroundings(text: Text, log: Sequence[Path]) -> dict[str, Any]:
     """What the rows depend on, besides themselves."""
     if not text.corrector.remembers and len(log) < 2:
         return {"context": Context()}
     files = list(log) or [text.path]
 
     def read(path: Path) -> pd.DataFrame:
-        tables = list(_Text(path, text.job, text.corrector.key).tables())
+        tables = list(Text(path, text.job, text.corrector.key).tables())
         return (
             pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=text.corrector.columns)
         )
@@ -212,11 +225,12 @@ def _is_number(code: str) -> bool:
 
 
 @contextmanager
-def _writing(out: Path, zipped: bool) -> Iterator[IO[bytes]]:
+def writing_text(out: Path, zipped: bool) -> Iterator[IO[bytes]]:
+    """Open a text file for writing; the same bytes each time, gzipped too."""
     with out.open("wb") as raw:
         if not zipped:
             yield raw
             return
-        # the same bytes each time: no name, no date
+        # no name, no date
         with gzip.GzipFile(filename="", mode="wb", fileobj=raw, compresslevel=6, mtime=0) as file:
             yield file  # type: ignore[misc]

@@ -6,7 +6,7 @@ Both ways give the same numbers to the last bit: each is the double next to its 
 import csv
 import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -100,6 +100,56 @@ class Parser:
             lines = self._records(block)
         return self._careful(block, lines, columns)
 
+    def fields(self, block: Block, lines: Lines) -> Any:
+        """Every field of the rows as the text that it is, an Arrow table; null where a row has too few.
+
+        Raises
+        ------
+        DataError
+            If a row has more fields than the header.
+        """
+        pa = arrow("Parquet")
+        if lines.records is None:
+            found = self._fast_fields(block.data, len(lines.texts))
+            if found is not None:
+                return found
+            lines = self._records(block)
+        width = len(self._head.names)
+        columns: list[list[str | None]] = [[] for _ in range(width)]
+        for row in self._rows(block, lines):
+            for column, text in zip(columns, [*row, *[None] * (width - len(row))], strict=True):
+                column.append(text)
+        arrays = [pa.array(column, pa.string()) for column in columns]
+        return pa.table(arrays, names=list(self._head.names))
+
+    def _fast_fields(self, data: bytes, rows: int) -> Any | None:
+        pa = arrow("Parquet")
+        from pyarrow import csv as reader
+
+        names, separator = list(self._place.values()), self._head.separator.encode()
+        indented = data.startswith(b" ") or b"\n " in data or separator + b" " in data
+        if indented and b'"' in data:
+            return None
+        try:
+            table = reader.read_csv(
+                pa.BufferReader(data),
+                read_options=reader.ReadOptions(use_threads=False, block_size=_CHUNK, column_names=names),
+                parse_options=self._parsing(reader, data),
+                convert_options=reader.ConvertOptions(
+                    column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False
+                ),
+            )
+        except pa.ArrowException:
+            return None
+        if len(table) != rows:
+            return None
+        columns = [pa.compute.utf8_ltrim(own, " ") if indented else own for own in table.columns]
+        return pa.table(columns, names=list(self._head.names))
+
+    def _parsing(self, reader: Any, data: bytes) -> Any:
+        quote = '"' if b'"' in data else False
+        return reader.ParseOptions(delimiter=self._head.separator, quote_char=quote)
+
     def _plain(self, data: bytes) -> Lines | None:
         """The lines, if each is a row, all end alike, and marks enclose whole fields."""
         if self._head.comments and (data.startswith(b"#") or b"\n#" in data):
@@ -157,9 +207,7 @@ class Parser:
                 read_options=reader.ReadOptions(
                     use_threads=False, block_size=_CHUNK, column_names=list(self._place.values())
                 ),
-                parse_options=reader.ParseOptions(
-                    delimiter=self._head.separator, quote_char='"' if b'"' in data else False
-                ),
+                parse_options=self._parsing(reader, data),
                 convert_options=reader.ConvertOptions(
                     include_columns=places,
                     column_types={
@@ -190,23 +238,28 @@ class Parser:
         return Lines(records=records, rows=rows)
 
     def _careful(self, block: Block, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
-        assert lines.records is not None
-        texts = [lines.records[place][0] for place in lines.rows]
-        width, places = len(self._head.names), [int(self._place[name]) for name in columns]
+        places = [int(self._place[name]) for name in columns]
         fields: list[list[str]] = [[] for _ in columns]
-        for number, text in enumerate(texts):
-            row = next(csv.reader([*text.splitlines(keepends=True)], **self._dialect))
+        for row in self._rows(block, lines):
+            for column, place in zip(fields, places, strict=True):
+                column.append(row[place] if place < len(row) else "")
+        found = {name: self._column(own, name) for name, own in zip(columns, fields, strict=True)}
+        return pd.DataFrame(found, index=range(len(lines.rows)))
+
+    def _rows(self, block: Block, lines: Lines) -> Iterator[list[str]]:
+        """Fields of each row; fewer than in the header where a row is short."""
+        assert lines.records is not None
+        width = len(self._head.names)
+        for place in lines.rows:
+            row = next(csv.reader(lines.records[place][0].splitlines(keepends=True), **self._dialect))
             if len(row) > width:
-                line = block.first + sum(held.count("\n") for _, held in lines.records[: lines.rows[number]])
+                line = block.first + sum(held.count("\n") for _, held in lines.records[:place])
                 message = (
                     f"{self._path} cannot be read as rows of {width} fields like its header: "
                     f"Expected {width} fields in line {line}, saw {len(row)}"
                 )
                 raise DataError(message)
-            for column, place in zip(fields, places, strict=True):
-                column.append(row[place] if place < len(row) else "")
-        found = {name: self._column(own, name) for name, own in zip(columns, fields, strict=True)}
-        return pd.DataFrame(found, index=range(len(texts)))
+            yield row
 
     @property
     def _dialect(self) -> dict[str, Any]:

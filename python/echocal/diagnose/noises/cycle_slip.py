@@ -9,7 +9,7 @@ from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.lattice import PERIOD
-from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.noises.common.trace import Likelihood, Trace, log_density
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 
@@ -47,6 +47,12 @@ class Thresholds:
     sharp: float = threshold(
         0.35, "1", "deviation from a segment's median in periods, of a row that belongs to a group; judgement"
     )
+    known: float = threshold(
+        0.3,
+        "1",
+        "scatter of a group in periods, up to which the missed cycles of each row are subtracted; judgement: "
+        "beyond it a row in ten may belong to the next group",
+    )
     split: float = threshold(
         0.02, "1", "part of the rows one period off, from which on segments are tried; judgement"
     )
@@ -76,13 +82,18 @@ FACTS = CauseFacts(
 
 @dataclass(frozen=True)
 class _Mixture:
-    """Groups one period apart, fitted: log evidence, probabilities by cell and order, kernel's scale."""
+    """Groups one period apart, fitted.
+
+    With their log evidence, probabilities by cell and order, kernel, and level of each row.
+    """
 
     log: float
     weights: Column
     orders: Orders
     scale: float
     cells: Labels
+    freedom: float
+    level: Column
 
     @property
     def by_order(self) -> Column:
@@ -103,19 +114,8 @@ class _Mixture:
 
 def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     """Mix groups one period apart, with probabilities for each part of the distances."""
-    own = settings.of(FACTS, Thresholds)
     step = 0.5 * trace.speed * PERIOD
-    cells = _cells(trace.distance)
-    one = np.zeros(len(trace), dtype=np.int64)
-    fits = []
-    if trace.skewed(settings.worth):
-        fits += [_mixture(trace, step, _Groups(cells, _MISSED, one), freedom, own) for freedom in _KERNELS]
-    if _split(trace, step, own):
-        fits += [
-            _mixture(trace, step, _Groups(one, _EITHER, trace.segment), freedom, own) for freedom in _KERNELS
-        ]
-    least, widest = max(own.fewest, 3 / len(trace)), own.apart * float(np.median(step))
-    fits = [f for f in fits if f.distinct > least and f.scale < widest and f.intact > own.intact]
+    fits = _mixtures(trace, step, settings)
     if not fits:
         return None
     best = max(fits, key=lambda f: f.log)
@@ -127,6 +127,42 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     log = float(np.logaddexp.reduce([f.log for f in fits]) - np.log(2 * len(_KERNELS)))
     uncertainty = float(np.sqrt(max(slipped * (1 - slipped), 1e-6) / len(trace)))
     return Likelihood(log, {"probability": (slipped, uncertainty), "period": (PERIOD, 0.0)}, because)
+
+
+def missed(trace: Trace, settings: NoiseSettings) -> Column | None:
+    """Expected error of each row from its missed cycles [m]: docs/method.md, Eq. 18c.
+
+    None if the groups are so wide that a row's cycles are not known.
+    """
+    own, step = settings.of(FACTS, Thresholds), 0.5 * trace.speed * PERIOD
+    fits = _mixtures(trace, step, settings)
+    if not fits:
+        return None
+    best = max(fits, key=lambda f: f.log)
+    if best.scale > own.known * float(np.median(step)):
+        return None
+    orders = np.array(best.orders, dtype=np.float64)
+    beside = (trace.left - best.level)[:, None] - step[:, None] * orders
+    with np.errstate(divide="ignore"):
+        log = np.log(best.weights)[best.cells] + log_density(beside, best.scale, best.freedom)
+    part = np.exp(log - log.max(axis=1, keepdims=True))
+    return np.asarray(step * (part @ orders) / part.sum(axis=1))
+
+
+def _mixtures(trace: Trace, step: Column, settings: NoiseSettings) -> list[_Mixture]:
+    """Mixtures of groups that the residuals are like, if any."""
+    own = settings.of(FACTS, Thresholds)
+    cells = _cells(trace.distance)
+    one = np.zeros(len(trace), dtype=np.int64)
+    fits = []
+    if trace.skewed(settings.worth):
+        fits += [_mixture(trace, step, _Groups(cells, _MISSED, one), freedom, own) for freedom in _KERNELS]
+    if _split(trace, step, own):
+        fits += [
+            _mixture(trace, step, _Groups(one, _EITHER, trace.segment), freedom, own) for freedom in _KERNELS
+        ]
+    least, widest = max(own.fewest, 3 / len(trace)), own.apart * float(np.median(step))
+    return [f for f in fits if f.distinct > least and f.scale < widest and f.intact > own.intact]
 
 
 def _where(found: _Mixture) -> str:
@@ -189,7 +225,7 @@ def _mixture(trace: Trace, step: Column, groups: _Groups, freedom: float, own: T
         levels = np.bincount(segment, found.level) / members
         cost += 0.5 * float(np.log1p(members * (own.level / found.scale) ** 2).sum())
         cost += 0.5 * float(np.sum((levels / own.level) ** 2))
-    return _Mixture(found.log - cost, found.weights, orders, found.scale, cells)
+    return _Mixture(found.log - cost, found.weights, orders, found.scale, cells, freedom, found.level)
 
 
 def draw(table: Columns, random: np.random.Generator) -> None:
@@ -198,4 +234,4 @@ def draw(table: Columns, random: np.random.Generator) -> None:
     table["reading_m"] += missed * 0.5 * (331.4 + 0.6 * table["temperature_C"]) * PERIOD
 
 
-NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, thresholds=Thresholds())
+NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, offsets=missed, thresholds=Thresholds())

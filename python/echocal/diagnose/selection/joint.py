@@ -79,7 +79,7 @@ def join(
     total = sum(sets.values())
     ordered = sorted(((ids, p / total) for ids, p in sets.items()), key=lambda item: -item[1])
     seen = [f for f in found if f.probability >= claims.reported_from]
-    noises = noise_findings(dict(ordered), shares, reduced, claims.reported_from)
+    noises = noise_findings(dict(ordered), shares, reduced, claims.reported_from, {f.cause for f in found})
     return Joint(dict(ordered), (*seen, *noises), ranking.settings)
 
 

@@ -17,7 +17,7 @@ class NoiseSettings(CauseSettings):
     found : float
     harmless, negligible : float
     sets, segments, segment_rows : float
-    considered, worth : float
+    considered, worth, subtracted : float
     autocorrelated, convection_behind : float
     matters, split : float
     """
@@ -41,6 +41,11 @@ class NoiseSettings(CauseSettings):
         2.0,
         "1",
         "standard errors of a moment from which on a fit is tried; without such noise, 1 table in 40",
+    )
+    subtracted: float = threshold(
+        0.5,
+        "1",
+        "probability from which on what a noise adds to each row is subtracted: more likely than not",
     )
     autocorrelated: float = threshold(
         0.1, "1", "probability of autocorrelation from which on convection is tried; judgement"

@@ -1,6 +1,6 @@
 """Noises of the posterior as findings: parameters, and a sentence that a person can check."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -15,7 +15,11 @@ __all__ = ["noise_findings"]
 
 
 def noise_findings(
-    sets: Mapping[tuple[str, ...], float], shares: NoisePosterior, reduced: Stack, least: float
+    sets: Mapping[tuple[str, ...], float],
+    shares: NoisePosterior,
+    reduced: Stack,
+    least: float,
+    known: Collection[str] = (),
 ) -> list[Finding]:
     """Findings on the fitted and the nuisance noises.
 
@@ -28,12 +32,14 @@ def noise_findings(
         Products under the noise models that some hypothesis makes probable.
     least : float
         Probability from which on a noise is reported.
+    known : collection of str
+        Noises that are found already.
     """
     findings = []
     noises: tuple[NoiseEntry, ...] = (*registry.fitted(), *registry.nuisances())
     for noise in noises:
         probability = sum(p for ids, p in sets.items() if noise.facts.id in ids)
-        if probability >= least:
+        if probability >= least and noise.facts.id not in known:
             findings.append(_finding(noise, probability, shares, reduced))
     return findings
 

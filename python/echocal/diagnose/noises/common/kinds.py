@@ -19,6 +19,7 @@ from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "OffsetNoise", "Offsets", "Quantization", "Values"]
 
+Column = NDArray[np.float64]
 Matrix = NDArray[np.floating[Any]]
 Values = dict[str, tuple[float, float]]
 """Value and standard uncertainty of each parameter, by name."""
@@ -69,10 +70,14 @@ class FittedNoise(NoiseEntry):
         None where the residuals have no sign of it.
     removes_nuisance : bool
         Whether `fit` uses `Trace.innovation`, without the nuisance noises; else at `Trace.left`.
+    offsets : callable or None
+        Expected error of each row of the trace [m], for a noise whose mean is not zero: an effect would
+        take it up. None where it is not known.
     """
 
     fit: Callable[[Trace, NoiseSettings], Likelihood | None]
     removes_nuisance: bool = False
+    offsets: Callable[[Trace, NoiseSettings], Column | None] | None = None
 
 
 def _nothing(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:

@@ -17,7 +17,7 @@ from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["NoisePosterior", "infer_noises"]
+__all__ = ["NoisePosterior", "Traced", "infer_noises"]
 
 Ids = tuple[str, ...]
 
@@ -55,6 +55,13 @@ class NoisePosterior:
         """Fitted noises that are not improbable beside every evaluated set."""
         sets = self.fitted.values()
         return tuple(n for n in registry.fitted() if any(one.get(n.facts.id, 0.0) >= least for one in sets))
+
+    def probability(self, id_: str) -> float:
+        """Probability of a fitted noise, over all sets."""
+        log = np.array([one.log_posterior for one in self.fits])
+        part = np.array([self.fitted_of(one.hypothesis.ids).get(id_, 0.0) for one in self.fits])
+        weight = np.exp(log - log.max())
+        return float(weight @ part / weight.sum())
 
     def fit_of(self, id_: str) -> Likelihood | None:
         """Fit of a noise beside the likeliest set that has one."""
@@ -94,7 +101,7 @@ def infer_noises(
     chosen += [ids for ids in [()] if ids not in chosen]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
-    traced = _Traced.of(case, _sample(case, settings))
+    traced = Traced.of(case, _sample(case, settings))
     for ids in chosen:
         trace = traced.left_by(best[ids], reduced.likeliest(best[ids])[0])
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
@@ -151,7 +158,7 @@ def _beside(
 
 
 @dataclass(frozen=True)
-class _Traced:
+class Traced:
     """Rows whose residuals are traced, and what is the same beside each hypothesis."""
 
     case: Case
@@ -161,7 +168,8 @@ class _Traced:
     segment: NDArray[np.int64]
 
     @classmethod
-    def of(cls, case: Case, rows: NDArray[np.int64]) -> "_Traced":
+    def of(cls, case: Case, rows: NDArray[np.int64]) -> "Traced":
+        """Rows of a case that are to be traced."""
         conditions = {name: column[rows] for name, column in case.table.conditions.items()}
         speed = case.base.indication(np.full(len(rows), 2.0), conditions)
         return cls(case, rows, case.sums.order.at(rows), speed, _segments(case, rows))

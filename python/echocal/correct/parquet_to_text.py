@@ -1,0 +1,155 @@
+"""From Parquet to text: row by row in the order of the file, some thousand rows at a time."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from echocal.correct.columns import as_text
+from echocal.correct.corrector import Corrector, Tally
+from echocal.correct.job import Job
+from echocal.correct.parquet import footer as f
+from echocal.correct.parquet.file import (
+    Opened,
+    arrow_file,
+    check_whole,
+    keys_of,
+    opened_file,
+    surroundings_of,
+    tally_of,
+)
+from echocal.correct.parquet.pieces import names_of, read_pieces, read_tables
+from echocal.correct.results import DISTANCE
+from echocal.correct.rows import Rows
+from echocal.correct.stream import corrected
+from echocal.correct.tables import results_of
+from echocal.correct.text.file import writing_text
+from echocal.errors import UsageError
+from echocal.observations.arrow import Table, arrow, as_stored
+
+__all__ = ["parquet_to_text"]
+
+_DAY = 86_400
+_TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
+
+
+def parquet_to_text(
+    source: Path,
+    out: Path,
+    ending: str,
+    job: Job,
+    key: str | None,
+    log: Sequence[Path],
+    progress: Callable[[int], None],
+) -> Tally:
+    """Correct a Parquet file into a text file; see `correct_parquet`.
+
+    Parameters
+    ----------
+    ending : str
+        Of the output: ``.csv``, ``.tsv.gz``, ...
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read, a value cannot be text, or a model needs what the file does not have;
+        `out` is incomplete then.
+    """
+    if job.append_only is not None:
+        raise UsageError("--append-only is for Parquet to Parquet")
+    pa = arrow()
+    with source.open("rb") as raw:
+        footer = f.read_footer(raw, str(source))
+    opened = opened_file(source, footer, job, 1 + len(f.fields_of(footer)) // 4)
+    with opened.file:
+        names = names_of(opened.file)
+        corrector = Corrector(names, job, key)
+        if corrector.by:
+            corrector.prepare(keys_of(opened, corrector.by))
+        around = surroundings_of(opened, corrector, job, log)
+        tally = tally_of(opened)
+        tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
+        made = corrected(tables, corrector, tally, lambda rows, _: rows, **around, threads=job.threads)
+        finest = _finest(opened)
+        with writing_text(out, ending.endswith(".gz")) as file:
+            empty, _ = as_text(opened.file.schema_arrow.empty_table())
+            file.write(_lines(empty, _nothing(), ending, job.layout.decimal or ".", header=True).encode())
+            for rows, table in zip(made, _stored(opened), strict=True):
+                fields, notes = as_text(table if finest is None else _with(table, finest))
+                tally.notes |= dict.fromkeys(notes)
+                text = _lines(fields, rows, ending, job.layout.decimal or ".", header=False)
+                if finest is not None:
+                    text = text[: text.rindex("\n", 0, -1) + 1] if "\n" in text[:-1] else ""
+                file.write(text.encode())
+                progress(len(rows.codes))
+        if tally.doubtful(job):
+            check_whole(opened, corrector)
+    pa.default_memory_pool().release_unused()
+    return tally
+
+
+def _stored(opened: Opened) -> Iterator[Table]:
+    """All columns of each piece."""
+    schema = (opened.file.metadata.metadata or {}).get(b"ARROW:schema")
+    with arrow_file(opened.path) as file:
+        for table in read_tables(opened.path, file, opened.pieces, None):
+            yield as_stored(table, schema)
+
+
+def _lines(fields: pd.DataFrame, rows: Rows, ending: str, decimal: str, *, header: bool) -> str:
+    results = pd.DataFrame(results_of(rows))
+    results[DISTANCE] = np.round(results[DISTANCE], 9)  # to a nanometer
+    table = fields.join(results)
+    # a separator at the end of lines made columns without a name
+    names = ["" if str(name).startswith("Unnamed ") else str(name) for name in table.columns]
+    separator = "\t" if ending.startswith(".tsv") else ";" if decimal == "," else ","
+    text: str = table.to_csv(
+        index=False, header=names if header else False, sep=separator, decimal=decimal, lineterminator="\n"
+    )
+    return text
+
+
+def _nothing() -> Rows:
+    return Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
+
+
+def _finest(opened: Opened) -> Mapping[str, int] | None:
+    """The time of each column that needs most digits: how a column is written depends on all of its times."""
+    pa = arrow()
+    schema = opened.file.schema_arrow
+    times = [own.name for own in schema if pa.types.is_timestamp(own.type) or pa.types.is_duration(own.type)]
+    if not times or len(opened.pieces) < 2:
+        return None
+    found: dict[str, tuple[int, int]] = {}
+    for table in read_tables(opened.path, opened.file, opened.pieces, times):
+        for name in times:
+            column = table[name]
+            ticks = column.drop_null().cast(pa.int64()).to_numpy()
+            if len(ticks):
+                best = _digits(ticks, _TICKS[column.type.unit])
+                found[name] = max(found.get(name, (-1, 0)), best, key=lambda own: own[0])
+    return {name: own[1] for name, own in found.items()} or None
+
+
+def _digits(ticks: Any, second: int) -> tuple[int, int]:
+    """How fine the finest of some times is, and that time: days, seconds, ms, us, ns."""
+    steps = [_DAY * second, *(second // part for part in (1, 10**3, 10**6) if second >= part)]
+    for level, step in reversed(list(enumerate(steps, start=1))):
+        finer = ticks % step != 0
+        if finer.any():
+            return level, int(ticks[np.argmax(finer)])
+    return 0, int(ticks[0])
+
+
+def _with(table: Table, finest: Mapping[str, int]) -> Table:
+    """A table with one row more, which has these times."""
+    pa = arrow()
+    columns = [
+        pa.array([finest[own.name]], pa.int64()).cast(own.type)
+        if own.name in finest
+        else pa.nulls(1, own.type)
+        for own in table.schema
+    ]
+    return pa.concat_tables([table, pa.table(columns, schema=table.schema)])

@@ -1,0 +1,78 @@
+"""Rows that a noise with a mean puts off, which an effect would take up."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.examine import examine
+from echocal.diagnose.inference.posterior import Inference, infer
+from echocal.diagnose.noises.common.findings import noise_findings
+from echocal.diagnose.noises.common.kinds import FittedNoise
+from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced
+
+__all__ = ["RowsOff", "without_rows_off"]
+
+_ROUNDS = 2  # the second one beside the causes that are probable after the first
+
+
+@dataclass(frozen=True)
+class RowsOff:
+    """A noise whose expected errors of rows are subtracted, and the hypotheses on what is left.
+
+    Attributes
+    ----------
+    finding : Finding
+    case : Case
+    inference : Inference
+    noise : FittedNoise
+    """
+
+    finding: Finding
+    case: Case
+    inference: Inference
+    noise: FittedNoise
+
+
+def without_rows_off(
+    case: Case, inference: Inference, shares: NoisePosterior, tried: Collection[FittedNoise]
+) -> RowsOff | None:
+    """Subtract what a noise with a mean adds to each row from the residuals: docs/method.md, Eq. 18c.
+
+    Parameters
+    ----------
+    case : Case
+    inference : Inference
+        Hypotheses on the residuals as they are.
+    shares : NoisePosterior
+        The noises beside them.
+    tried : collection of FittedNoise
+        Noises that compete.
+
+    Returns
+    -------
+    RowsOff or None
+        None if no such noise is more probable than not, or if its error in each row is not known.
+    """
+    for noise in tried:
+        probability = shares.probability(noise.facts.id)
+        if noise.offsets is None or probability < case.settings.noises.subtracted:
+            continue
+        ids = (noise.facts.id,)
+        (finding,) = noise_findings({ids: probability}, shares, inference.reduced, probability)
+        rows, off = np.arange(len(case.table)), np.zeros(len(case.table))
+        other, best = case, shares.fits[0]
+        for _ in range(_ROUNDS):
+            trace = Traced.of(other, rows).left_by(best, inference.reduced.likeliest(best)[0])
+            found = noise.offsets(replace(trace, left=trace.left + off), case.settings.noises)
+            if found is None:
+                return None
+            off = found
+            offsets = off if case.offsets is None else off + case.offsets
+            other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
+            inference = infer(other)
+            best = inference.fits[0]
+        return RowsOff(finding, other, inference, noise)
+    return None
