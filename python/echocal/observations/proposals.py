@@ -109,6 +109,9 @@ def codes_in(values: pd.Series[Any]) -> list[float]:
 def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found: Found) -> Proposal:
     if name in given:
         return Proposal(given[name], "as you say")
+    if name in found.requests:
+        joined = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
+        return Proposal(found.requests[name], joined)
     try:
         if ours := by_name(name):
             form, unit = ours
@@ -116,9 +119,6 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
     except EchocalError:
         if name not in sure:
             return Proposal("", "its name has no unit")
-    if name in found.requests:
-        joined = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
-        return Proposal(found.requests[name], joined)
     if name in sure:
         return Proposal(sure[name], "its name and its unit")
     said = hint(name, found.units.get(name, ""))
