@@ -121,7 +121,8 @@ def _print(found: Inspection, name: Path, out: Path | None) -> None:
             missing += f" code {', '.join(f'{code:g}' for code in column.codes)}?"
         because = f"a guess: {proposal.reason}" if proposal.guess else proposal.reason
         table.add_row(
-            _plain(column.name), _plain(holds), because, missing, _plain(_values(column)), _histogram(column.histogram),
+            _plain(column.name), _plain(holds), because, missing, _plain(_values(column)),
+            _histogram(column.histogram),
             style="yellow" if proposal.guess else "",
         )  # fmt: skip
     console.print(table)

@@ -177,12 +177,10 @@ def inspect_log(
     table = load(path, layout, sheet=sheet)
     found = found_in(table)
     proposals = propose(table, found, columns)
-    codes = {
-        str(n): codes_in(table[n]) for n in table.columns if proposals[str(n)].request not in {EXTRA, IGNORE}
-    }
-    codes = {
-        name: [f"{code:g}" for code in own] for name, own in codes.items() if own and name not in missing
-    }
+    away = {EXTRA, IGNORE}
+    looked_at = [n for n in table.columns if proposals[str(n)].request not in away and str(n) not in missing]
+    seen = {str(n): codes_in(table[n]) for n in looked_at}
+    codes = {name: [f"{code:g}" for code in own] for name, own in seen.items() if own}
     all_codes = {**codes, **missing}
     requests = {name: p.request for name, p in proposals.items() if p.request and p.reason != "its name"}
     observations, refusal = _read(table, requests, all_codes, how)

@@ -1,4 +1,4 @@
-"""What columns of a log may hold, for a person to accept or to edit: by name and unit, else by their values."""
+"""What columns of a log may hold, for a person to accept: by name and unit, else by their values."""
 
 from __future__ import annotations
 

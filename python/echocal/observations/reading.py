@@ -38,8 +38,8 @@ def read_observations(
     Parameters
     ----------
     source : path, DataFrame, or mapping of str to array_like
-        A log (docs/logs.md): delimited text, TOA5, a spreadsheet, JSON, lines of a serial monitor, ..., gzipped
-        or not; a Parquet file; a table of pandas, polars, pyarrow or xarray; or columns by name.
+        A log (docs/logs.md): delimited text, TOA5, a spreadsheet, JSON, lines of a serial monitor,
+        ..., gzipped or not; a Parquet file; a table of pandas, polars, pyarrow or xarray; or columns by name.
     columns : mapping of str to str, or path of a TOML file, optional
         What other columns hold: a name (``{"SR_U": "reading_m"}``), a phrase (``"distance reading
         in m"``), ``"extra"`` for a column of another kind, or ``"ignore"``.
