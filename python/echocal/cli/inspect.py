@@ -112,7 +112,11 @@ def _is_ours(file: Path) -> bool:
 def _print(found: Inspection, name: Path, out: Path | None) -> None:
     console = Console(highlight=False)
     console.print(f"{name}: {found.kind}, {found.rows} rows, {len(found.columns)} columns", markup=False)
-    table = Table("column", "holds", "because", "missing", "values", "")
+    table = Table("column")
+    table.add_column("holds", no_wrap=True)
+    for heading in ("because", "missing", "values"):
+        table.add_column(heading)
+    table.add_column("", no_wrap=True)
     for column in found.columns:
         proposal = column.proposal
         holds = proposal.request or "extra"

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 from echocal.errors import DataError
 from echocal.observations.found import Found
@@ -13,6 +14,7 @@ from echocal.observations.vocabulary import (
     CLOCKS,
     COUNTERS,
     LENGTH,
+    LETTERS,
     NEVER,
     NO_CLOCK,
     NOT,
@@ -63,8 +65,8 @@ def hint(column: str, unit: str = "") -> Hint | None:
         return Hint(COUNTERS[column.strip().lower()])
     if not symbol:
         return None
-    tokens = {token.lower() for token in TOKEN.findall(words)}
-    tokens |= {"".join(sorted_pair) for sorted_pair in zip(_listed(words), _listed(words)[1:], strict=False)}
+    listed = _listed(words)
+    tokens = _tokens(words) | {"".join(pair) for pair in pairwise(listed)}
     if tokens & NEVER:
         return None
     since = SINCE - {"time", "zeit"} if symbol == "us" else SINCE  # a time in us may be that of the echo
@@ -85,24 +87,33 @@ def is_time_name(column: str) -> bool:
 
 
 def completed(
-    columns: Collection[str], requests: Mapping[str, str], found: Found | None = None
+    columns: Collection[str],
+    requests: Mapping[str, str],
+    found: Found | None = None,
+    sparse: Collection[str] = (),
 ) -> tuple[dict[str, str], list[str]]:
     """Requests, with those that names and units add, and a sentence on these.
 
+    Columns in `sparse` have many gaps: their rows would be lost for a quantity that is not needed.
     What echocal's own names and the requests hold stays as it is; where two columns may hold the same, none
     is taken.
     """
     beside = found or Found()
     requests = {**{c: r for c, r in beside.requests.items() if c in columns}, **requests}
     held = _held(columns, requests)
+    notes: list[str] = []
     hints: dict[str, list[tuple[str, Hint]]] = {}
     for column in columns:
         unit = beside.units.get(column, "")
         if column in requests or _is_ours(column, unit):
             continue
-        if said := hint(column, unit):
+        said = hint(column, unit)
+        if said and column in sparse and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
+            notes.append(
+                f"'{column}' has many gaps and is not used; to use it: --column \"{column}={said.name}\""
+            )
+        elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
-    notes: list[str] = []
     _drop_unsure(hints, held, notes)
     taken: dict[str, str] = {}
     for quantity, listed in hints.items():
@@ -161,6 +172,12 @@ def _name(role: str, symbol: str) -> str:
     return f"{role}_{symbol}" if f"{role}_{symbol}" in NAMES else role
 
 
+def _tokens(words: str) -> set[str]:
+    """Words of a name; a single letter is one where it is the first."""
+    first, *rest = [*_listed(words), ""]
+    return {first, *(word for word in rest if word not in LETTERS)}
+
+
 def _listed(words: str) -> list[str]:
     return [token.lower() for token in TOKEN.findall(words)]
 
@@ -198,7 +215,7 @@ def role_of(column: str) -> str:
     ('reading', 'temperature', '')
     """
     words, _ = split_unit(STATISTIC.sub("", column))
-    tokens = {token.lower() for token in TOKEN.findall(words)}
+    tokens = _tokens(words)
     if tokens & NEVER:
         return ""
     roles = (

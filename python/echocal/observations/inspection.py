@@ -23,7 +23,7 @@ from echocal.observations.units_said import split_unit
 
 __all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
 
-_BINS = 16
+_BINS = 10
 _JUMP = 5.0  # usual steps
 _SHOWN = 5
 _SENSORS = (
@@ -59,7 +59,7 @@ class ColumnFacts:
     least, median, most : float or None
         Of the numbers.
     histogram : list of int
-        Numbers in 16 classes from `least` to `most`, error codes left out.
+        Numbers in 10 classes from `least` to `most`, error codes left out.
     examples : list of str
         First different values of a column of text.
     """

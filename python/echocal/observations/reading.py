@@ -12,6 +12,9 @@ from echocal.observations.table import Observations
 __all__ = ["read_observations"]
 
 
+_GAPS = 0.1  # of the rows: from there on a column is not used that nobody asked for
+
+
 def read_observations(
     source: Any,
     columns: Mapping[str, str] | str | Path | None = None,
@@ -114,7 +117,8 @@ def read_observations(
     stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
     found = found_in(table)
-    requests, said = completed(list(table.columns), plan.read_columns(columns), found)
+    sparse = [str(name) for name, share in table.isna().mean().items() if share > _GAPS]
+    requests, said = completed(list(table.columns), plan.read_columns(columns), found, sparse)
     planned = plan.make(list(table.columns), requests, trust)
     assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
     assembly.notes += [*found.notes, *said]

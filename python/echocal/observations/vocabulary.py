@@ -7,6 +7,7 @@ __all__ = [
     "CLOCK_UNITS",
     "COUNTERS",
     "LENGTH",
+    "LETTERS",
     "NEVER",
     "NOT",
     "NO_CLOCK",
@@ -22,6 +23,7 @@ LENGTH = ("m", "cm", "mm", "inch")
 TIME = ("us", "ms", "s")
 WORDS: dict[str, tuple[tuple[str, ...], set[str]]] = {
     "distance": (LENGTH, {
+        "exp",
         "actual", "true", "real", "reference", "ref", "ruler", "tape", "taped", "nominal", "expected", "soll",
         "referenz", "truth", "gt", "known", "wahr", "tatsächlich", "laser", "lidar", "set",
     }),
@@ -60,14 +62,14 @@ WORDS: dict[str, tuple[tuple[str, ...], set[str]]] = {
 """Units and words of each quantity."""
 
 NOT = {
-    "temperature": {
+    "temperature": {"ob", "onboard",
         "box", "panel", "ptemp", "board", "logger", "cpu", "mcu", "internal", "case", "housing", "battery",
         "batt", "pi", "rtc", "soil", "water", "dew", "dewpoint", "ground", "surface", "object",
         "chill", "index",
         "feels", "setpoint", "target", "snow", "road", "second", "device", "chip", "core", "wet", "enclosure",
         "pyrot", "taupunkt", "boden", "wasser", "body", "probe2", "inside", "indoor", "ir", "pyro",
     },
-    "humidity": {"soil", "boden", "box", "internal", "logger", "moisture"},
+    "humidity": {"ob", "onboard", "soil", "boden", "box", "internal", "logger", "moisture"},
     "pressure": {"water", "vapor", "vapour", "diff", "differential", "tire", "wasser", "sea"},
     "reading": {
         "depth", "level", "height", "hoehe", "höhe", "tiefe", "stand", "offset", "error", "err",
@@ -76,6 +78,8 @@ NOT = {
     "wind": {"dir", "direction", "gust"},
 }  # fmt: skip
 """Words that make it something else."""
+
+LETTERS = {"t", "p", "d", "r"}
 
 NEVER = {
     "max",
