@@ -1,5 +1,7 @@
 """Models over arrays: the same bits row by row, any type in and out, threads, memory."""
 
+import warnings
+
 import dask.array as da
 import numpy as np
 import pandas as pd
@@ -68,3 +70,35 @@ def test_single_precision_is_rounded_double() -> None:
     assert single.dtype == np.float32
     wide = MODEL.correct(first.astype(np.float64), temperature=temperature.astype(np.float64))
     np.testing.assert_array_equal(single, wide.astype(np.float32))
+
+
+@pytest.mark.parametrize("effect", ["none", "zero_error", "fixed_delay", "temperature_offset"])
+@pytest.mark.parametrize("law", ["linear", "ideal_gas", "cramer", "virial"])
+def test_a_batch_is_the_scalar_loop_at_absolute_zero_and_in_a_vacuum(law: str, effect: str) -> None:
+    """The formulas go on there; a single call had no distance, and a batch had one."""
+    effects = {
+        "none": {},
+        "zero_error": {"zero_error": {"offset": 2e-3}},
+        "fixed_delay": {"fixed_delay": {"delay": 3e-5}},
+        "temperature_offset": {"temperature_offset": {"offset": 1.0}},
+    }[effect]
+    model = echocal.Model(law, effects)
+    grid = np.meshgrid([-300.0, -273.15, -273.1499, 0.0], [-1.0, 0.0, 1e-300, 101_325.0], [0.0, 0.5, 1.0])
+    temperature, pressure, humidity = (values.ravel() for values in grid)
+    with warnings.catch_warnings(action="ignore"):
+        for method, value in (("distance", 0.01), ("correct", 1.5), ("time_of_flight", 1.5)):
+            call = getattr(model, method)
+            batch = call(
+                np.full(temperature.shape, value),
+                temperature=temperature,
+                relative_humidity=humidity,
+                pressure=pressure,
+            )
+            single = [
+                call(value, temperature=t, relative_humidity=h, pressure=p)
+                for t, h, p in zip(temperature, humidity, pressure, strict=True)
+            ]
+            np.testing.assert_array_equal(batch, single, err_msg=method)
+            at_zero = (temperature == -273.15) & (pressure == 101_325.0)
+            if law in ("linear", "cramer") and effect != "temperature_offset":
+                assert np.isfinite(batch[at_zero]).all()

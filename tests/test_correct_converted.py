@@ -176,7 +176,10 @@ def test_spaces_short_rows_and_marks(tmp_path: Path) -> None:
 def test_a_file_without_rows(tmp_path: Path) -> None:
     (tmp_path / "in.csv").write_text("echo_us,temperature_C\n")
     pq.write_table(pa.table({"echo_us": [], "temperature_C": []}), tmp_path / "in.parquet")
-    correct_files(tmp_path / "in.csv", tmp_path / "out.parquet", MODEL)
+    with pytest.raises(echocal.DataError, match="and no rows, so its columns have no types"):
+        correct_files(tmp_path / "in.csv", tmp_path / "out.parquet", MODEL)
+    assert not (tmp_path / "out.parquet").exists()
+    correct_files(tmp_path / "in.parquet", tmp_path / "out.parquet", MODEL)
     assert pq.read_table(tmp_path / "out.parquet").num_rows == 0
     correct_files(tmp_path / "in.parquet", tmp_path / "out.csv", MODEL)
     assert (

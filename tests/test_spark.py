@@ -1,4 +1,4 @@
-"""The recipe of docs/dataframes.md on Spark. It is not among the packages that the project's tests install."""
+"""The recipe of docs/dataframes.md on Spark, which is not among the packages of the tests."""
 
 import os
 import shutil

@@ -30,7 +30,7 @@ def page() -> str:
 def _line(record: str, table: str, diagnosis: dict[str, Any]) -> str:
     gain = diagnosis["gain"]
     effects = [
-        f"`{id_}`{_others(cause['rivals'])} {cause['probability']:.2f}"
+        f"{'possible: ' * cause['doubt']}`{id_}`{_others(cause['rivals'])} {cause['probability']:.2f}"
         for id_, cause in diagnosis["causes"].items()
         if cause["kind"] == "effect"
     ]

@@ -14,7 +14,7 @@ from echocal.correct.stream import in_order
 from echocal.correct.text.blocks import Block
 from echocal.correct.text.file import Text, check_whole, correct_blocks
 from echocal.correct.text.parse import Lines
-from echocal.errors import UsageError
+from echocal.errors import DataError, UsageError
 from echocal.observations.arrow import Table, arrow
 
 __all__ = ["text_to_parquet"]
@@ -75,6 +75,11 @@ def text_to_parquet(
         for group in _groups(correct_blocks(text, tally, log, made), size):
             writer.write_table(_as_one(group, schema), row_group_size=size)
             progress(len(group))
+    if not tally.rows:
+        message = (
+            f"{source} has a header ({', '.join(tally.columns)}) and no rows, so its columns have no types"
+        )
+        raise DataError(message)
     check_whole(text, tally)
     pa.default_memory_pool().release_unused()
     return tally

@@ -17,6 +17,7 @@ from echocal.watch.rows import Block, Reader, Row
 from echocal.watch.sensor import Sensor
 from echocal.watch.settings import WatchSettings
 from echocal.watch.state import State
+from echocal.watch.target import Target
 
 __all__ = ["RESULTS", "Fleet"]
 
@@ -79,7 +80,8 @@ class Fleet:
     corrected: int = 0
     _sensors: dict[str, Sensor | None] = field(default_factory=dict)
     _readers: dict[str, Reader] = field(default_factory=dict)
-    _targets: dict[str, dict[str, list[float]]] = field(default_factory=dict)
+    _targets: dict[str, Target] = field(default_factory=dict)
+    _seen: dict[tuple[str, int], tuple[Target, int]] = field(default_factory=dict)
     _checked: bool = False
 
     def take(self, rows: Sequence[Row]) -> tuple[list[Row], list[Event]]:
@@ -108,8 +110,9 @@ class Fleet:
                 of_all = np.array(places, dtype=np.intp)[block.index]
                 events += self._correct(replace(block, index=of_all), ids, numbers, found)
         distance, times = found.distance, found.times
-        reference = self._references(rows, ids, distance, times, found.reference)
+        reference = self._references(rows, ids, numbers, distance, times, found.reference)
         events += self._tests(rows, found.parts, distance, reference, times, numbers)
+        self._keep_targets(rows)
         self.rows += len(rows)
         self.corrected += int(np.isfinite(distance).sum())
         for id_ in dict.fromkeys(ids):
@@ -163,7 +166,15 @@ class Fleet:
                 ]
                 self.state.add_rows(id_, kept)
                 of_rows = [numbers[p] for p in places]
-                events += sensor.test(distance[at], reference[at], times[at], seen, of_rows, self._diagnosed)
+                events += sensor.test(
+                    distance[at],
+                    reference[at],
+                    times[at],
+                    seen,
+                    of_rows,
+                    self._diagnosed,
+                    self._farthest,
+                )
             self.state.forget_rows(id_, sensor.rows - self.settings.kept)
         return events
 
@@ -171,7 +182,13 @@ class Fleet:
         return {**row, "distance_m": reference} if self.reference.kind == "others" else row
 
     def _references(
-        self, rows: Sequence[Row], ids: list[str], distance: Column, times: Column, given: Column
+        self,
+        rows: Sequence[Row],
+        ids: list[str],
+        numbers: list[int],
+        distance: Column,
+        times: Column,
+        given: Column,
     ) -> Column:
         """Reference distance of each row [m]; NaN where there is none."""
         if self.reference.kind == "distance":
@@ -182,21 +199,33 @@ class Fleet:
             return given
         found = np.full(len(rows), np.nan)
         for place, row in enumerate(rows):
-            now, name = float(times[place]), str(row.get(str(self.reference.target), ""))
+            now, name = float(times[place]), self._target(row)
             if math.isnan(distance[place]) or math.isnan(now) or not name:
                 continue
-            latest = self._targets.setdefault(name, self.state.fact(f"target {name}") or {})
-            fresh = [
-                value
-                for id_, (when, value) in latest.items()
-                if id_ != ids[place] and 0.0 <= now - when <= self.reference.within
-            ]
-            if fresh:
-                found[place] = float(np.median(fresh))
-            latest[ids[place]] = [now, float(distance[place])]
-        for name in {str(row.get(str(self.reference.target), "")) for row in rows} & set(self._targets):
-            self.state.set_fact(f"target {name}", self._targets[name])
+            if name not in self._targets:
+                kept = self.state.fact(f"target {name}")
+                self._targets[name] = Target() if kept is None else Target.restored(kept)
+            target = self._targets[name]
+            found[place] = target.add(ids[place], now, float(distance[place]), self.reference.within)
+            self._seen[ids[place], numbers[place]] = target, target.rows
         return found
+
+    def _target(self, row: Row) -> str:
+        return str(row.get(str(self.reference.target), ""))
+
+    def _farthest(self, id_: str, number: int, since: float) -> str | None:
+        """The sensor of a target that has moved farthest until a row of one of them."""
+        if (id_, number) not in self._seen:
+            return None
+        target, row = self._seen[id_, number]
+        return target.moved_most(since, row)
+
+    def _keep_targets(self, rows: Sequence[Row]) -> None:
+        self._seen = {}
+        for name in dict.fromkeys(self._target(row) for row in rows):
+            if name in self._targets:
+                self._targets[name].forget()
+                self.state.set_fact(f"target {name}", self._targets[name].to_dict())
 
     def _diagnosed(self, sensor: Sensor, time: float, number: int) -> Event | None:
         assert sensor.follow is not None

@@ -87,8 +87,12 @@ class Sensor:
         seen: Observations,
         numbers: list[int],
         ask: Callable[["Sensor", float, int], Event | None],
+        farthest: Callable[[str, int, float], str | None],
     ) -> list[Event]:
-        """Test corrected rows against their reference, in the order of time; `ask` runs the diagnosis."""
+        """Test corrected rows against their reference, in the order of time; `ask` runs the diagnosis.
+
+        `farthest` is the sensor of the same target that has moved farthest since a time.
+        """
         if self.reference == "none":
             return []
         if self.reference == "constant":
@@ -113,7 +117,8 @@ class Sensor:
                 self.late += 1
                 continue
             residual = float(distance[row] - against[row])
-            events += self._row(float(time[row]), residual, found[row], numbers[row], ask)
+            own = float(time[row]), residual, found[row], numbers[row]
+            events += self._row(*own, ask, farthest)
         return events
 
     def _level(self, distance: Column, usable: NDArray[np.bool_]) -> float:
@@ -129,6 +134,7 @@ class Sensor:
         signature: Column,
         number: int,
         ask: Callable[["Sensor", float, int], Event | None],
+        farthest: Callable[[str, int, float], str | None],
     ) -> list[Event]:
         events = []
         was_learning = self.monitor.learning
@@ -136,7 +142,7 @@ class Sensor:
         if was_learning and not self.monitor.learning:
             events.append(self._learned(time, number))
         if alarm is not None:
-            events.append(self._change(alarm, number))
+            events.append(self._change(alarm, number, farthest(self.id, number, alarm.times[0])))
         verdict = ask(self, time, number) if self._is_due() else None
         return events if verdict is None else [*events, verdict]
 
@@ -215,7 +221,7 @@ class Sensor:
         self.follow = {"since": None, "from": -1e300, "at": 0, "rows": self.settings.learn - 1}
         return Event("learned", self.id, time, row, sentence, details)
 
-    def _change(self, alarm: Alarm, row: int) -> Event:
+    def _change(self, alarm: Alarm, row: int, farthest: str | None) -> Event:
         listed, classes = self.signatures(), self.classes()
         columns = [*(own[0] for own in self.monitor.classes), len(listed) - 1]
         order = np.argsort(-alarm.onset.probabilities, kind="stable")
@@ -237,7 +243,7 @@ class Sensor:
         value, unsure = first["value"], first["standard_uncertainty"]
         size = f"{first['parameter']} {value:.3g} +- {unsure:.2g} {first['unit']}"
         others = f", or {len(first['ids']) - 1} causes like it" if len(first["ids"]) > 1 else ""
-        doubt = _doubt(self.reference)
+        doubt = _doubt(self.reference, self.id, farthest)
         sentence = (
             f"CHANGED since {instant(since)} (between {instant(low)} and {instant(high)}), told after "
             f"{alarm.onset.rows} rows, {(alarm.time - since) / DAY:.2g} days; most like "
@@ -251,6 +257,7 @@ class Sensor:
             "threshold": alarm.height**2 / 2.0,
             "candidates": candidates,
             "reference": self.reference,
+            "moved_farthest": farthest,
         }
         self.follow = {"since": since, "from": since, "at": 0, "rows": alarm.onset.rows - 1}
         return Event("change", self.id, alarm.time, row, sentence, details)
@@ -277,7 +284,13 @@ class Sensor:
         self.monitor = Monitor.restored(kept["monitor"], self.settings)
 
 
-def _doubt(reference: str) -> str:
+def _doubt(reference: str, sensor: str, farthest: str | None) -> str:
     if reference == "constant":
         return "; the target may have moved, which looks like a step or a drift"
-    return "; another sensor of the target may have changed instead" if reference == "others" else ""
+    if reference != "others":
+        return ""
+    if farthest is None:
+        return "; another sensor of the target may have changed instead"
+    if farthest == sensor:
+        return "; of the sensors of the target, it has moved farthest"
+    return f"; sensor {farthest} of the target has moved farther, and has probably changed instead"

@@ -11,7 +11,7 @@ from echocal.watch.rows import Row
 
 __all__ = ["State"]
 
-SCHEMA = "echocal.watch/1"
+SCHEMA = "echocal.watch/2"
 
 _TABLES = {
     "facts": "name text primary key, value text",

@@ -187,6 +187,8 @@ def _choice(gain: Gain) -> str:
     """What the error of the extended model is of."""
     if gain.judged_rows == "held-out rows":
         return "With all of them, it is"
+    if gain.rms_after_m == gain.ladder[-1][1]:
+        return "The choice of the folds is no worse; with these causes it is"
     return "If each fold also chooses the causes without these rows, it is"
 
 

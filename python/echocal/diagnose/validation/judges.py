@@ -17,7 +17,7 @@ from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
-from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure
+from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure, on_common_rows
 from echocal.diagnose.validation.refute import Rest
 from echocal.diagnose.validation.score import Score, score
 from echocal.diagnose.validation.trials import Trials
@@ -80,6 +80,8 @@ class Nested:
         Steps of an unknown level, which each fold weighs on its rows.
     known : dict
         Models that blocks have chosen before, and the noise beside each.
+    models_judged : list of (HeldOut, callable)
+        Errors of models that were judged, and the model as a function of the blocks that it is fitted on.
     """
 
     case: Case
@@ -87,6 +89,7 @@ class Nested:
     tried: Collection[FittedNoise]
     steps: StepPosterior | None = None
     known: dict[bytes, tuple[Model, Noise]] = field(default_factory=dict, repr=False)
+    models_judged: list[tuple[HeldOut, Callable[[Mask], Model]]] = field(default_factory=list, repr=False)
 
     @property
     def scheme(self) -> str:
@@ -102,14 +105,36 @@ class Nested:
         return Trials(self.case, self.case.noises[0]).base()
 
     def judged(self, trials: Trials, rest: Rest) -> Rest:
-        """The same claims, with the errors of the models that the folds choose."""
-        return replace(rest, after=self.extended(lambda seen: self._chosen(seen)[0])) if rest.kept else rest
+        """The same claims, with the errors of the models that the folds choose.
+
+        Where these models are better than the claims themselves, the errors are those of the claims, whose
+        sizes each fold fits: no gain is told that the final model does not have.
+        """
+        if not rest.kept:
+            return rest
+        after, claimed = self.extended(self._alone), self.sized(trials, rest)
+        one, other = on_common_rows(after, claimed)
+        fitted: Callable[[Mask], Model] = self._alone
+        if one.rms < other.rms:
+            after, fitted = claimed, trials.fitted(rest.hypothesis, rest.kept)
+        self.models_judged.append((after, fitted))
+        return replace(rest, after=after)
 
     def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
-        """Log density of these rows with the judged model, less that with the base."""
-        folds = self.case.folds
-        noises = [self.known.get((folds.fit & ~held).tobytes(), (None, noise))[1] for held in folds.held]
-        return score(after, before, self.case.sums.order, folds, noises)
+        """Log density of these rows with the judged model, less that with the base.
+
+        Of the rows without the offsets that a noise explains: under the noise that is left, such rows are
+        outliers, whichever model corrects them.
+        """
+        case, folds = self.case, self.case.folds
+        fitted = next(fitted for judged, fitted in self.models_judged if judged is after)
+        noises = [noise] * len(folds.held)
+        if not self.of_claims:
+            noises = [self.known.get((folds.fit & ~held).tobytes(), (None, noise))[1] for held in folds.held]
+        if case.offsets is not None:
+            after = measure(case.table_without_offsets, folds, fitted)
+            before = Trials(case, noise, without_offsets=True).base()
+        return score(after, before, case.sums.order, folds, noises)
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""
@@ -120,14 +145,21 @@ class Nested:
         return measure(self.case.table, self.case.folds, fitted)
 
     def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
-        """The model that some blocks choose; of all blocks, the final one."""
-        return lambda blocks: (
-            self._chosen(blocks)[0] if kept and blocks.sum() < len(blocks) else fitted(blocks)
-        )
+        """The model that some blocks choose, if such models were judged; of all blocks, the final one."""
+        alone = kept and not self.of_claims
+        return lambda blocks: self._alone(blocks) if alone and blocks.sum() < len(blocks) else fitted(blocks)
 
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with one speed [m]."""
         return fixed_speed_rms(self.case.table, self.case.folds, _speed(self.case.base, self.case.table))
+
+    @property
+    def of_claims(self) -> bool:
+        """Whether the claims themselves were judged, in place of the models that the folds choose."""
+        return bool(self.models_judged) and self.models_judged[-1][1] != self._alone
+
+    def _alone(self, blocks: Mask) -> Model:
+        return self._chosen(blocks)[0]
 
     def _chosen(self, blocks: Mask) -> tuple[Model, Noise]:
         """The model that some blocks choose, refute and fit, and the noise beside it."""

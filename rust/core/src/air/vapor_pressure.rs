@@ -5,11 +5,17 @@ use crate::scalar::{Scalar, polynomial};
 /// 0 degC \[K\].
 pub const ZERO_CELSIUS: f64 = 273.15;
 
+/// Temperature below which the pressure is 0 in any number \[K\].
+const LEAST_KELVIN: f64 = 1e-3;
+
 /// CIPM vapor pressure, `exp(A T^2 + B T + C + D/T)` with T in K; `tail` is `[C, B, A]`.
 #[inline(always)]
 fn vapor_pressure<S: Scalar>(temperature: S, tail: [f64; 3], over_kelvin: f64) -> S {
     let kelvin = temperature + S::constant(ZERO_CELSIUS);
-    (S::constant(over_kelvin) / kelvin + polynomial(kelvin, tail)).exp()
+    // at absolute zero, where the pressure is 0, the slope of 1/T has no end, and no product with 0
+    let least = S::constant(LEAST_KELVIN);
+    let divisor = S::select(kelvin.abs() - least, kelvin, least);
+    (S::constant(over_kelvin) / divisor + polynomial(kelvin, tail)).exp()
 }
 
 /// Saturation pressure of water vapor over liquid water, also supercooled \[Pa\]; t in degC.
@@ -34,6 +40,17 @@ pub fn saturation_pressure_giacomo<S: Scalar>(temperature: S) -> S {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dual::Dual;
+
+    /// The slope was not a number, and with it every derivative of a model.
+    #[test]
+    fn at_absolute_zero_there_is_no_vapor_and_the_slope_is_a_number() {
+        let pressure = saturation_pressure(Dual::<1>::variable(-ZERO_CELSIUS, 0));
+        assert_eq!((pressure.value, pressure.derivatives), (0.0, [0.0]));
+        assert_eq!(saturation_pressure(-ZERO_CELSIUS), 0.0);
+        let above = saturation_pressure(Dual::<1>::variable(2.0 - ZERO_CELSIUS, 0));
+        assert_eq!(above.value, 0.0, "as without the bound");
+    }
 
     /// Davis 1992 is a fit to the tables of vapor pressure: 2339 Pa at 20 degC and 611 Pa at 0 degC,
     /// which they print to a pascal; the older formula differs by less than a part in a thousand.

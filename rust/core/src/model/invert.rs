@@ -76,6 +76,16 @@ pub(crate) fn approach<S: Scalar>(
 mod tests {
     use crate::{Conditions, Law, Model};
 
+    /// The formulas give numbers there, and the batch kernels a distance.
+    #[test]
+    fn a_distance_at_absolute_zero_is_that_of_the_simulation() {
+        let model = Model::new(Law::parse("cramer").unwrap());
+        let at = Conditions::at(-273.15);
+        let distance = model.distance(0.01, &at);
+        assert!((model.time_of_flight(distance, &at) - 0.01).abs() < 1e-17);
+        assert!((model.correct(1.5, &at) - 1.5).abs() < 1e-15);
+    }
+
     #[test]
     fn what_has_no_distance_is_nan() {
         let model = Model::new(Law::parse("linear").unwrap());
