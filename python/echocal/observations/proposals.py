@@ -57,7 +57,9 @@ class Proposal:
 def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict[str, Proposal]:
     """A proposal for each column; what the user says goes first."""
     columns = [str(name) for name in table.columns]
-    sparse = [str(name) for name, share in table.isna().mean().items() if share > _GAPS]
+    sparse = [
+        str(name) for name, share in table.select_dtypes("number").isna().mean().items() if share > _GAPS
+    ]
     sure, _ = completed(columns, given, found, sparse)
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}

@@ -117,7 +117,9 @@ def read_observations(
     stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
     found = found_in(table)
-    sparse = [str(name) for name, share in table.isna().mean().items() if share > _GAPS]
+    sparse = [
+        str(name) for name, share in table.select_dtypes("number").isna().mean().items() if share > _GAPS
+    ]
     requests, said = completed(list(table.columns), plan.read_columns(columns), found, sparse)
     planned = plan.make(list(table.columns), requests, trust)
     assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
