@@ -168,7 +168,7 @@ def esphome(t: Truth) -> Made:
         lines += [
             f"[{w}][D][ultrasonic.sensor:040]: 'Tank distance' - Got distance: {d:.3f} m",
             f"[{w}][D][sensor:094]: 'Tank distance': Sending state {d:.5f} m with 2 decimals of accuracy",
-            f"[{w}][D][sensor:094]: 'Outside Temperature': Sending state {c:.5f} °C with 1 decimals of accuracy",
+            f"[{w}][D][sensor:094]: 'Outside Temperature': Sending state {c:.5f} °C with 1 decimals of accuracy",  # noqa: E501
         ]
     return text_log("esphome.log", lines)
 
@@ -182,7 +182,7 @@ def home_assistant(t: Truth) -> Made:
 
 
 def influx(t: Truth) -> Made:
-    head = "#group,false,false,true,true,false,false,true,true\n#datatype,string,long,dateTime:RFC3339,dateTime:RFC3339,dateTime:RFC3339,double,string,string\n#default,_result,,,,,,,"
+    head = "#group,false,false,true,true,false,false,true,true\n#datatype,string,long,dateTime:RFC3339,dateTime:RFC3339,dateTime:RFC3339,double,string,string\n#default,_result,,,,,,,"  # noqa: E501
     names = ",result,table,_start,_stop,_time,_value,_field,_measurement"
     lines = [*head.split("\n"), names]
     stamps = t.times("%Y-%m-%dT%H:%M:%SZ")
@@ -208,8 +208,8 @@ def thingspeak(t: Truth) -> Made:
 
 def labview(t: Truth) -> Made:
     head = [
-        "LabVIEW Measurement\t", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab", "Decimal_Separator\t.",
-        "Multi_Headings\tNo", "X_Columns\tOne", "Time_Pref\tRelative", "Operator\tlab", "Date\t2024/05/31", "Time\t14:00:00.0",
+        "LabVIEW Measurement\t", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab", "Decimal_Separator\t.",  # noqa: E501
+        "Multi_Headings\tNo", "X_Columns\tOne", "Time_Pref\tRelative", "Operator\tlab", "Date\t2024/05/31", "Time\t14:00:00.0",  # noqa: E501
         "***End_of_Header***\t", "\t", "Channels\t2\t\t", f"Samples\t{len(t.seconds)}\t{len(t.seconds)}\t",
         "Date\t2024/05/31\t2024/05/31\t", "Time\t14:00:00.0\t14:00:00.0\t", "Y_Unit_Label\tcm\tdegC\t",
         "X_Dimension\tTime\tTime\t", "X0\t0.0\t0.0\t", "Delta_X\t600\t600\t", "***End_of_Header***\t\t\t",
@@ -222,7 +222,7 @@ def labview(t: Truth) -> Made:
 def hobo(t: Truth) -> Made:
     head = [
         '"Plot Title: snow 3"',
-        '"#","Date Time, GMT-05:00","Temp, °C (LGR S/N: 1021, SEN S/N: 1021, LBL: air)","Distance, cm (LGR S/N: 1021, SEN S/N: 7)","Batt, V (LGR S/N: 1021)"',
+        '"#","Date Time, GMT-05:00","Temp, °C (LGR S/N: 1021, SEN S/N: 1021, LBL: air)","Distance, cm (LGR S/N: 1021, SEN S/N: 7)","Batt, V (LGR S/N: 1021)"',  # noqa: E501
     ]
     lines = [
         f"{n},{w},{c},{d * 100:.2f},3.55"

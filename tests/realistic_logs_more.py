@@ -20,7 +20,7 @@ def maxbotix(t: Truth) -> Made:
 
 
 def ros(t: Truth) -> Made:
-    head = "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.radiation_type,field.field_of_view,field.min_range,field.max_range,field.range"
+    head = "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.radiation_type,field.field_of_view,field.min_range,field.max_range,field.range"  # noqa: E501
     stamps = [int((t.start.timestamp() + s) * 1e9) for s in t.seconds]
     lines = [
         f"{w},{n},{w},sonar,0,0.26,0.02,4.0,{d:.4f}"

@@ -234,3 +234,12 @@ def test_a_distance_beside_an_echo_time_is_not_taken() -> None:
     assert any(
         "'Distance (cm)' is not used, it may be the reference or a reading" in note for note in data.notes
     )
+
+
+def test_a_column_with_gaps_that_nobody_asked_for_costs_no_row() -> None:
+    pressure = [1013.0] * 8 + [float("nan")] * 4
+    table = {"echo_us": [11660.0] * 12, "Temp (°C)": [20.0] * 12, "Pressure (hPa)": pressure}
+    data = echocal.read_observations(table)
+    assert data.usable.all()
+    assert "pressure" not in data.conditions
+    assert any('to use it: --column "Pressure (hPa)=pressure_hPa"' in note for note in data.notes)

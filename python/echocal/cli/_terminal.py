@@ -7,6 +7,7 @@ __all__ = ["write_what_can_be_written"]
 
 _PLAIN = str.maketrans(
     {"✓": "+", "✗": "x", "≠": "#", "█": "#", "━": "-", "−": "-", "–": "-", "≥": ">=", "±": "+/-", "…": "..."}
+    | dict(zip("▁▂▃▄▅▆▇", "._-=+*%", strict=True))
     | {"°": "deg", "µ": "u", "μ": "u", "²": "^2"}
 )
 """Signs that messages use, in ASCII."""

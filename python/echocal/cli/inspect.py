@@ -112,7 +112,11 @@ def _is_ours(file: Path) -> bool:
 def _print(found: Inspection, name: Path, out: Path | None) -> None:
     console = Console(highlight=False)
     console.print(f"{name}: {found.kind}, {found.rows} rows, {len(found.columns)} columns", markup=False)
-    table = Table("column", "holds", "because", "missing", "values", "")
+    table = Table("column")
+    table.add_column("holds", no_wrap=True)
+    for heading in ("because", "missing", "values"):
+        table.add_column(heading)
+    table.add_column("", no_wrap=True)
     for column in found.columns:
         proposal = column.proposal
         holds = proposal.request or "extra"
@@ -121,7 +125,8 @@ def _print(found: Inspection, name: Path, out: Path | None) -> None:
             missing += f" code {', '.join(f'{code:g}' for code in column.codes)}?"
         because = f"a guess: {proposal.reason}" if proposal.guess else proposal.reason
         table.add_row(
-            _plain(column.name), _plain(holds), because, missing, _plain(_values(column)), _histogram(column.histogram),
+            _plain(column.name), _plain(holds), because, missing, _plain(_values(column)),
+            _histogram(column.histogram),
             style="yellow" if proposal.guess else "",
         )  # fmt: skip
     console.print(table)

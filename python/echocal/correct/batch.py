@@ -202,7 +202,13 @@ def job_of(
     logs: str | None = None,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
-    known = {"reading_speed": None, "mark_rows": True, "missing": (), "trust": (), "time_zone": "UTC"}
+    known: dict[str, Any] = {
+        "reading_speed": None,
+        "mark_rows": True,
+        "missing": (),
+        "trust": (),
+        "time_zone": "UTC",
+    }
     known |= {"at": {}, "time_format": None}
     unknown = next((name for name in options if name not in known), None)
     if unknown is not None:

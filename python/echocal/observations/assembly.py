@@ -124,8 +124,8 @@ class Assembly:
         if corrupt and self.part is None:
             text = shown(str(self.table[column].iloc[corrupt[0]]))
             self.notes.append(
-                f"{column} has text in place of a number in {rows(len(corrupt))}, first at {row(corrupt[0])}: "
-                f"'{text}'"
+                f"{column} has text in place of a number in {rows(len(corrupt))}, "
+                f"first at {row(corrupt[0])}: '{text}'"
             )
         return values
 
@@ -294,7 +294,8 @@ class Assembly:
         reference = self.plan.assignments.get("reference_distance")
         if reference is not None and not self._meant(echo):
             name = f"reading_{reference.unit_name}"
-            return f"Record one of them; if the sensor indicates '{reference.column}': --column \"{reference.column}={name}\""
+            column = reference.column
+            return f"Record one of them; if the sensor indicates '{column}': --column \"{column}={name}\""
         if not others:
             return "Record one of them"
         if meant := self._meant(echo):

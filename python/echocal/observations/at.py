@@ -38,7 +38,10 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
     for name, given in texts.items():
         column = ALSO.get(name, name)
         if column not in NAMES or NAMES[column][0].quantity not in QUANTITIES:
-            message = f"--at {name}={given}: no such condition; there are {', '.join(ALSO)}, or a column: temperature_F"
+            message = (
+                f"--at {name}={given}: no such condition; there are {', '.join(ALSO)}, "
+                "or the name of a column: temperature_F"
+            )
             raise UsageError(message)
         match = _VALUE.fullmatch(str(given))
         if match is None:

@@ -51,13 +51,16 @@ def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
     ends = [n for n, line in enumerate(lines) if line.startswith("***End_of_Header***")]
     if ends:
         return _labview(lines, ends[-1] + 1, skipped)
+    return _plain_head(lines, skipped, before)
+
+
+def _plain_head(lines: Sequence[str], skipped: int, before: str) -> Head:
+    """Header of a text that says nothing of its kind."""
     separator = max(SEPARATORS, key=lines[0].count)
     own = len(fields_of(lines[0], separator))
     usual = _usual(lines[1:], separator)
-    if _all_values(lines[0], separator):
-        return _nameless(lines, skipped, separator, before)
     names = fields_of(lines[0], separator)
-    if _rows_alike(lines, separator):
+    if _all_values(lines[0], separator) or _rows_alike(lines, separator):
         return _nameless(lines, skipped, separator, before)
     if len(set(names)) < len(names) and (place := _last_names(lines, separator)):
         return _table(lines, place, skipped, separator)
@@ -82,7 +85,7 @@ def _labview(lines: Sequence[str], begin: int, skipped: int) -> Head:
         begin += 1
     head = _table(lines, begin, skipped, "\t", kind="LabVIEW measurement")
     units = next((line for line in lines if line.startswith("Y_Unit_Label")), "")
-    given = [text for text in fields_of(units, "\t")[1:]] if units else []
+    given = fields_of(units, "\t")[1:] if units else []
     names = head.names[1:]
     found = {name: unit for name, unit in zip(names, given, strict=False) if unit.strip()}
     return Head(**{**vars(head), "units": found})

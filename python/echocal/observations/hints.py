@@ -1,123 +1,31 @@
 """What a column holds by its name and its unit, where both leave one reading only."""
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 from echocal.errors import DataError
 from echocal.observations.found import Found
 from echocal.observations.names import IGNORE, by_name, by_request
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import split_unit, symbol_of
+from echocal.observations.vocabulary import (
+    CLOCK_UNITS,
+    CLOCKS,
+    COUNTERS,
+    LENGTH,
+    LETTERS,
+    NEVER,
+    NO_CLOCK,
+    NOT,
+    SINCE,
+    STATISTIC,
+    TIMES,
+    TOKEN,
+    WORDS,
+)
 
 __all__ = ["Hint", "completed", "hint", "is_time_name", "refusal_of_levels", "role_of"]
-
-_LENGTH = ("m", "cm", "mm", "inch")
-_TIME = ("us", "ms", "s")
-_WORDS: dict[str, tuple[tuple[str, ...], set[str]]] = {
-    "distance": (_LENGTH, {
-        "actual", "true", "real", "reference", "ref", "ruler", "tape", "taped", "nominal", "expected", "soll",
-        "referenz", "truth", "gt", "known", "wahr", "tatsächlich", "laser", "lidar", "set",
-    }),
-    "reading": (_LENGTH, {
-        "distance", "dist", "distanz", "abstand", "entfernung", "range", "reading", "indication", "measured",
-        "measurement", "messwert", "sonar", "ultrasonic", "ultraschall", "ultrasound", "sr04", "hcsr04", "jsn",
-        "sr04t", "jsnsr04t", "maxbotix", "sr50", "sr50a", "sr50at", "tcdt", "dt", "a02yyuw", "hrlv", "hrxl",
-        "afstand", "distancia", "distanza", "avstand", "afstandssensor", "ping", "toughsonic", "echodistance",
-    }),
-    "echo": (_TIME, {
-        "echo", "tof", "flight", "pulse", "pulsewidth", "laufzeit", "duration", "echotime", "pulsein", "roundtrip",
-    }),
-    "temperature": (("C", "K", "F"), {
-        "temp", "temperature", "temperatur", "lufttemperatur", "air", "airtemp", "airtc", "airtf", "ambient",
-        "tair", "temperatura", "température", "temperatuur", "t", "ta", "tc", "aussentemperatur", "outdoor",
-        "tempc", "tempf", "dht22", "dht11", "ds18b20", "bme280", "sht31", "airt",
-    }),
-    "humidity": (("percent",), {
-        "rh", "humidity", "hum", "feuchte", "luftfeuchte", "luftfeuchtigkeit", "humid", "relhum", "rf",
-        "humidité", "humedad", "relativehumidity",
-    }),
-    "pressure": (("Pa", "hPa", "kPa", "mbar"), {
-        "pressure", "press", "pres", "baro", "barometer", "luftdruck", "bp", "barometric", "druck", "slp", "p",
-    }),
-    "co2": (("ppm",), {"co2"}),
-    "wind": (("m_s", "km_h"), {"wind", "windspeed", "ws", "windgeschwindigkeit"}),
-    "radiation": (("W_m2",), {"slr", "slrw", "solar", "radiation", "globalstrahlung", "irradiance", "swin", "ghi"}),
-    "illuminance": (("lux",), {"light", "lux", "illuminance", "helligkeit", "als"}),
-    "supply": (("V", "mV"), {"vcc", "supply", "vdd"}),
-}  # fmt: skip
-"""Units and words of each quantity."""
-
-_NOT = {
-    "temperature": {
-        "box", "panel", "ptemp", "board", "logger", "cpu", "mcu", "internal", "case", "housing", "battery",
-        "batt", "pi", "rtc", "soil", "water", "dew", "dewpoint", "ground", "surface", "object", "chill", "index",
-        "feels", "setpoint", "target", "snow", "road", "second", "device", "chip", "core", "wet", "enclosure",
-        "pyrot", "taupunkt", "boden", "wasser", "body", "probe2", "inside", "indoor", "ir", "pyro",
-    },
-    "humidity": {"soil", "boden", "box", "internal", "logger", "moisture"},
-    "pressure": {"water", "vapor", "vapour", "diff", "differential", "tire", "wasser", "sea"},
-    "reading": {
-        "depth", "level", "height", "hoehe", "höhe", "tiefe", "stand", "offset", "error", "err",
-        "resolution", "threshold", "filtered", "corrected", "travelled", "traveled", "path", "twoway",
-    },
-    "wind": {"dir", "direction", "gust"},
-}  # fmt: skip
-"""Words that make it something else."""
-
-_NEVER = {
-    "max",
-    "min",
-    "std",
-    "stdev",
-    "sd",
-    "tmx",
-    "tmn",
-    "var",
-    "variance",
-    "error",
-    "err",
-    "diff",
-    "delta",
-}
-"""A statistic of several values, or what is no value."""
-
-_TOKEN = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-zà-ÿ]+\d*|[A-Z]+\d*|\d+")
-_STATISTIC = re.compile(r"[_ .](?:avg|mean|smp|inst|median|mittelwert)$", re.IGNORECASE)
-_TIMES = {
-    "timestamp", "datetime", "date time", "date_time", "time stamp", "zeitstempel", "zeitpunkt", "date/time",
-    "datum/uhrzeit", "created_at", "_time", "received_at", "last_changed", "time_utc", "time [utc]", "utc",
-    "time (utc)", "timestamp_utc", "utc_time", "datum uhrzeit", "datumzeit", "last_updated", "recorded_at",
-    "date_heure", "horodatage", "fecha", "yyyy-mm-dd", "hh:mm", "hh:mm:ss", "dd.mm.yyyy", "measured_at", "time local", "date and time",
-}  # fmt: skip
-"""Names of columns of times."""
-
-_COUNTERS = {"millis": "time_ms", "millis()": "time_ms", "micros": "time_us", "micros()": "time_us"}
-"""Functions of Arduino and MicroPython."""
-
-_CLOCK_UNITS = ("us", "ms", "s", "min", "h")
-_SINCE = {
-    "timestamp",
-    "elapsed",
-    "uptime",
-    "ticks",
-    "seconds",
-    "zeit",
-    "time",
-    "millis",
-    "micros",
-    "runtime",
-    "clock",
-}
-_NO_CLOCK = {
-    "flight", "echo", "pulse", "tof", "duration", "transit", "travel", "laufzeit", "response", "delay", "return",
-    "round", "measured", "diff",
-}  # fmt: skip
-_CLOCKS = {
-    "timestamps",
-    "time", "date", "timestamp", "datetime", "datum", "uhrzeit", "zeit", "zeitstempel", "clock", "ts", "utc",
-    "heure", "hora", "fecha", "created", "received", "changed", "epoch", "unix", "unixtime", "stamp", "tijd",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -149,23 +57,23 @@ def hint(column: str, unit: str = "") -> Hint | None:
     >>> hint("Distance (cm)"), hint("AirTC_Avg", "Deg C"), hint("level [m]")
     (Hint(name='reading_cm', sure=False), Hint(name='temperature_C', sure=True), None)
     """
-    if column.strip().lower() in _TIMES or column.strip().lower().startswith(("date time,", "date-time")):
+    if column.strip().lower() in TIMES or column.strip().lower().startswith(("date time,", "date-time")):
         return Hint("time")
-    words, own = split_unit(_STATISTIC.sub("", column))
+    words, own = split_unit(STATISTIC.sub("", column))
     symbol = symbol_of(unit) or own
-    if column.strip().lower() in _COUNTERS:
-        return Hint(_COUNTERS[column.strip().lower()])
+    if column.strip().lower() in COUNTERS:
+        return Hint(COUNTERS[column.strip().lower()])
     if not symbol:
         return None
-    tokens = {token.lower() for token in _TOKEN.findall(words)}
-    tokens |= {"".join(sorted_pair) for sorted_pair in zip(_listed(words), _listed(words)[1:], strict=False)}
-    if tokens & _NEVER:
+    listed = _listed(words)
+    tokens = _tokens(words) | {"".join(pair) for pair in pairwise(listed)}
+    if tokens & NEVER:
         return None
-    since = _SINCE - {"time", "zeit"} if symbol == "us" else _SINCE  # a time in us may be that of the echo
-    if symbol in _CLOCK_UNITS and tokens & since and not tokens & _NO_CLOCK:
+    since = SINCE - {"time", "zeit"} if symbol == "us" else SINCE  # a time in us may be that of the echo
+    if symbol in CLOCK_UNITS and tokens & since and not tokens & NO_CLOCK:
         return Hint(f"time_{symbol}")
-    for role, (units, known) in _WORDS.items():
-        if symbol in units and tokens & known and not tokens & _NOT.get(role, set()):
+    for role, (units, known) in WORDS.items():
+        if symbol in units and tokens & known and not tokens & NOT.get(role, set()):
             name = _name(role, symbol)
             return Hint(name, role not in {"reading"} or not tokens & {"distance", "dist", "abstand"})
     return None
@@ -173,30 +81,39 @@ def hint(column: str, unit: str = "") -> Hint | None:
 
 def is_time_name(column: str) -> bool:
     """Whether a column is called as columns of times are."""
-    tokens = {token.lower() for token in _TOKEN.findall(column)} | {column.strip().lower()}
+    tokens = {token.lower() for token in TOKEN.findall(column)} | {column.strip().lower()}
     never = {"flight", "echo", "pulse", "tof", "diff", "transit", "delta", "interval", "response", "duration"}
-    return not tokens & never and bool(tokens & _CLOCKS or column.strip().lower() in _TIMES)
+    return not tokens & never and bool(tokens & CLOCKS or column.strip().lower() in TIMES)
 
 
 def completed(
-    columns: Collection[str], requests: Mapping[str, str], found: Found | None = None
+    columns: Collection[str],
+    requests: Mapping[str, str],
+    found: Found | None = None,
+    sparse: Collection[str] = (),
 ) -> tuple[dict[str, str], list[str]]:
     """Requests, with those that names and units add, and a sentence on these.
 
+    Columns in `sparse` have many gaps: their rows would be lost for a quantity that is not needed.
     What echocal's own names and the requests hold stays as it is; where two columns may hold the same, none
     is taken.
     """
     beside = found or Found()
     requests = {**{c: r for c, r in beside.requests.items() if c in columns}, **requests}
     held = _held(columns, requests)
+    notes: list[str] = []
     hints: dict[str, list[tuple[str, Hint]]] = {}
     for column in columns:
         unit = beside.units.get(column, "")
         if column in requests or _is_ours(column, unit):
             continue
-        if said := hint(column, unit):
+        said = hint(column, unit)
+        if said and column in sparse and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
+            notes.append(
+                f"'{column}' has many gaps and is not used; to use it: --column \"{column}={said.name}\""
+            )
+        elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
-    notes: list[str] = []
     _drop_unsure(hints, held, notes)
     taken: dict[str, str] = {}
     for quantity, listed in hints.items():
@@ -212,7 +129,7 @@ def completed(
         first = next(iter(taken))
         notes.insert(
             0,
-            f'read by name and unit: {listed_}; if one is something else: --column "{first}=extra", or =ignore',
+            f'read by name and unit: {listed_}; if one is something else: --column "{first}=extra"',
         )
     return {**taken, **requests}, notes
 
@@ -239,7 +156,7 @@ def _drop_unsure(found: dict[str, list[tuple[str, Hint]]], held: set[str], notes
 def refusal_of_levels(columns: Collection[str], units: Mapping[str, str]) -> str:
     """The request for the only column of a length, for a message; empty where there are more."""
     lengths = [(c, symbol_of(units.get(c, "")) or split_unit(c)[1]) for c in columns]
-    lengths = [(column, unit) for column, unit in lengths if unit in _LENGTH]
+    lengths = [(column, unit) for column, unit in lengths if unit in LENGTH]
     return f"{lengths[0][0]}=reading_{lengths[0][1]}" if len(lengths) == 1 else ""
 
 
@@ -255,8 +172,14 @@ def _name(role: str, symbol: str) -> str:
     return f"{role}_{symbol}" if f"{role}_{symbol}" in NAMES else role
 
 
+def _tokens(words: str) -> set[str]:
+    """Words of a name; a single letter is one where it is the first."""
+    first, *rest = [*_listed(words), ""]
+    return {first, *(word for word in rest if word not in LETTERS)}
+
+
 def _listed(words: str) -> list[str]:
-    return [token.lower() for token in _TOKEN.findall(words)]
+    return [token.lower() for token in TOKEN.findall(words)]
 
 
 def _is_ours(column: str, unit: str) -> bool:
@@ -291,11 +214,11 @@ def role_of(column: str) -> str:
     >>> role_of("distance"), role_of("Temp"), role_of("battery")
     ('reading', 'temperature', '')
     """
-    words, _ = split_unit(_STATISTIC.sub("", column))
-    tokens = {token.lower() for token in _TOKEN.findall(words)}
-    if tokens & _NEVER:
+    words, _ = split_unit(STATISTIC.sub("", column))
+    tokens = _tokens(words)
+    if tokens & NEVER:
         return ""
     roles = (
-        role for role, (_, known) in _WORDS.items() if tokens & known and not tokens & _NOT.get(role, set())
+        role for role, (_, known) in WORDS.items() if tokens & known and not tokens & NOT.get(role, set())
     )
     return next(roles, "")

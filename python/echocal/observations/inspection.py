@@ -23,7 +23,7 @@ from echocal.observations.units_said import split_unit
 
 __all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
 
-_BINS = 16
+_BINS = 10
 _JUMP = 5.0  # usual steps
 _SHOWN = 5
 _SENSORS = (
@@ -59,7 +59,7 @@ class ColumnFacts:
     least, median, most : float or None
         Of the numbers.
     histogram : list of int
-        Numbers in 16 classes from `least` to `most`, error codes left out.
+        Numbers in 10 classes from `least` to `most`, error codes left out.
     examples : list of str
         First different values of a column of text.
     """
@@ -177,12 +177,10 @@ def inspect_log(
     table = load(path, layout, sheet=sheet)
     found = found_in(table)
     proposals = propose(table, found, columns)
-    codes = {
-        str(n): codes_in(table[n]) for n in table.columns if proposals[str(n)].request not in {EXTRA, IGNORE}
-    }
-    codes = {
-        name: [f"{code:g}" for code in own] for name, own in codes.items() if own and name not in missing
-    }
+    away = {EXTRA, IGNORE}
+    looked_at = [n for n in table.columns if proposals[str(n)].request not in away and str(n) not in missing]
+    seen = {str(n): codes_in(table[n]) for n in looked_at}
+    codes = {name: [f"{code:g}" for code in own] for name, own in seen.items() if own}
     all_codes = {**codes, **missing}
     requests = {name: p.request for name, p in proposals.items() if p.request and p.reason != "its name"}
     observations, refusal = _read(table, requests, all_codes, how)

@@ -132,9 +132,9 @@ def _parse(values: pd.Series[Any], column: str, missing: Missing, corrupt: list[
 
 
 def _mean(texts: pd.Series[Any]) -> bool:
-    """Whether texts are meant as numbers, or are one code again and again: no damage, and somebody must say."""
+    """Whether texts are meant as numbers, or are one code again and again: that is no damage."""
     meant = any(_GROUPED.fullmatch(text) or _is_number(text.replace(",", ".", 1)) for text in texts)
-    return meant or (len(texts) > 1 and texts.nunique() == 1)
+    return meant or (len(texts) > 1 and len(set(texts)) == 1)
 
 
 def _hint(texts: pd.Series[Any]) -> str:

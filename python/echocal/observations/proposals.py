@@ -1,4 +1,4 @@
-"""What columns of a log may hold, for a person to accept or to edit: by name and unit, else by their values."""
+"""What columns of a log may hold, for a person to accept: by name and unit, else by their values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from echocal.errors import EchocalError
 from echocal.observations.checks import CODES
 from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
-from echocal.observations.hints import completed, hint, role_of
+from echocal.observations.hints import completed, hint, is_time_name, role_of
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import has_foreign_unit, split_unit, symbol_of
@@ -22,6 +22,8 @@ from echocal.observations.units_said import has_foreign_unit, split_unit, symbol
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
 Column = NDArray[np.float64]
+
+_GAPS = 0.1  # of the rows
 
 _RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {
     "reading": (("m", 0.02, 10.0), ("cm", 10.0, 600.0), ("mm", 600.0, 12000.0)),
@@ -55,15 +57,18 @@ class Proposal:
 def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict[str, Proposal]:
     """A proposal for each column; what the user says goes first."""
     columns = [str(name) for name in table.columns]
-    sure, _ = completed(columns, given, found)
+    sparse = [
+        str(name) for name, share in table.select_dtypes("number").isna().mean().items() if share > _GAPS
+    ]
+    sure, _ = completed(columns, given, found, sparse)
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
     bare = {name: role for name in columns if not proposals[name].request and (role := role_of(name))}
     for name, role in sorted(bare.items(), key=lambda pair: pair[1] == "distance"):
         numbers = _numbers(table[name])
-        if numbers is None or has_foreign_unit(name) or given.get(name) in {EXTRA, IGNORE}:
+        if numbers is None or name in sparse or has_foreign_unit(name) or given.get(name) in {EXTRA, IGNORE}:
             continue
-        own = "reading" if role == "distance" and not {"reading", "echo_time"} & held else role
+        own = role
         unit = symbol_of(found.units.get(name, "")) or split_unit(name)[1] or _usual(own, numbers)
         request = _request(own, unit)
         if request and _quantity(request) not in held:
@@ -130,7 +135,7 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
 def _by_values(table: pd.DataFrame, found: Found, proposals: dict[str, Proposal], held: set[str]) -> None:
     """The first column that varies like a reading, and the first after it like a temperature."""
     for name in map(str, table.columns):
-        numbers = _numbers(table[name])
+        numbers = None if is_time_name(name) else _numbers(table[name])
         if proposals[name].request or numbers is None or _counts(numbers) or has_foreign_unit(name):
             continue
         stated = symbol_of(found.units.get(name, "")) or split_unit(name)[1]

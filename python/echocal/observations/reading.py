@@ -12,6 +12,9 @@ from echocal.observations.table import Observations
 __all__ = ["read_observations"]
 
 
+_GAPS = 0.1  # of the rows: from there on a column is not used that nobody asked for
+
+
 def read_observations(
     source: Any,
     columns: Mapping[str, str] | str | Path | None = None,
@@ -38,8 +41,8 @@ def read_observations(
     Parameters
     ----------
     source : path, DataFrame, or mapping of str to array_like
-        A log (docs/logs.md): delimited text, TOA5, a spreadsheet, JSON, lines of a serial monitor, ..., gzipped
-        or not; a Parquet file; a table of pandas, polars, pyarrow or xarray; or columns by name.
+        A log (docs/logs.md): delimited text, TOA5, a spreadsheet, JSON, lines of a serial monitor,
+        ..., gzipped or not; a Parquet file; a table of pandas, polars, pyarrow or xarray; or columns by name.
     columns : mapping of str to str, or path of a TOML file, optional
         What other columns hold: a name (``{"SR_U": "reading_m"}``), a phrase (``"distance reading
         in m"``), ``"extra"`` for a column of another kind, or ``"ignore"``.
@@ -114,7 +117,10 @@ def read_observations(
     stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
     found = found_in(table)
-    requests, said = completed(list(table.columns), plan.read_columns(columns), found)
+    sparse = [
+        str(name) for name, share in table.select_dtypes("number").isna().mean().items() if share > _GAPS
+    ]
+    requests, said = completed(list(table.columns), plan.read_columns(columns), found, sparse)
     planned = plan.make(list(table.columns), requests, trust)
     assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
     assembly.notes += [*found.notes, *said]

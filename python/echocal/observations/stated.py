@@ -1,4 +1,4 @@
-"""What the uncertainty of a stated condition does: the same rows with the condition a little higher or lower."""
+"""What the uncertainty of a stated condition does: the same rows with it a little higher or lower."""
 
 from collections.abc import Mapping
 from dataclasses import replace

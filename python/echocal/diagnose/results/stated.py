@@ -38,8 +38,8 @@ def _note(quantity: str, diagnosis: Diagnosis, low: Diagnosis, high: Diagnosis) 
     what = quantity.replace("_", " ")
     if _claims(low) == _claims(diagnosis) == _claims(high):
         return (
-            f"the verdict is the same with the {what} one standard uncertainty lower or higher than stated; the "
-            "standard uncertainties of the parameters include this"
+            f"the verdict is the same with the {what} one standard uncertainty lower or higher than stated; "
+            "the standard uncertainties of the parameters include this"
         )
     return (
         f"the verdict depends on the stated {what}: one standard uncertainty lower it is {_said(low)}, "

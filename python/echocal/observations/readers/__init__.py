@@ -1,7 +1,7 @@
 """Logs as they are: one format, one file. Each turns a log into a table of named columns.
 
-A format is a module with ``NAME``, ``recognizes(lines)`` of the first lines, and ``read(lines)``. Delimited text,
-TOA5 and LabVIEW among it, is read by `echocal.observations.text`.
+A format is a module with ``NAME``, ``recognizes(lines)`` of the first lines, and ``read(lines)``.
+Delimited text, TOA5 and LabVIEW among it, is read by `echocal.observations.text`.
 """
 
 from itertools import islice

@@ -59,8 +59,8 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     units = {**found.units, **({name: said} if said else {})}
     corrupt = {row * count + n: why for row, why in found.corrupt.items() for n in range(count)}
     note = (
-        f"{count} columns '{columns[0][1]}' to '{columns[-1][1]}' are bursts: {len(table)} rows become {len(long)} "
-        f"readings '{name}', row 1 of the file is rows 1 to {count} here"
+        f"{count} columns '{columns[0][1]}' to '{columns[-1][1]}' are bursts: {len(table)} rows become "
+        f"{len(long)} readings '{name}', row 1 of the file is rows 1 to {count} here"
     )
     return long, replace(found, units=units, notes=(*found.notes, note), corrupt=corrupt, streams=False)
 

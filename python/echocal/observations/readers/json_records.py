@@ -82,8 +82,8 @@ def _records(whole: Any, log: Log) -> list[Mapping[str, Any]]:
         and len(columns) == len(whole)
         and not any(isinstance(v, Mapping) for c in columns.values() for v in c.values())
     ):
-        rows = dict.fromkeys(row for own in columns.values() for row in own)
-        return [{name: own.get(row) for name, own in columns.items()} for row in rows]
+        keys = dict.fromkeys(key for own in columns.values() for key in own)
+        return [{name: own.get(key) for name, own in columns.items()} for key in keys]
     return [whole]
 
 

@@ -24,7 +24,8 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; tags are columns."""
-    log, records = Log([]), []
+    log = Log([])
+    records: list[dict[str, Any]] = []
     for line in filter(str.strip, lines):
         if line.startswith("#"):
             continue

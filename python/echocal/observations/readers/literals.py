@@ -23,7 +23,8 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; values without a name are called after their place."""
-    log, records = Log([]), []
+    log = Log([])
+    records: list[dict[str, Any]] = []
     for line in filter(str.strip, lines):
         time, value = _value(line)
         stamp = {"time": time} if time else {}

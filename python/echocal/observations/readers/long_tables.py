@@ -80,9 +80,10 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
             continue
         joined = pd.merge_asof(base, right, on="t").set_index("row")[kind]
         wide[kind] = joined.reindex(range(len(wide)))
+    others = ", ".join(repr(kind) for kind in kinds if kind != lead) or "no other"
     note = (
-        f"the log has a row for each value: {len(table)} rows of {len(kinds)} quantities become {len(wide)} rows, "
-        f"one for each '{lead}', with the last value of {', '.join(repr(k) for k in kinds if k != lead) or 'no other'}"
+        f"the log has a row for each value: {len(table)} rows of {len(kinds)} quantities become {len(wide)} "
+        f"rows, one for each '{lead}', with the last value of {others}"
     )
     return wide, replace(
         found, units={**found.units, **units}, notes=(*found.notes, note), corrupt={}, streams=False

@@ -1,7 +1,7 @@
 """Serial output of MaxBotix rangers: ``R1234``.
 
-Four digits are millimeters (MB73xx, HRXL-MaxSonar-WR data sheet), three are inches (LV-MaxSonar) or centimeters
-(XL-MaxSonar): these are refused until somebody says which.
+Four digits are millimeters (MB73xx, HRXL-MaxSonar-WR data sheet), three are inches (LV-MaxSonar) or
+centimeters (XL-MaxSonar): these are refused until somebody says which.
 """
 
 import re
@@ -27,7 +27,8 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; 300, 500, 5000 and 9999 are kept as they are."""
-    log, records = Log([]), []
+    log = Log([])
+    records: list[dict[str, str]] = []
     digits = [len(match["value"]) for line in lines if (match := _LINE.fullmatch(line.strip()))]
     name = "range"
     if digits and min(digits) >= 4:

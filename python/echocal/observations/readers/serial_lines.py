@@ -15,7 +15,8 @@ __all__ = ["NAME", "pairs_of", "read", "recognizes"]
 NAME = "lines of a serial monitor"
 
 _PREFIX = re.compile(
-    r"\s*[\[(]?(?P<time>(?:\d{4}-\d\d-\d\d[T ]|\d{1,2}[./]\d{1,2}[./]\d{2,4},? )?\d{1,2}:\d\d:\d\d(?:[.,:]\d+)?Z?)"
+    r"\s*[\[(]?(?P<time>(?:\d{4}-\d\d-\d\d[T ]|\d{1,2}[./]\d{1,2}[./]\d{2,4},? )?"
+    r"\d{1,2}:\d\d:\d\d(?:[.,:]\d+)?Z?)"
     r"[\])]?\s*(?P<arrow>->|=>|>|\||;|:|-)?\s+(?P<rest>.*)"
 )
 _STAMP = re.compile(r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*\]\s*(?P<rest>.*)")

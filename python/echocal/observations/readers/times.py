@@ -64,7 +64,10 @@ def _joined(table: pd.DataFrame, found: Found, day: str, clock: str) -> tuple[pd
 
 def _clock(table: pd.DataFrame, found: Found, name: str) -> tuple[pd.DataFrame, Found]:
     table = table.assign(time_s=unwrapped_clock(table[name].fillna("")))
-    note = f"'{name}' has times of day without a date: they are read as seconds, a clock that falls back passed midnight"
+    note = (
+        f"'{name}' has times of day without a date: they are read as seconds, "
+        "and a clock that falls back passed midnight"
+    )
     return table, _said(found, name, "ignore", note)
 
 

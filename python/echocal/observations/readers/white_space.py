@@ -21,7 +21,7 @@ def words_of(line: str) -> list[str]:
 
 
 def recognizes(lines: Sequence[str]) -> bool:
-    """Whether most lines have the same number of values, two or more, with blanks and no separator between."""
+    """Whether most lines have the same number of values, two or more, with only blanks between."""
     rows = [words_of(line) for line in lines[-100:] if not line.startswith("#")]
     if any(s in line for line in lines[-20:] for s in ",;\t|"):
         return False
