@@ -10,12 +10,12 @@ import fleet_logs
 import numpy as np
 import polars as pl
 import pytest
+from echocal.fleet.names import named
 from polars.testing import assert_frame_equal
 
 from echocal.errors import DataError
 from echocal.fleet.gather import Log, logs
 from echocal.fleet.index import Index, indexed
-from echocal.fleet.names import named
 from echocal.fleet.plan import tasks_of
 from echocal.fleet.source import files_of
 from echocal.fleet.spill import is_spilled, plan_spills, run_spill

@@ -30,10 +30,14 @@ def test_roof(shared: Path) -> None:
     assert {"Roll", "Pitch", "LoggerTemp", "Humidity_U"} <= set(data.extra)
 
 
-def test_bare_rock_needs_the_logger_line_skipped(shared: Path) -> None:
+def test_bare_rock_the_loggers_own_line_is_found(shared: Path) -> None:
     path = shared / "data" / "weather-maxbotix" / "WS3-Orloc.csv"
-    with pytest.raises(echocal.DataError, match=r"'Lib = 0.3.0 SN = .*--skip-lines 1"):
-        echocal.read_observations(path)
+    codes = {"Distance [mm]": [-500, 9999], "": [-9999]}
+    with pytest.warns(echocal.DataWarning):
+        data = echocal.read_observations(path, missing=codes, reading_speed=343)
+    assert len(data) == 5130
+    assert data.source_names["reading"] == "Distance [mm]"
+    assert data.time is not None
 
 
 def test_bare_rock(shared: Path) -> None:

@@ -76,8 +76,10 @@ def test_the_newest_row_may_come_first(time: dict[str, Any]) -> None:
 
 
 FILES = {
-    "JSON": (b'{"reading_m": {"0": 2.0}}', "is JSON; save the table as CSV or Parquet"),
-    "JSON records": (b'[{"reading_m": 2.0}]', "is JSON; save the table as CSV or Parquet"),
+    "JSON that is none": (
+        b'{"reading_m": {"0": 2.0}\n',
+        "is JSON that cannot be read; write one record a line",
+    ),
     "Feather": (b"ARROW1\0\0", r"is an Arrow \(Feather\) file; save it as Parquet"),
     "HDF5": (b"\x89HDF\r\n", "is an HDF5 or NetCDF file; read it with xarray"),
     "NetCDF": (b"CDF\x01", "is a NetCDF file; read it with xarray"),

@@ -1,31 +1,35 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
 from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
+import sys
+from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from echocal import firmware
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
-from echocal.calibrate import Calibration, Regression, calibrate
-from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, noises, row_faults
-from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
-from echocal.errors import (
-    BoundError,
-    DataError,
-    DataWarning,
-    DisagreementWarning,
-    DomainWarning,
-    EchocalError,
-    ModelError,
-    UsageError,
-)
-from echocal.model import Model
-from echocal.observations import Observations, read_observations
-from echocal.registry import effects
-from echocal.sweep import sweep
-from echocal.verify import Verification, verify, verify_model
 
 if TYPE_CHECKING:
+    from echocal import firmware
+    from echocal.calibrate import Calibration, Regression, calibrate
     from echocal.correct import correct_files
+    from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
+    from echocal.diagnose.noises import noises
+    from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
+    from echocal.errors import (
+        BoundError,
+        DataError,
+        DataWarning,
+        DisagreementWarning,
+        DomainWarning,
+        EchocalError,
+        ModelError,
+        UsageError,
+    )
+    from echocal.model import Model
+    from echocal.observations import Observations, read_observations
+    from echocal.registry import effects
+    from echocal.sweep import sweep
+    from echocal.verify import Verification, verify, verify_model
 
 __all__ = [
     "DEPARTURES",
@@ -67,12 +71,64 @@ __all__ = [
     "verify_model",
 ]
 
+_HOMES = {
+    "calibrate": ("Calibration", "Regression", "calibrate"),
+    "correct": ("correct_files",),
+    "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
+    "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
+    "errors": (
+        "BoundError",
+        "DataError",
+        "DataWarning",
+        "DisagreementWarning",
+        "DomainWarning",
+        "EchocalError",
+        "ModelError",
+        "UsageError",
+    ),
+    "model": ("Model",),
+    "observations": ("Observations", "read_observations"),
+    "registry": ("effects",),
+    "sweep": ("sweep",),
+    "verify": ("Verification", "verify", "verify_model"),
+}
+"""Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
+
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
 
 def __getattr__(name: str) -> Any:
     """Import what takes long to import when it is asked for."""
-    if name == "correct_files":
-        from echocal.correct import correct_files
+    if name == "firmware":
+        return import_module("echocal.firmware")
+    if name not in _HOME:
+        message = f"module 'echocal' has no attribute '{name}'"
+        raise AttributeError(message)
+    found = getattr(import_module(f"echocal.{_HOME[name]}"), name)
+    globals()[name] = found
+    return found
 
-        return correct_files
-    message = f"module 'echocal' has no attribute '{name}'"
-    raise AttributeError(message)
+
+def __dir__() -> list[str]:
+    """Every public name, also of what is not imported yet."""
+    return sorted({*globals(), *__all__})
+
+
+def _function(name: str) -> property:
+    """A function whose module has its name: the import of the module must not hide it."""
+    return property(
+        lambda _: getattr(import_module(f"echocal.{name}"), name),
+        lambda _, module: None,
+    )
+
+
+class _Package(ModuleType):
+    """The package, in which ``echocal.diagnose`` is the function, whatever was imported before."""
+
+    calibrate = _function("calibrate")
+    diagnose = _function("diagnose")
+    sweep = _function("sweep")
+    verify = _function("verify")
+
+
+sys.modules[__name__].__class__ = _Package

@@ -1,7 +1,7 @@
 """Verification: whether every error of indication is within the maximum permissible error."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 from numbers import Real
 from typing import Any
@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.at import sentences
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
+from echocal.observations.stated import shifted, uncertain
 from echocal.observations.table import require_observations
 from echocal.sweep import Range, sweep
 
@@ -45,6 +47,8 @@ class Verification:
         Rows that could not be examined, by reason code.
     outside_smooth : dict of str to int
         Rows outside of the range of the model's smooth correction, which were examined without it.
+    notes : tuple of str
+        What a person should know: conditions that were stated, not recorded, and what their uncertainty does.
 
     Examples
     --------
@@ -64,6 +68,7 @@ class Verification:
     worst: dict[str, float]
     unusable: dict[str, int]
     outside_smooth: dict[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, schema ``echocal.verification/1``; lengths in meters."""
@@ -125,7 +130,27 @@ def verify(
         observations.unusable_counts,
     )
     marks = [] if model is None else outside_smooth(observations, model)[usable].tolist()
-    return replace(found, outside_smooth=dict(Counter(mark for mark in marks if mark)))
+    outside = dict(Counter(mark for mark in marks if mark))
+    notes = [*sentences(observations.stated), *_beside(observations, found, model, law)]
+    return replace(found, outside_smooth=outside, notes=tuple(notes))
+
+
+def _beside(observations: Observations, found: Verification, model: Model | None, law: str) -> Iterator[str]:
+    """What the verification says with a stated condition one standard uncertainty lower and higher."""
+    for quantity, uncertainty in uncertain(observations).items():
+        bound = found.maximum_permissible_error
+        low, high = (
+            verify(
+                shifted(observations, quantity, step), maximum_permissible_error=bound, model=model, law=law
+            )
+            for step in (-uncertainty, uncertainty)
+        )
+        outcome = ["passed" if side.passed else "failed" for side in (low, high)]
+        errors = [f"{side.maximum_error * 1e3:+.3f} mm" for side in (low, high)]
+        yield (
+            f"with the {quantity.replace('_', ' ')} one standard uncertainty lower the maximum error is "
+            f"{errors[0]} ({outcome[0]}), higher it is {errors[1]} ({outcome[1]})"
+        )
 
 
 def verify_model(

@@ -19,6 +19,8 @@ from echocal.calibrate.solve import solve
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.at import sentences
+from echocal.observations.stated import shifted, uncertain
 from echocal.observations.table import require_observations
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
@@ -102,19 +104,31 @@ def calibrate(
     _require_numbers({"the response": observed[used], **columns}, used)
     rows_sigma = None if sigma is None else sigma[used]
     solution = solve(Problem(form, observed[used], columns, parameters, rows_sigma), loss, loss_scale)
+    covariance = solution.covariance
+    for quantity, uncertainty in uncertain(observations).items():
+        low, high = (
+            calibrate(
+                shifted(observations, quantity, step), model, fit, bounds=bounds,
+                standard_uncertainty=standard_uncertainty, loss=loss, loss_scale=loss_scale,
+            ).values
+            for step in (-uncertainty, uncertainty)
+        )  # fmt: skip
+        change = 0.5 * (high - low)  # JCGM 100:2008, 5.1.3, note 2
+        covariance = covariance + np.outer(change, change)
     residuals = np.full(len(observations), np.nan)
     residuals[used] = -solution.residuals
     found = Calibration(
         form=form,
         parameters=parameters,
         values=solution.values,
-        covariance=solution.covariance,
+        covariance=covariance,
         residuals=residuals,
         residual_standard_deviation=solution.residual_standard_deviation,
         r_squared=_r_squared(observed[used], residuals[used], centered=form.has_intercept),
         rows=_rows(observations),
         loss=loss,
-        model=form.fitted(solution.values, solution.covariance),
+        model=form.fitted(solution.values, covariance),
+        notes=tuple(sentences(observations.stated)),
     )
     if isinstance(found.model, Model):
         return replace(found, model=found.model.with_provenance({"calibration": found.to_dict()}))

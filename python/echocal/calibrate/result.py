@@ -72,6 +72,8 @@ class Calibration:
         ``total``, ``used``, and a count for each reason why rows were not used.
     loss : str
         The loss.
+    notes : tuple of str
+        What a person should know: conditions that were stated, not recorded.
     model : Model or object
         The calibrated `Model`; for another form what its ``fitted`` returns.
 
@@ -99,6 +101,7 @@ class Calibration:
     rows: dict[str, Any]
     loss: str = "linear"
     model: Any = field(default=None)
+    notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> list[str]:
@@ -233,6 +236,7 @@ class Calibration:
             "at_bounds": self.at_bounds,
             "loss": self.loss,
             "rows": self.rows,
+            "notes": list(self.notes),
         }
 
 

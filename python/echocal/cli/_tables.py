@@ -10,13 +10,15 @@ from typing import Annotated, Any, TypeAlias
 import typer
 from rich.console import Console
 
+from echocal.cli._options import Options, added, from_stdin
 from echocal.cli._outputs import pass_on
 from echocal.engines.names import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.plan import read_columns
 
-__all__ = ["Columns", "Engine", "Json", "Missing", "Quiet", "ReadingSpeed", "SkipLines", "TimeZone", "Trust"]
+__all__ = ["At", "Columns", "Engine", "Json", "Missing", "Options", "Quiet", "ReadingSpeed"]
+__all__ += ["Sheet", "SkipLines", "TimeFormat", "TimeZone", "Trust", "conditions", "from_stdin"]
 __all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read"]
 __all__ += ["toml_files", "write_json"]
 
@@ -25,13 +27,19 @@ _OURS = (DataWarning, DomainWarning)
 Columns: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        "--column", metavar="A=B", help='What a column holds: "SR_U=reading_m"; or a TOML file of pairs.'
+        "--column",
+        metavar="A=B",
+        callback=added,
+        help='What a column holds: "SR_U=reading_m"; or a TOML file of pairs.',
     ),
 ]
 Missing: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        "--missing", metavar="[A=]CODE", help='Error code for "no value": -9999, or "Distance [mm]=9999".'
+        "--missing",
+        metavar="[A=]CODE",
+        callback=added,
+        help='Error code for "no value": -9999, or "Distance [mm]=9999".',
     ),
 ]
 ReadingSpeed: TypeAlias = Annotated[
@@ -44,7 +52,26 @@ Trust: TypeAlias = Annotated[
 ]
 TimeZone: TypeAlias = Annotated[str, typer.Option(help="Zone of times without an offset.")]
 SkipLines: TypeAlias = Annotated[int, typer.Option(min=0, help="Lines before the header.")]
-Decimal: TypeAlias = Annotated[str, typer.Option(help="Decimal separator of a text file.")]
+Decimal: TypeAlias = Annotated[
+    str | None, typer.Option(help="Decimal separator of a text file; default: seen in it.")
+]
+At: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--at",
+        metavar="NAME=VALUE",
+        callback=added,
+        help="Condition that the table has no column for, with its standard uncertainty: temperature=20+-2 "
+        "(degC), humidity=50+-20 (%), pressure=1013 (hPa).",
+    ),
+]
+TimeFormat: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FORMAT", help='How times are written, as of strptime: "%d/%m/%Y %H:%M"; default: seen.'
+    ),
+]
+Sheet: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")]
 Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
 Engine: TypeAlias = Annotated[
     str, typer.Option(metavar="NAME", help=f"Who does the work: {', '.join(ENGINES)}.")
@@ -84,15 +111,37 @@ def error_codes(texts: Sequence[str] | None) -> dict[str, list[str]]:
     return codes
 
 
+def conditions(texts: Sequence[str] | None) -> dict[str, str]:
+    """Stated conditions from ``NAME=VALUE`` pairs; what comes later wins."""
+    found = {}
+    for text in texts or ():
+        name, equals, value = text.partition("=")
+        if not equals:
+            message = f'--at "{text}" is no pair; like --at temperature=20+-2'
+            raise UsageError(message)
+        found[name.strip()] = value
+    return found
+
+
 def options_of(
-    columns: Sequence[str] | None, missing: Sequence[str] | None, trust: Sequence[str] | None, **others: Any
+    columns: Sequence[str] | None,
+    missing: Sequence[str] | None,
+    trust: Sequence[str] | None,
+    at: Sequence[str] | None = None,
+    **others: Any,
 ) -> dict[str, Any]:
     """Arguments of `read_observations` from those of a command."""
+    beside = {
+        "at": conditions(at),
+        "time_format": others.pop("time_format", None),
+        "sheet": others.pop("sheet", None),
+    }
     return {
         "columns": column_requests(columns),
         "missing": error_codes(missing),
         "trust": trust or (),
         **others,
+        **{name: value for name, value in beside.items() if value},
     }
 
 

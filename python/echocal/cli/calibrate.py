@@ -12,16 +12,21 @@ from echocal.cli import _made_by
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
+    At,
     Columns,
     Decimal,
     Encoding,
     Json,
     Missing,
+    Options,
     Quiet,
     ReadingSpeed,
+    Sheet,
     SkipLines,
+    TimeFormat,
     TimeZone,
     Trust,
+    from_stdin,
     noted,
     options_of,
     read,
@@ -50,8 +55,12 @@ def command(
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
     skip_lines: SkipLines = 0,
-    decimal: Decimal = ".",
+    decimal: Decimal = None,
     encoding: Encoding = "utf-8-sig",
+    at: At = None,
+    time_format: TimeFormat = None,
+    sheet: Sheet = None,
+    options: Options = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
     ] = None,
@@ -60,6 +69,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Estimate parameters by least squares, with standard uncertainties and correlations."""
+    data = from_stdin(data)
     check_outputs(
         Output("--out", out, _made_by.model("calibrate", data)),
         Output("--json", json, _made_by.result("echocal.calibration")),
@@ -69,8 +79,11 @@ def command(
     start = model_of(law, model, effect)
     with noted(quiet):
         layout = {"time_zone": time_zone, "skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-        options = options_of(column, missing, trust, reading_speed=reading_speed or start.law, **layout)
-        found = calibrate(read(data, quiet, **options), start, fit, loss=loss)
+        seen = {"time_format": time_format, "sheet": sheet}
+        how = options_of(
+            column, missing, trust, at, reading_speed=reading_speed or start.law, **layout, **seen
+        )
+        found = calibrate(read(data, quiet, **how), start, fit, loss=loss)
     if out is not None:
         _made_by.sign(found.model, "calibrate", data, out).save(out)
     write_json(found.to_dict(), json)
@@ -95,5 +108,7 @@ def _print(found: Calibration, out: Path | None) -> None:
                 console.print(f"{second} and {first} are correlated: {found.correlation[i, j]:+.3f}")
     for name in found.at_bounds:
         console.print(f"{name} ended on a bound: its uncertainty is not reliable", style="yellow")
+    for note in found.notes:
+        console.print(f"note: {note}", markup=False)
     if out is not None:
         console.print(f"wrote {out}", markup=False)

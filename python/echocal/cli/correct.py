@@ -11,17 +11,21 @@ from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
+    At,
     Columns,
     Decimal,
     Encoding,
     Engine,
     Json,
     Missing,
+    Options,
     Quiet,
     ReadingSpeed,
     SkipLines,
+    TimeFormat,
     TimeZone,
     Trust,
+    from_stdin,
     notes,
     options_of,
     toml_files,
@@ -102,13 +106,17 @@ def command(
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
     skip_lines: SkipLines = 0,
-    decimal: Decimal = ".",
+    decimal: Decimal = None,
     encoding: Encoding = "utf-8-sig",
+    at: At = None,
+    time_format: TimeFormat = None,
+    options: Options = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Append corrected_distance_m, its standard uncertainty and a reason code; same rows, same order."""
+    data = str(from_stdin(Path(data))) if data == "-" else data
     inputs = find_inputs(data)
     place = place_of(out)
     if inputs.single:
@@ -129,7 +137,9 @@ def command(
         if correction is None:
             raise UsageError("--transferable is for one model, not for --models")
         correction = correction.transferable()
-    options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
+    how = options_of(
+        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
+    )
     with rows_bar(quiet) as progress:
         summary = correct_files(
             data,
@@ -148,7 +158,7 @@ def command(
             force=force,
             progress=progress,
             mark_rows=mark_rows,
-            **options,
+            **how,
         )
     notes([*inputs.left_out(), *sentences(summary.results.values()), *_of_model(correction)], quiet)
     files = {str(place if inputs.single else place / name): it for name, it in summary.results.items()}

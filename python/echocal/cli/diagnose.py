@@ -9,16 +9,21 @@ from rich.console import Console
 from echocal.cli import _fleet, _made_by, _pool
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import (
+    At,
     Columns,
     Decimal,
     Encoding,
     Json,
     Missing,
+    Options,
     Quiet,
     ReadingSpeed,
+    Sheet,
     SkipLines,
+    TimeFormat,
     TimeZone,
     Trust,
+    from_stdin,
     noted,
     options_of,
     toml_files,
@@ -57,8 +62,12 @@ def command(
     trust: Trust = None,
     time_zone: TimeZone = "UTC",
     skip_lines: SkipLines = 0,
-    decimal: Decimal = ".",
+    decimal: Decimal = None,
     encoding: Encoding = "utf-8-sig",
+    at: At = None,
+    time_format: TimeFormat = None,
+    sheet: Sheet = None,
+    options: Options = None,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
     until: Annotated[
         str | None, typer.Option(metavar="TIME", help="Use rows up to this time; a date means its whole day.")
@@ -147,10 +156,14 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
+    data = from_stdin(data)
     model = _renamed(save_model, model, quiet)
     tables, ranges = _pool.told_apart(more)
     layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-    reading = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone, **layout)
+    seen = {"time_format": time_format, "sheet": sheet}
+    reading = options_of(
+        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, **layout, **seen
+    )
     is_fleet = _fleet.is_fleet([data, *tables], output)
     _refuse_fleet_options(
         is_fleet, {"--results": results, "--kind": kind, "--workers": workers, "--engine": engine}

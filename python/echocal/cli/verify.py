@@ -10,16 +10,21 @@ from rich.table import Table
 from echocal.cli._made_by import result
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
+    At,
     Columns,
     Decimal,
     Encoding,
     Json,
     Missing,
+    Options,
     Quiet,
     ReadingSpeed,
+    Sheet,
     SkipLines,
+    TimeFormat,
     TimeZone,
     Trust,
+    from_stdin,
     noted,
     options_of,
     read,
@@ -54,13 +59,18 @@ def command(
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
     skip_lines: SkipLines = 0,
-    decimal: Decimal = ".",
+    decimal: Decimal = None,
     encoding: Encoding = "utf-8-sig",
+    at: At = None,
+    time_format: TimeFormat = None,
+    sheet: Sheet = None,
+    options: Options = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Compare errors of indication with a maximum permissible error; exit code 1 if one exceeds it."""
+    subject = from_stdin(subject)
     check_outputs(
         Output("--json", json, result("echocal.verification")),
         inputs=[subject, model, *toml_files(column)],
@@ -80,9 +90,10 @@ def command(
         else:
             correction = None if model is None else Model.load(model)
             speed = reading_speed or (correction.law if correction else None)
-            layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-            options = options_of(column, missing, trust, reading_speed=speed, time_zone=time_zone, **layout)
-            observations = read(subject, quiet, **options)
+            layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding, "sheet": sheet}
+            when = {"time_zone": time_zone, "time_format": time_format}
+            how = options_of(column, missing, trust, at, reading_speed=speed, **layout, **when)
+            observations = read(subject, quiet, **how)
             found = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
@@ -105,6 +116,8 @@ def _print(result: Verification) -> None:
     for reason, count in result.outside_smooth.items():
         table.add_row("examined without it", f"{count} rows: {reason}")
     Console().print(table)
+    for note in result.notes:
+        Console(soft_wrap=True).print(f"note: {note}", markup=False)
 
 
 def _shown(name: str, value: float) -> str:

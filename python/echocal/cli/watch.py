@@ -12,7 +12,19 @@ import typer
 
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import Columns, Missing, Quiet, ReadingSpeed, TimeZone, Trust, options_of, toml_files
+from echocal.cli._tables import (
+    At,
+    Columns,
+    Missing,
+    Options,
+    Quiet,
+    ReadingSpeed,
+    TimeFormat,
+    TimeZone,
+    Trust,
+    options_of,
+    toml_files,
+)
 from echocal.errors import UsageError
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of
 from echocal.watch.mqtt import Broker
@@ -94,6 +106,9 @@ def command(
     trust: Trust = None,
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
+    at: At = None,
+    time_format: TimeFormat = None,
+    file_of_options: Options = None,
     json: Annotated[
         str | None, typer.Option("--json", metavar="FILE", help="Write events as JSON lines; - is stdout.")
     ] = None,
@@ -112,7 +127,9 @@ def command(
     )
     settings = WatchSettings(false_alarms=false_alarms, learn=learn)
     one = None if models is not None else model_of(law, model, effect)
-    options = options_of(column, missing, trust, reading_speed=reading_speed, time_zone=time_zone)
+    options = options_of(
+        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
+    )
     with ExitStack() as at_end:
         kept = State(state)
         at_end.callback(kept.close)

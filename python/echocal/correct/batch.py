@@ -21,6 +21,7 @@ from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
 from echocal.objects import is_url
+from echocal.observations.at import uncertainties_of
 from echocal.observations.plan import read_columns
 from echocal.observations.text import Layout
 from echocal.places import place_of, size_of
@@ -202,6 +203,7 @@ def job_of(
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     known = {"reading_speed": None, "mark_rows": True, "missing": (), "trust": (), "time_zone": "UTC"}
+    known |= {"at": {}, "time_format": None}
     unknown = next((name for name in options if name not in known), None)
     if unknown is not None:
         message = f"no option '{unknown}'; known: {', '.join(known)}"
@@ -210,7 +212,8 @@ def job_of(
         message = f"--round-mm {round_mm:g} is no step; give a positive number of millimeters"
         raise UsageError(message)
     given = {**known, **options}
-    stated = Uncertainties.of(uncertainties).stated
+    at = {name: str(value) for name, value in (given["at"] or {}).items()}
+    stated = {**uncertainties_of(at), **Uncertainties.of(uncertainties).stated}
     speed = given["reading_speed"]
     reading = {
         **given,
@@ -218,6 +221,7 @@ def job_of(
         "missing": _plain_codes(given["missing"]),
         "trust": list(as_names(given["trust"])),
         "uncertainties": stated,
+        "at": at,
     }
     metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}
     if model is not None:
@@ -227,6 +231,8 @@ def job_of(
         metadata["echocal.models_by"] = str(by)
     if stated:
         metadata["echocal.standard_uncertainties"] = json.dumps(stated, sort_keys=True)
+    if at:
+        metadata["echocal.stated_conditions"] = json.dumps(at, sort_keys=True)
     if round_mm is not None:
         metadata["echocal.rounded_to_mm"] = f"{round_mm:g}"
     described = {"model": to_plain(model)} if model is not None else {"folder": str(models), "by": str(by)}

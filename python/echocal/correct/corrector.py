@@ -15,6 +15,7 @@ from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.model.folder import label
+from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
 from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
@@ -103,6 +104,7 @@ class Corrector:
         refuse_repeated(names)
         refuse_corrected(names)
         Missing(job.reading.missing).refuse_unknown(names)
+        job = replace(job, requests=completed(names, job.requests)[0])
         self._names, self._job = list(names), job
         self.key = "" if job.models.folder is None else key
         self.by = job.models.by if self.key is None else ""

@@ -114,6 +114,8 @@ def _job(text: str, digest: str) -> Job:
             reading["reading_speed"],
             reading["mark_rows"],
             Uncertainties(reading["uncertainties"]),
+            reading.get("at", {}),
+            reading.get("time_format"),
         ),
         Layout(**plain["layout"]),
         None if plain["append_only"] is None else tuple(plain["append_only"]),

@@ -75,11 +75,11 @@ def parquet_to_text(
         finest = _finest(opened)
         with writing_text(out, ending.endswith(".gz")) as file:
             empty, _ = as_text(opened.file.schema_arrow.empty_table())
-            file.write(_lines(empty, _nothing(), ending, job.layout.decimal, header=True).encode())
+            file.write(_lines(empty, _nothing(), ending, job.layout.decimal or ".", header=True).encode())
             for rows, table in zip(made, _stored(opened), strict=True):
                 fields, notes = as_text(table if finest is None else _with(table, finest))
                 tally.notes |= dict.fromkeys(notes)
-                text = _lines(fields, rows, ending, job.layout.decimal, header=False)
+                text = _lines(fields, rows, ending, job.layout.decimal or ".", header=False)
                 if finest is not None:
                     text = text[: text.rindex("\n", 0, -1) + 1] if "\n" in text[:-1] else ""
                 file.write(text.encode())

@@ -16,6 +16,7 @@ from echocal.errors import DataWarning
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.assembly import Assembly
+from echocal.observations.at import conditions_at, sentences
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.marks import MARKS
 from echocal.observations.numbers import Missing, to_numbers
@@ -39,6 +40,8 @@ class Reading:
     reading_speed: str | None = None
     mark_rows: bool = True
     uncertainties: Uncertainties = field(default_factory=Uncertainties)
+    at: Mapping[str, str] = field(default_factory=dict)
+    time_format: str | None = None
 
 
 @dataclass(frozen=True)
@@ -197,8 +200,14 @@ def _observed(
 ) -> tuple[Observations, Assembly]:
     trust = trusted(reading.trust, needed.columns)
     missing = Missing(_of(reading.missing, needed.columns))
-    plan = make(list(needed.columns), needed.requests, trust)
-    assembly = Assembly(table[list(needed.columns)], plan, missing, trust, reading.time_zone, part)
+    read = table[list(needed.columns)]
+    if reading.at:
+        read = read.copy()
+        stated = conditions_at(reading.at, read)
+    plan = make(list(read.columns), needed.requests, trust)
+    assembly = Assembly(read, plan, missing, trust, reading.time_zone, part, reading.time_format)
+    if reading.at:
+        assembly.notes += sentences(stated)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)  # the notes say the same
         return assembly.observations(reading.reading_speed or model.law), assembly

@@ -50,6 +50,7 @@ def text_to_parquet(
         raise UsageError("--append-only is for Parquet to Parquet")
     pa = arrow()
     text = Text(source, job, key)
+    job = text.job
     text.size //= _SHARE
     tally = Tally(columns=list(text.head.names))
     kinds = _kinds(text)
@@ -60,7 +61,7 @@ def text_to_parquet(
 
     def made(block: Block, lines: Lines, rows: Rows) -> Table:
         fields = text.parser.fields(block, lines)
-        columns = {name: typed(fields[name], kind, job.layout.decimal) for name, kind in kinds.items()}
+        columns = {name: typed(fields[name], kind, text.head.decimal) for name, kind in kinds.items()}
         return pa.table({**columns, **columns_of(rows)}, schema=_loose(schema))
 
     with pa.parquet.ParquetWriter(
@@ -88,7 +89,7 @@ def _kinds(text: Text) -> Mapping[str, str]:
     """Type of each column; without those that only separators at the end of lines make."""
     left = {name: frozenset(KINDS) for name in text.head.names}
     filled: dict[str, bool] = dict.fromkeys(left, False)
-    decimal = text.job.layout.decimal
+    decimal = text.head.decimal
 
     def work(block: Block) -> dict[str, frozenset[str] | None]:
         fields = text.parser.fields(block, text.checked(block))

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from echocal.diagnose.pipeline import run
-from echocal.diagnose.preprocess.reading import read
+from echocal.diagnose.preprocess.reading import Reading, read
 from echocal.diagnose.progress import Progress, Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.stated import with_stated
 from echocal.diagnose.settings import Settings
 from echocal.model import Model
 from echocal.observations import Observations
@@ -125,4 +126,8 @@ def diagnose(
         how["reading_speed"] = reading_speed or request.base.reading_speed
     reading = read(observations, how)
     diagnosis = run(reading, request, work)
+    if reading.observations.stated:
+        diagnosis = with_stated(
+            diagnosis, reading.observations, lambda other: run(Reading(other), request, Steps(None))
+        )
     return replace(diagnosis, seconds=time.perf_counter() - start)

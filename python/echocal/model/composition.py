@@ -320,6 +320,10 @@ class Model:
         """The same model with another record of where it comes from."""
         return copy.copy(self)._set(provenance=fixed(provenance))
 
+    def with_covariance(self, covariance: ArrayLike) -> "Model":
+        """The same model with another covariance of its parameters, in the order of `parameter_names`."""
+        return copy.copy(self)._set(covariance=covariances.checked(covariance, self.parameter_names))
+
     def _like(self, effects: Mapping[str, Mapping[str, float]], shape: Shape | Smooth | None) -> "Model":
         known: dict[str, Any] = {"air": self.air, "provenance": self.provenance}
         return Model(self.law, effects, **known, shape=shape, columns=self.given_columns)
@@ -344,8 +348,7 @@ class Model:
         >>> list(model.transferable().effects)
         ['fixed_delay']
         """
-        left_out = self.campaign_effects
-        effects = {id_: own for id_, own in self.effects.items() if id_ not in left_out}
+        effects = {id_: own for id_, own in self.effects.items() if id_ not in self.campaign_effects}
         kept = [i for i, name in enumerate(self.parameter_names) if name.partition(".")[0] in effects]
         known = None if self.covariance is None else self.covariance[np.ix_(kept, kept)]
         return self._like(effects, self.shape)._set(covariance=known)

@@ -14,11 +14,13 @@ from echocal.model import Model
 from echocal.observations import checks, clock, labels
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
-from echocal.observations.fields import row, rows
-from echocal.observations.names import looks_like, phrase, unit_of
+from echocal.observations.fields import row, rows, shown
+from echocal.observations.found import found_in
+from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
+from echocal.observations.proposals import propose, unfit
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
 from echocal.quantities import QUANTITIES
@@ -40,6 +42,7 @@ class Assembly:
     trusted: Collection[str]
     time_zone: str
     part: Part | None = None
+    time_format: str | None = None
     reasons: list[str] = field(init=False, default_factory=lambda: [""])
     reason: NDArray[np.int16] = field(init=False)
     notes: list[str] = field(init=False, default_factory=list)
@@ -84,7 +87,7 @@ class Assembly:
         source = self.plan.assignments[quantity]
         if source.name == "time":
             given = self.table[source.column]
-            self.time, outside = clock.instants(given, source.column, self.time_zone)
+            self.time, outside = clock.instants(given, source.column, self.time_zone, self.time_format)
             values = clock.elapsed(self.time, None if self.part is None else self.part.start)
             self._mark(outside, f"{source.column} out of range", source)
             self._check_filled(np.where(outside, np.inf, values), source)
@@ -93,7 +96,7 @@ class Assembly:
                 self.notes += checks.newest_first(values, source)
             return values
         checks.refuse_truth(self.table[source.column], source)
-        values = to_numbers(self.table[source.column], source.column, self.missing)
+        values = self._numbers(source.column, source)
         self._check_filled(values, source)
         seen = checks.ends(values)
         wrong, notes = checks.impossible(values, seen, source)
@@ -109,6 +112,29 @@ class Assembly:
             if self.part is None:
                 self.notes += checks.newest_first(values, source)
         return values
+
+    def _numbers(self, column: str, source: Assignment | None = None) -> Column:
+        """Numbers of a column; a few texts in it make their rows unusable."""
+        corrupt: list[int] = []
+        values = to_numbers(self.table[column], column, self.missing, corrupt)
+        if corrupt and source is not None:
+            where = np.zeros(len(values), dtype=np.bool_)
+            where[corrupt] = True
+            self._mark(where, f"{column} is no number", source)
+        if corrupt and self.part is None:
+            text = shown(str(self.table[column].iloc[corrupt[0]]))
+            self.notes.append(
+                f"{column} has text in place of a number in {rows(len(corrupt))}, first at {row(corrupt[0])}: "
+                f"'{text}'"
+            )
+        return values
+
+    def mark_corrupt(self, corrupt: Mapping[int, str]) -> None:
+        """Give rows that a reader could not read their reason."""
+        for reason in dict.fromkeys(corrupt.values()):
+            where = np.zeros(len(self.table), dtype=np.bool_)
+            where[[place for place, why in corrupt.items() if why == reason]] = True
+            self._give(where, reason)
 
     def _since_start(self, values: Column) -> Column:
         if self.part is not None and isinstance(self.part.start, float):
@@ -200,7 +226,7 @@ class Assembly:
         found, texts = {}, {}
         for column in (*self.plan.others, *self.plan.several):
             try:
-                values = to_numbers(self.table[column], column, self.missing)
+                values = self._numbers(column)
             except DataError:  # text: a name, a remark
                 codes = labels.few_codes(self.table[column])
                 if codes is not None:
@@ -265,6 +291,10 @@ class Assembly:
     def _hint(self, echo: Collection[Form]) -> str:
         """Which column may be the one, of those whose names say nothing: misspelled, alike, or the first."""
         others = self.plan.others
+        reference = self.plan.assignments.get("reference_distance")
+        if reference is not None and not self._meant(echo):
+            name = f"reading_{reference.unit_name}"
+            return f"Record one of them; if the sensor indicates '{reference.column}': --column \"{reference.column}={name}\""
         if not others:
             return "Record one of them"
         if meant := self._meant(echo):
@@ -273,7 +303,15 @@ class Assembly:
         for name, form in alike:
             if unit_of(name) in form.units:
                 return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
-        return f'Say which it is: --column "{alike[0][0] if alike else others[0]}=reading_m"'
+        guessed = propose(self.table, found_in(self.table), {})
+        likely = [
+            f"{name}={p.request}" for name, p in guessed.items() if p.request.startswith(("reading", "echo"))
+        ]
+        told = unfit(self.table, [name for name, _ in alike]) if not likely else ""
+        if told:
+            return f"{told}; {INSPECT}"
+        first = likely[0] if likely else f"{alike[0][0] if alike else others[0]}=reading_m"
+        return f'Say which it is: --column "{first}"; {INSPECT}'
 
     def _meant(self, forms: Collection[Form]) -> str | None:
         """Request of a column whose name says a quantity in other words, or misspells it."""

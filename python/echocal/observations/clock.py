@@ -11,18 +11,25 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
+from echocal.observations.dates import as_iso, by_format
 from echocal.observations.fields import fields, row, shown
+from echocal.observations.numbers import NO_NUMBER
 
 __all__ = ["YEARS", "Instants", "elapsed", "hour_angle", "instants"]
 
 Instants = NDArray[np.datetime64]
 
+_HOUR = 3600.0
+_AUTUMN = 30 * 86400.0  # s: two clock changes are further apart
+
 YEARS = (1678, 2261)
 """First and last year that 64 bits of nanoseconds hold as a whole; beyond, they would wrap around."""
 
 
-def instants(values: pd.Series[Any], column: str, time_zone: str) -> tuple[Instants, NDArray[np.bool_]]:
-    """Instants in UTC of a column of ISO 8601 texts or of datetimes, and which lie outside `YEARS`.
+def instants(
+    values: pd.Series[Any], column: str, time_zone: str, time_format: str | None = None
+) -> tuple[Instants, NDArray[np.bool_]]:
+    """Instants in UTC of a column of texts or of datetimes, and which lie outside `YEARS`.
 
     An instant is NaT where the field is empty or outside.
 
@@ -30,15 +37,21 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> tuple[Insta
     ----------
     time_zone : str
         IANA name of the time zone for times without an offset.
+    time_format : str, optional
+        How times are written; default: ISO 8601, or seen in the column.
 
     Raises
     ------
     DataError
-        If a field is no ISO 8601 time, or a local time is skipped or repeated by a clock change.
+        If a field is no time, or a local time is skipped or repeated by a clock change.
     UsageError
         If the time zone is unknown.
     """
-    if pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values):
+    if (
+        time_format is None
+        and pd.api.types.is_numeric_dtype(values)
+        and not pd.api.types.is_bool_dtype(values)
+    ):
         message = (
             f"column '{column}' holds numbers, not ISO 8601 times; rename it to its unit: "
             "time_s, time_ms, time_us, time_min or time_h"
@@ -46,7 +59,9 @@ def instants(values: pd.Series[Any], column: str, time_zone: str) -> tuple[Insta
         raise DataError(message)
     zone = _zone(time_zone)
     far = np.zeros(len(values), dtype=np.bool_)
-    times = values if pd.api.types.is_datetime64_any_dtype(values) else _parse(values, column, far)
+    times = (
+        values if pd.api.types.is_datetime64_any_dtype(values) else _parse(values, column, far, time_format)
+    )
     year = times.dt.year.to_numpy(dtype=np.float64, na_value=np.nan)
     outside = far | (year < YEARS[0]) | (year > YEARS[1])
     times = times.mask(outside)
@@ -87,9 +102,15 @@ def _zone(name: str) -> tzinfo:
         raise UsageError(message) from None
 
 
-def _parse(values: pd.Series[Any], column: str, far: NDArray[np.bool_]) -> pd.Series[Any]:
+def _parse(
+    values: pd.Series[Any], column: str, far: NDArray[np.bool_], time_format: str | None
+) -> pd.Series[Any]:
     """Times of texts; marks in `far` those that the resolution of the others cannot hold."""
     texts = fields(values, column)
+    texts = texts.where(~texts.isin(NO_NUMBER), "")
+    if time_format is not None:
+        return by_format(texts, column, time_format)
+    texts = as_iso(texts, column)
     filled = texts != ""
     offset = texts.str.contains(r"(?:Z|:\d\d(?:\.\d+)?[+-]\d\d(?::?\d\d)?)$", regex=True)
     aware = bool(offset.any())
@@ -114,10 +135,11 @@ def _of_texts(texts: pd.Series[Any], aware: bool) -> pd.Series[Any]:
 
 
 def _refuse_others(texts: pd.Series[Any], wrong: NDArray[np.intp], column: str) -> None:
-    if len(wrong):
+    if 10 * len(wrong) > len(texts):
         message = (
             f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not ISO 8601 "
-            f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'"
+            f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; "
+            'written otherwise: --time-format "%d.%m.%Y %H:%M:%S"'
         )
         raise DataError(message)
 
@@ -126,6 +148,11 @@ def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any
     local: pd.Series[Any] = times.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
     wrong = np.flatnonzero(local.isna() & times.notna())
     if len(wrong):
+        summer = _summer(times, wrong)
+        if summer is not None:
+            local = times.dt.tz_localize(zone, ambiguous=summer, nonexistent="NaT")
+            wrong = np.flatnonzero(local.isna() & times.notna())
+    if len(wrong):
         message = (
             f"column '{column}' has {len(wrong)} local times that a clock change skips or repeats, "
             f"first at {row(wrong[0])}: {times.iloc[wrong[0]]}; a logger that keeps one offset all year "
@@ -133,3 +160,27 @@ def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any
         )
         raise DataError(message)
     return local
+
+
+def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> NDArray[np.bool_] | None:
+    """Which of the local times that occur twice are in summer time, by the order of the rows.
+
+    The hour comes a second time after a row. That row is the one after which the steps between rows are the
+    most even: an hour more there, and none is negative. None where no row stands out.
+    """
+    summer = np.zeros(len(times), dtype=np.bool_)
+    known = np.flatnonzero(times.notna())
+    seconds = times.iloc[known].to_numpy(dtype="datetime64[ns]").astype(np.int64) / 1e9
+    steps = np.diff(seconds)
+    if not len(steps):
+        return None
+    usual = float(np.median(steps))
+    places = np.searchsorted(known, twice)
+    for own in np.split(places, np.flatnonzero(np.diff(seconds[places]) > _AUTUMN) + 1):
+        before = np.arange(max(own[0] - 1, 0), min(own[-1] + 1, len(steps)))
+        gain = np.abs(steps[before] + _HOUR - usual) - np.abs(steps[before] - usual)
+        best = int(np.argmin(gain))
+        if gain[best] >= 0.0:
+            return None
+        summer[known[own[own <= before[best]]]] = True
+    return summer

@@ -6,9 +6,10 @@ from difflib import get_close_matches
 from echocal.errors import DataError, UsageError
 from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
 
-__all__ = ["EXTRA", "IGNORE", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
+__all__ = ["EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
 EXTRA = "extra"
+INSPECT = "echocal inspect LOG -o log.toml proposes all columns, --options log.toml takes them"
 IGNORE = "ignore"
 
 _ROLES = sorted((form.role for form in FORMS), key=len, reverse=True)
@@ -41,7 +42,7 @@ def by_name(column: str) -> tuple[Form, str] | None:
     what = f"unknown unit '{unit}'" if unit else "no unit"
     message = (
         f"column '{column}' has {what}; accepted: {', '.join(form.names)}. Rename it, or say what it is: "
-        f'--column "{column}={form.names[0]}", or "{column}={EXTRA}" for a column of another kind'
+        f'--column "{column}={form.names[0]}", or "{column}={EXTRA}" for a column of another kind; {INSPECT}'
     )
     raise DataError(message)
 

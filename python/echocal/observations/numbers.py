@@ -13,14 +13,37 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.observations.fields import fields, row, shown
 
-__all__ = ["EMPTY", "EXACT", "Missing", "to_numbers"]
+__all__ = ["EMPTY", "EXACT", "NO_NUMBER", "Missing", "to_numbers"]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
 EXACT = 2.0**53
 """Integers of this size and more are not all floats: each that is not becomes one that is."""
 
-EMPTY = frozenset(("", "NA", "N/A", "n/a", "nan", "NaN", "-nan", "null", "NULL", "None", "<NA>", "NaT"))
+EMPTY = frozenset(
+    ("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "null", "NULL", "None", "<NA>", "NaT")
+)
+"""Texts that mean "no value" in any column."""
+
+NO_NUMBER = EMPTY | {
+    *(
+        "-",
+        "--",
+        "---",
+        "#N/A",
+        "#NV",
+        "n.a.",
+        "none",
+        "undefined",
+        "unavailable",
+        "unknown",
+        "Nan",
+        "INF",
+        "-INF",
+    )
+}
 """Texts that mean "no value" in a column of numbers."""
+
+_FEW = 10  # of so many fields, one may be no number
 
 Column = NDArray[np.float64]
 
@@ -59,8 +82,15 @@ class Missing:
         return [float(code) for code in self.texts(column) if _is_number(code)]
 
 
-def to_numbers(values: pd.Series[Any], column: str, missing: Missing) -> Column:
+def to_numbers(
+    values: pd.Series[Any], column: str, missing: Missing, corrupt: list[int] | None = None
+) -> Column:
     """Numbers of a column; NaN where the field is empty or holds an error code.
+
+    Parameters
+    ----------
+    corrupt : list of int, optional
+        Takes the places of texts that are no numbers, if at most a tenth of the fields is such; they are NaN.
 
     Raises
     ------
@@ -78,25 +108,33 @@ def to_numbers(values: pd.Series[Any], column: str, missing: Missing) -> Column:
     if pd.api.types.is_numeric_dtype(values):
         numbers = values.to_numpy(dtype=np.float64, na_value=np.nan, copy=True)
     else:
-        numbers = _parse(values, column, missing)
+        numbers = _parse(values, column, missing, corrupt)
     codes = missing.numbers(column)
     if codes:
         numbers[np.isin(numbers, codes)] = np.nan
     return numbers
 
 
-def _parse(values: pd.Series[Any], column: str, missing: Missing) -> Column:
+def _parse(values: pd.Series[Any], column: str, missing: Missing, corrupt: list[int] | None) -> Column:
     texts = fields(values, column)
-    absent = texts.isin(EMPTY | missing.texts(column)).to_numpy()
+    absent = texts.isin(NO_NUMBER | missing.texts(column)).to_numpy()
     numbers = pd.to_numeric(texts.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
     wrong = np.flatnonzero(np.isnan(numbers) & ~absent)
-    if len(wrong):
+    if corrupt is not None and _FEW * len(wrong) <= len(texts) and not _mean(texts.iloc[wrong]):
+        corrupt += wrong.tolist()
+    elif len(wrong):
         message = (
             f"column '{column}' has text in {len(wrong)} of {len(texts)} rows, "
             f"first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; {_hint(texts.iloc[wrong])}"
         )
         raise DataError(message)
     return numbers
+
+
+def _mean(texts: pd.Series[Any]) -> bool:
+    """Whether texts are meant as numbers, or are one code again and again: no damage, and somebody must say."""
+    meant = any(_GROUPED.fullmatch(text) or _is_number(text.replace(",", ".", 1)) for text in texts)
+    return meant or (len(texts) > 1 and texts.nunique() == 1)
 
 
 def _hint(texts: pd.Series[Any]) -> str:

@@ -6,7 +6,7 @@ shows which of the two it is: swallowed lines are rows of the table.
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 
 from echocal.errors import DataError
@@ -28,10 +28,19 @@ class Marks:
         The separator of fields.
     fields : int
         Fields of the header.
+    is_no_row : callable, optional
+        Whether a line is a comment, which is no row.
     """
 
-    def __init__(self, path: str, separator: str, fields: int) -> None:
+    def __init__(
+        self,
+        path: str,
+        separator: str,
+        fields: int,
+        is_no_row: Callable[[str], bool] = lambda line: False,
+    ) -> None:
         self._path, self._separator, self._fields = path, separator, fields
+        self._is_no_row = is_no_row
 
     @cached_property
     def _whole(self) -> re.Pattern[str]:
@@ -82,6 +91,9 @@ class Marks:
         whole, blanks = self._whole.fullmatch, " \t".replace(self._separator, "")
         for number, ended in enumerate(lines, first):
             line = ended.rstrip("\r\n")
+            if not record and self._is_no_row(line):
+                yield [], [ended]
+                continue
             if not record and '"' not in line:
                 yield [line] if line.strip(blanks) != "" else [], [ended]
                 usual = line

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,22 +21,25 @@ def read_observations(
     trust: Collection[str] = (),
     time_zone: str = "UTC",
     skip_lines: int = 0,
-    decimal: str = ".",
+    decimal: str | None = None,
     encoding: str = "utf-8-sig",
+    time_format: str | None = None,
+    at: Mapping[str, Any] | None = None,
+    sheet: str | None = None,
 ) -> Observations:
     """Read a table of echoes: check it, convert it to SI units, account for every row.
 
     The names of columns include their units (``echo_us``, ``temperature_C``, ``humidity_percent``, ...);
-    a name that begins like one of these and has no known unit is an error, never a guess. Rows
+    a name that begins like one of these and has no known unit is an error, never a guess. Other names are
+    read by name and unit where both leave one meaning (``Temp (°C)``), and a note says so. Rows
     are never dropped and never reordered: a row that cannot be used has a reason code. In
     messages, row 1 is the first row below the header.
 
     Parameters
     ----------
     source : path, DataFrame, or mapping of str to array_like
-        A text file (comma, semicolon, tab or bar between fields; lines before the header that
-        begin with # are skipped) or a Parquet file, either gzipped or not where that applies; a
-        table of pandas, polars, pyarrow or xarray; or columns by name.
+        A log (docs/logs.md): delimited text, TOA5, a spreadsheet, JSON, lines of a serial monitor, ..., gzipped
+        or not; a Parquet file; a table of pandas, polars, pyarrow or xarray; or columns by name.
     columns : mapping of str to str, or path of a TOML file, optional
         What other columns hold: a name (``{"SR_U": "reading_m"}``), a phrase (``"distance reading
         in m"``), ``"extra"`` for a column of another kind, or ``"ignore"``.
@@ -51,10 +55,17 @@ def read_observations(
         IANA name of the zone of times without an offset.
     skip_lines : int
         Lines before the header, such as a logger's own first line.
-    decimal : str
-        Decimal separator of a text file.
+    decimal : str, optional
+        Decimal separator of a text file; default: seen in the file.
     encoding : str
         Encoding of a text file.
+    time_format : str, optional
+        How times are written, as of `datetime.strptime`: ``"%d.%m.%Y %H:%M"``. Default: seen in the column.
+    at : mapping of str to float or str, optional
+        Conditions that the table has no column for: ``{"temperature": "20+-2"}``, in degC, percent and hPa.
+        What follows ``+-`` is the standard uncertainty.
+    sheet : str, optional
+        Sheet of a spreadsheet; default: the first with a table.
 
     Returns
     -------
@@ -87,6 +98,9 @@ def read_observations(
     # slow import: only reading a table needs pandas
     from echocal.observations import plan
     from echocal.observations.assembly import Assembly
+    from echocal.observations.at import conditions_at, sentences
+    from echocal.observations.found import found_in
+    from echocal.observations.hints import completed
     from echocal.observations.numbers import Missing
     from echocal.observations.source import load
     from echocal.observations.text import Layout
@@ -95,12 +109,19 @@ def read_observations(
     if not isinstance(trust, Collection) or not all(isinstance(name, str) for name in trust):
         message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
         raise UsageError(message)
-    table = load(source, Layout(skip_lines, decimal, encoding))
+    table = load(source, Layout(skip_lines, decimal, encoding), sheet=sheet)
     codes = Missing(missing)
+    stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
-    planned = plan.make(list(table.columns), plan.read_columns(columns), trust)
-    assembly = Assembly(table, planned, codes, trust, time_zone)
+    found = found_in(table)
+    requests, said = completed(list(table.columns), plan.read_columns(columns), found)
+    planned = plan.make(list(table.columns), requests, trust)
+    assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
+    assembly.notes += [*found.notes, *said]
+    assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
+    if stated:
+        observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
     if not observations.usable.all():
         warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
     return observations

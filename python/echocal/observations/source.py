@@ -10,25 +10,25 @@ from numpy.typing import NDArray
 
 from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
-from echocal.observations import text
+from echocal.observations import readers, text
 from echocal.observations.arrow import arrow, read_parquet, to_pandas
 
-__all__ = ["is_folder", "is_parquet", "load", "refuse_other_kinds"]
+__all__ = ["is_folder", "is_parquet", "load", "refuse_other_kinds", "refuse_unstreamed"]
 
 _PARQUET = b"PAR1"
 _NO_TEXT = {
-    b"PK\x03\x04": "a zip archive or a spreadsheet; save the table as CSV",
     b"ARRO": "an Arrow (Feather) file; save it as Parquet, or read it with pyarrow and pass the table",
     b"\x89HDF": "an HDF5 or NetCDF file; read it with xarray or pandas and pass the table",
     b"CDF": "a NetCDF file; read it with xarray and pass the dataset",
+    b'"TOB': "binary data of a Campbell logger; convert it to TOA5 with CardConvert (LoggerNet, PC400)",
     b"SQLi": "an SQLite database; save the table as CSV",
-    b"{": "JSON; save the table as CSV or Parquet, or read it with pandas and pass the table",
-    b"[{": "JSON; save the table as CSV or Parquet, or read it with pandas and pass the table",
 }
 """What files begin with that are no table of text."""
 
 
-def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = False) -> pd.DataFrame:
+def load(
+    source: Any, layout: text.Layout | None = None, *, verbatim: bool = False, sheet: str | None = None
+) -> pd.DataFrame:
     """Load a table, every row and every column of it.
 
     Parameters
@@ -39,6 +39,8 @@ def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = Fal
         How a text file is written.
     verbatim : bool
         Keep every field of a text file as the text it is, for writing it again unchanged.
+    sheet : str, optional
+        Sheet of a spreadsheet.
 
     Raises
     ------
@@ -48,7 +50,7 @@ def load(source: Any, layout: text.Layout | None = None, *, verbatim: bool = Fal
         If the source is no table.
     """
     if isinstance(source, str | Path):
-        table = _file(Path(source), layout or text.Layout(), verbatim)
+        table = _file(Path(source), layout or text.Layout(), verbatim, sheet)
         where = f"{source}"
     else:
         table, where = _object(source), "the table"
@@ -94,11 +96,33 @@ def refuse_other_kinds(path: Path) -> None:
             raise DataError(message)
 
 
-def _file(path: Path, layout: text.Layout, verbatim: bool) -> pd.DataFrame:
+def refuse_unstreamed(path: Path, layout: text.Layout) -> None:
+    """Refuse a log that cannot be written again line by line.
+
+    Raises
+    ------
+    DataError
+        With the command that makes a table of it.
+    """
+    kind = readers.format_of(path, layout)
+    if not kind and text.resolved(path, layout)[0].nameless:
+        kind = "text without a header"
+    if kind:
+        message = (
+            f"{path} is {kind}, which cannot be kept line by line; make a table of it first: "
+            f"echocal inspect {path} --write table.csv"
+        )
+        raise DataError(message)
+
+
+def _file(path: Path, layout: text.Layout, verbatim: bool, sheet: str | None) -> pd.DataFrame:
     if is_parquet(path):
         return _index_as_columns(to_pandas(read_parquet(path)[0]))
     refuse_other_kinds(path)
-    return text.read(path, layout, verbatim)
+    table = readers.read(path, layout, sheet)
+    if table is None:
+        table = text.read(path, layout, verbatim)
+    return table if verbatim else readers.tidy(table)
 
 
 def _head(path: Path) -> bytes:

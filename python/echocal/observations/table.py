@@ -50,6 +50,9 @@ class Observations:
         Name of the source's column by quantity, for messages and plots.
     notes : tuple of str
         What a person should know about the table, one sentence each.
+    stated : mapping of str to (float, float)
+        Conditions that the user states for all rows, where the table has no column: value and standard
+        uncertainty [SI], by quantity.
     refused : mapping of str to str
         By quantity, why its column looks as if it were in another unit. Only a table that is read
         with everything trusted has such columns, for a diagnosis to find a fault that explains them.
@@ -79,6 +82,7 @@ class Observations:
     reading_speed: str = ""
     source_names: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    stated: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     refused: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:

@@ -1,15 +1,14 @@
 """Delimited text: CSV, TSV and their kin, gzipped or not."""
 
-import codecs
 import csv
 import gzip
+import io
 import re
-import sys
 import warnings
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, TextIO
@@ -18,75 +17,54 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
+from echocal.observations.found import Found, keep, pointed, said_of
+from echocal.observations.heading import SEPARATORS, find_head
+from echocal.observations.layout import Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 
-__all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read"]
+__all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read", "resolved", "settled"]
 
-_SEPARATORS = ",;\t|"
 _PART = 1 << 20  # characters that are searched at a time
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How a text file is written, beyond what can be seen."""
-
-    skip_lines: int = 0
-    """Lines before the header; lines that begin with # there are skipped anyway."""
-    decimal: str = "."
-    encoding: str = "utf-8-sig"
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:
-            message = f"skip_lines is {self.skip_lines!r}; give the number of lines before the header"
-            raise UsageError(message)
-        if self.decimal not in {".", ","}:
-            message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
-            raise UsageError(message)
-        try:
-            codecs.lookup(self.encoding)
-        except (LookupError, TypeError, ValueError):
-            raise UsageError(_no_encoding(self.encoding)) from None
-
-
-@dataclass(frozen=True)
-class Head:
-    """What a text file begins with.
-
-    Attributes
-    ----------
-    above : int
-        Lines down to the header, which is the last of them.
-    separator : str
-    names : list of str
-        Columns; one without a name has one by its place.
-    """
-
-    above: int
-    separator: str
-    names: list[str]
+_FIRST = 200  # lines that are looked at for the header
+_BAD = "corrupt line"
 
 
 def head_of(path: Path, layout: Layout) -> Head:
-    """Read the header of a text file; the separator is the one that it has most of.
+    """Find the header of a text file; the separator is the one that it has most of.
 
     Raises
     ------
     DataError
         If the file is not delimited text.
     """
-    skip, lines = _first_lines(path, layout)
-    header = lines[0]
-    separator = max(_SEPARATORS, key=header.count)
-    if separator not in header and any(other in lines[-1] for other in _SEPARATORS):
+    skip, before, lines = _first_lines(path, layout)
+    head = find_head(lines, skip, before)
+    if layout.decimal is not None:
+        head = replace(head, decimal=layout.decimal)
+    first = lines[0]
+    if (
+        not head.nameless
+        and head.separator not in first
+        and head.above == skip + 1
+        and any(s in "".join(lines[1:2]) for s in SEPARATORS)
+    ):
         message = (
-            f"{path}: line {skip + 1} ('{header[:40]}') is one field and the next line has more; "
+            f"{path}: line {skip + 1} ('{first[:40]}') is one field and the next line has more; "
             f"if it is a logger's own line, skip it: --skip-lines {skip + 1}"
         )
         raise DataError(message)
-    names = _names(next(csv.reader([header], delimiter=separator, skipinitialspace=True)))
-    Marks(str(path), separator, len(names)).rows([header], skip + 1)
-    return Head(skip + 1, separator, names)
+    if not head.nameless and head.above > skip:
+        header = lines[head.above - skip - 1]
+        Marks(str(path), head.separator, len(head.names)).rows([header], head.above)
+    return head
+
+
+def resolved(path: Path, layout: Layout) -> tuple[Head, Layout]:
+    """The header of a text file, and the layout with what was seen in it."""
+    layout = settled(path, layout)
+    head = head_of(path, layout)
+    return head, replace(layout, decimal=head.decimal)
 
 
 def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
@@ -97,9 +75,10 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
     DataError
         If the file is not delimited text.
     """
+    layout = settled(path, layout)
     head = head_of(path, layout)
     names = head.names
-    body = _Body(path, layout, head.above, head.separator, len(names))
+    body = _Body(path, layout, head)
     count = body.rows()
     table = body.texts() if verbatim else body.values()
     if count not in {None, len(table)}:
@@ -111,28 +90,36 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
     table.columns = pd.Index(names)
     # a separator at the end of each line makes a column without name and values
     ends = [n for n in names if n.startswith("Unnamed") and table[n].isin(["", float("nan")]).all()]
-    return table if verbatim else table.drop(columns=ends)
+    found = Found(head.kind, dict(head.units), said_of(layout, head), body.corrupt)
+    return keep(table if verbatim else table.drop(columns=ends), found)
 
 
-@dataclass(frozen=True)
 class _Body:
     """The rows below a file's header."""
 
-    path: Path
-    layout: Layout
-    above: int
-    """Lines down to the header."""
-    separator: str
-    width: int
-    """Fields of the header."""
+    def __init__(self, path: Path, layout: Layout, head: Head) -> None:
+        self.path, self.layout, self.head = path, layout, head
+        self.width = len(head.names)
+        self.corrupt: dict[int, str] = {}
+        """Rows that have more fields than the header."""
+        self._mixed = False
 
     def rows(self) -> int | None:
         """Number of rows that quotation marks leave; None where there are no such marks."""
-        with below(self.path, self.layout, self.above) as file:
-            if not any('"' in part for part in iter(lambda: file.read(_PART), "")):
-                return None
-        with below(self.path, self.layout, self.above) as file:
-            return Marks(str(self.path), self.separator, self.width).rows(file, self.above + 1)
+        head, quoted, last = self.head, False, ""
+        repeated = [line[:40] for line in head.repeated]
+        with below(self.path, self.layout, head.start) as file:
+            for part in iter(lambda: file.read(_PART), ""):
+                text = last + part
+                quoted = quoted or '"' in part
+                self._mixed = self._mixed or (head.comments and ("\n#" in text or text.startswith("#")))
+                self._mixed = self._mixed or any(line in text for line in repeated)
+                last = text[-41:]
+        if not quoted:
+            return None
+        with below(self.path, self.layout, head.start) as file:
+            marks = Marks(str(self.path), head.separator, self.width, head.is_no_row)
+            return marks.rows(file, head.start + 1)
 
     def texts(self) -> pd.DataFrame:
         """Every field as the text that it is."""
@@ -140,7 +127,7 @@ class _Body:
 
     def values(self) -> pd.DataFrame:
         """Numbers where all fields of a column are, else text."""
-        decimal = self.layout.decimal
+        decimal = self.head.decimal
         table = self._parsed(decimal=decimal)
         # integers in a column with empty fields became floats, and the long ones were rounded
         wide = [
@@ -149,45 +136,84 @@ class _Body:
         texts = self._parsed(dtype=dict.fromkeys(wide, str)) if wide else table
         for n in wide:
             table[n] = texts[n].str.replace(decimal, ".", regex=False)
+        if decimal == ",":
+            for n in range(self.width):
+                if table[n].dtype.kind not in "fiub":
+                    table[n] = pointed(table[n])
         return table
 
     def _parsed(self, **options: Any) -> pd.DataFrame:
         try:
-            with below(self.path, self.layout, self.above) as file, warnings.catch_warnings():
-                warnings.simplefilter("error", pd.errors.ParserWarning)  # fields would be lost
-                table: pd.DataFrame = pd.read_csv(
-                    file, sep=self.separator, header=None, names=range(self.width), index_col=False,
-                    skipinitialspace=True, low_memory=False, **options,
-                )  # fmt: skip
-                return table
+            with self._lines() as lines:
+                return self._frame(lines, **options)
         except pd.errors.EmptyDataError:
             return pd.DataFrame(columns=range(self.width))
         except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
-            reason = str(error).strip().splitlines()[-1].removeprefix("Error tokenizing data. C error: ")
-            reason = re.sub(r"(?<=in line )\d+", lambda line: str(int(line[0]) + self.above), reason)
-            message = f"{self.path} cannot be read as rows of {self.width} fields like its header: {reason}"
-            raise DataError(message) from None
+            sound = self._sound()
+            if sound is None:
+                reason = str(error).strip().splitlines()[-1].removeprefix("Error tokenizing data. C error: ")
+                start = self.head.start
+                reason = re.sub(r"(?<=in line )\d+", lambda line: str(int(line[0]) + start), reason)
+                message = (
+                    f"{self.path} cannot be read as rows of {self.width} fields like its header: {reason}"
+                )
+                raise DataError(message) from None
+            return self._frame(sound, **options)
+
+    def _frame(self, lines: TextIO, **options: Any) -> pd.DataFrame:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)  # fields would be lost
+            table: pd.DataFrame = pd.read_csv(
+                lines, sep=self.head.separator, header=None, names=range(self.width), index_col=False,
+                skipinitialspace=True, low_memory=False, **options,
+            )  # fmt: skip
+            return table
+
+    @contextmanager
+    def _lines(self) -> Iterator[TextIO]:
+        """Lines of rows: without comments, and without the header where it comes again."""
+        with below(self.path, self.layout, self.head.start) as file:
+            if not self._mixed:
+                yield file
+                return
+            skip = self.head.is_no_row
+            yield io.StringIO("".join(line for line in file if not skip(line.rstrip("\r\n"))), newline="")
+
+    def _sound(self) -> TextIO | None:
+        """The rows, where those with too many fields are few; these are empty and `corrupt`."""
+        sound = io.StringIO(newline="")
+        writer = csv.writer(sound, delimiter=self.head.separator, lineterminator="\n")
+        count = 0
+        with self._lines() as lines:
+            for fields in csv.reader(lines, delimiter=self.head.separator, skipinitialspace=True):
+                if not fields:
+                    continue
+                if len(fields) > self.width and any(text.strip() for text in fields[self.width :]):
+                    self.corrupt[count] = _BAD
+                    fields = [""] * self.width
+                writer.writerow(fields[: self.width])
+                count += 1
+        if 2 * len(self.corrupt) >= count:
+            return None
+        sound.seek(0)
+        return sound
 
 
-def _first_lines(path: Path, layout: Layout) -> tuple[int, list[str]]:
-    """Lines to skip, and the header and the line after it."""
-    skip = layout.skip_lines
+def _first_lines(path: Path, layout: Layout) -> tuple[int, str, list[str]]:
+    """Lines above the first that is no comment, the last of those, and that line with some after it."""
+    skip, before = layout.skip_lines, ""
     with below(path, layout, skip) as file:
-        lines = list(islice(file, 100))
+        lines = list(islice(file, _FIRST))
     while lines and (lines[0].startswith("#") or not lines[0].strip()):
         skip += 1
-        lines.pop(0)
+        before = lines.pop(0).strip()
     if not lines:
         message = f"{path} has no header" + (f" after {skip} skipped lines" if skip else "")
         raise DataError(message)
     if "\0" in lines[0]:
         message = f"{path} is not text: its first line has NUL bytes"
         raise DataError(message)
-    return skip, [line.rstrip("\r\n") for line in lines[:2]]
-
-
-def _no_encoding(name: object) -> str:
-    return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
+    return skip, before, [line.rstrip("\r\n") for line in lines]
 
 
 def no_text(path: Path, layout: Layout) -> str:
@@ -197,16 +223,6 @@ def no_text(path: Path, layout: Layout) -> str:
         wide = file.read(2) in {b"\xff\xfe", b"\xfe\xff"}
     likely = "utf-16" if wide else "latin-1 (or cp1252, utf-16, ...)"
     return f"{path} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
-
-
-def _names(fields: list[str]) -> list[str]:
-    return [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
-
-
-def is_zipped(path: Path) -> bool:
-    """Whether a file begins as gzip does."""
-    with path.open("rb") as file:
-        return file.read(2) == b"\x1f\x8b"
 
 
 @contextmanager
@@ -220,7 +236,7 @@ def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
     except UnicodeError:
         raise DataError(no_text(path, layout)) from None
     except LookupError:  # one for bytes, such as zip
-        raise UsageError(_no_encoding(layout.encoding)) from None
+        raise UsageError(no_encoding(layout.encoding)) from None
     except (OSError, EOFError, zlib.error) as error:
         message = f"{path} cannot be unpacked: {error}"
         raise DataError(message) from None

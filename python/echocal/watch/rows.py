@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
 from echocal.observations import Observations, read_observations
+from echocal.observations.hints import completed
 from echocal.observations.names import IGNORE
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import EVERYTHING, Plan, make, read_columns
@@ -84,6 +85,7 @@ class Reader:
     ) -> list[Block]:
         requests = {name: said for name, said in self.requests.items() if name in names}
         requests |= {name: IGNORE for name in self.ignored if name in names}
+        requests, _ = completed(names, requests)
         plan = make(names, requests)
         echo = [plan.assignments[name].column for name in _NEEDED if name in plan.assignments]
         if not echo:

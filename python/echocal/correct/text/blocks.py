@@ -42,12 +42,13 @@ class Block:
         return len(self.data)
 
 
-def prelude(path: Path, layout: Layout, head: Head) -> tuple[str, str, str]:
-    """The lines above the header, the header, and what ends it."""
+def prelude(path: Path, layout: Layout, head: Head) -> tuple[str, str, str, list[str]]:
+    """The lines above the header, the header, what ends it, and the lines between it and the rows."""
     with below(path, layout, 0) as file:
-        lines = list(islice(file, head.above))
+        lines = list(islice(file, head.start))
+    lines, under = lines[: head.above], lines[head.above :]
     header = lines[-1].rstrip("\r\n")
-    return "".join(lines[:-1]), header, lines[-1][len(header) :] or "\n"
+    return "".join(lines[:-1]), header, lines[-1][len(header) :] or "\n", under
 
 
 def begins_with_mark(path: Path) -> bool:
@@ -64,9 +65,9 @@ def blocks_of(path: Path, layout: Layout, head: Head, size: int) -> Iterator[Blo
     DataError
         If the file cannot be unpacked or is not text, or a quotation mark is wrong.
     """
-    above, header, end = prelude(path, layout, head)
-    skipped = len((above + header + end).encode())
-    first = head.above + 1
+    above, header, end, under = prelude(path, layout, head)
+    skipped = len((above + header + end + "".join(under)).encode())
+    first = head.start + 1
     rest = b""
     for part in _parts(path, layout, skipped, size):
         data = rest + part
@@ -151,7 +152,7 @@ def _opens(data: bytes) -> bool:
 
 def _records(path: Path, layout: Layout, head: Head, first: int) -> Iterator[Block]:
     """The same, by the rules of quotation marks; slower."""
-    marks = Marks(str(path), head.separator, len(head.names))
+    marks = Marks(str(path), head.separator, len(head.names), head.is_no_row)
     with below(path, layout, first - 1) as file:
         lines: list[str] = []
         count, at = 0, first

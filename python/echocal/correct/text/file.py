@@ -5,6 +5,7 @@ import gzip
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
@@ -17,12 +18,15 @@ from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
 from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude
 from echocal.correct.text.parse import Lines, Parser
-from echocal.correct.text.write import header_with_results, with_results
+from echocal.correct.text.write import header_with_results, with_empty, with_results
 from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
+from echocal.observations.found import Found
+from echocal.observations.hints import completed
 from echocal.observations.part import Part
 from echocal.observations.plan import make
-from echocal.observations.text import Head, head_of, no_text
+from echocal.observations.source import refuse_unstreamed
+from echocal.observations.text import no_text, resolved
 
 __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_text"]
 
@@ -42,9 +46,12 @@ class Text:
     """A text file that is corrected."""
 
     def __init__(self, path: Path, job: Job, key: str | None) -> None:
-        self.path, self.job = path, job
-        self.head: Head = head_of(path, job.layout)
+        refuse_unstreamed(path, job.layout)
+        self.head, layout = resolved(path, job.layout)
         names = self.head.names
+        requests = completed(names, job.requests, Found(units=self.head.units))[0]
+        job = replace(job, layout=layout, requests=requests)
+        self.path, self.job = path, job
         self.corrector = Corrector(names, job, key)
         self.parser = Parser(path, self.head, job.layout, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
@@ -113,18 +120,20 @@ def correct_text(
         If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     text = Text(source, job, key)
+    job = text.job
     if job.append_only is not None:
         raise UsageError("--append-only is for Parquet; in a text file every line stays as it is")
     tally = Tally(columns=list(text.head.names))
     separator = text.head.separator
     with writing_text(out, zipped) as file:
-        above, header, end = prelude(source, job.layout, text.head)
+        above, header, end, units = prelude(source, job.layout, text.head)
         if job.layout.encoding == "utf-8-sig" and begins_with_mark(source):
             file.write(codecs.BOM_UTF8)
-        file.write((above + header_with_results(header, separator) + end).encode())
+        names = above + header_with_results(header, separator) + end
+        file.write((names + with_empty(units, separator)).encode())
 
         def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes]:
-            return len(rows.codes), with_results(lines, rows, separator, job.layout.decimal)
+            return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
 
         for count, data in correct_blocks(text, tally, log, written):
             file.write(data)

@@ -17,7 +17,7 @@ import pandas as pd
 from echocal.correct.text.blocks import Block
 from echocal.errors import DataError
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
-from echocal.observations.numbers import EMPTY
+from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
 
@@ -77,6 +77,7 @@ class Parser:
     ) -> None:
         self._path, self._head, self._layout, self._kinds = path, head, layout, kinds
         self._absent = absent
+        self._repeated = [line.encode() for line in head.repeated]
         self._place = {name: str(place) for place, name in enumerate(head.names)}
 
     def lines(self, block: Block) -> Lines:
@@ -151,6 +152,10 @@ class Parser:
 
     def _plain(self, data: bytes) -> Lines | None:
         """The lines, if each is a row, all end alike, and marks enclose whole fields."""
+        if self._head.comments and (data.startswith(b"#") or b"\n#" in data):
+            return None
+        if any(line in data for line in self._repeated):
+            return None
         ends = np.flatnonzero(np.frombuffer(data, np.uint8) == _LINE_FEED)
         ended = data.endswith(b"\n")
         end = b"\n"
@@ -210,7 +215,7 @@ class Parser:
                     },
                     null_values=sorted(EMPTY | self._absent),
                     strings_can_be_null=True,
-                    decimal_point=self._layout.decimal,
+                    decimal_point=self._head.decimal,
                 ),
             )
         except (pa.ArrowException, KeyError):
@@ -220,7 +225,8 @@ class Parser:
         return to_pandas(table.rename_columns(list(columns)))
 
     def _records(self, block: Block) -> Lines:
-        marks = Marks(str(self._path), self._head.separator, len(self._head.names))
+        head = self._head
+        marks = Marks(str(self._path), head.separator, len(head.names), head.is_no_row)
         text = io.StringIO(block.data.decode(), newline="")
         records: list[tuple[str, str]] = []
         rows: list[int] = []
@@ -263,15 +269,15 @@ class Parser:
         """Numbers where all are such, as Arrow reads them; else texts, for others to refuse or to read."""
         if self._kinds.get(name, "number") != "number":
             return pd.Series([text or None for text in texts], dtype=object)
-        absent = EMPTY | (self._absent or frozenset())
+        absent = NO_NUMBER | (self._absent or frozenset())
         numbers = []
         for text in texts:
-            plain = text.strip().replace(self._layout.decimal, ".")
+            plain = text.strip().replace(self._head.decimal, ".")
             if plain in absent:
                 numbers.append(np.nan)
-            elif _NUMBER.fullmatch(plain) and (self._layout.decimal == "." or "." not in text):
+            elif _NUMBER.fullmatch(plain) and (self._head.decimal == "." or "." not in text):
                 numbers.append(float(plain))
             else:
-                swapped = [own.replace(self._layout.decimal, ".") for own in texts]
+                swapped = [own.replace(self._head.decimal, ".") for own in texts]
                 return pd.Series(swapped, dtype=object)
         return pd.Series(numbers, dtype=np.float64)

@@ -1,5 +1,6 @@
 """Lines with their results."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from echocal.correct.rows import Rows
 from echocal.correct.text.parse import Lines
 from echocal.observations.arrow import arrow
 
-__all__ = ["header_with_results", "with_results"]
+__all__ = ["header_with_results", "with_empty", "with_results"]
 
 _DIGITS = 9  # of a distance [m]: to a nanometer
 _SMALL = 1e-6  # below, numbers have an exponent
@@ -18,6 +19,13 @@ _SMALL = 1e-6  # below, numbers have an exponent
 def header_with_results(header: str, separator: str) -> str:
     """The header with the names of the results."""
     return separator.join((header, *RESULTS))
+
+
+def with_empty(lines: Sequence[str], separator: str) -> str:
+    """Lines between the header and the rows, with an empty field for each result."""
+    more = separator * len(RESULTS)
+    bare = (line.rstrip("\r\n") for line in lines)
+    return "".join(text + more + line[len(text) :] for text, line in zip(bare, lines, strict=True))
 
 
 def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> bytes:

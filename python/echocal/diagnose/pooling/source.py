@@ -1,7 +1,7 @@
 """The tables of a pool: given one by one, or the rows of one table divided by a column."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -101,14 +101,15 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     DataError
         If the column is absent or has no label; the text lists the columns.
     """
+    from echocal.observations.found import found_in, keep
     from echocal.observations.source import load  # slow import: only reading a table needs pandas
     from echocal.observations.text import Layout
 
     if isinstance(table, Observations):
         message = "by= divides a file or a table; Observations have no such column"
         raise UsageError(message)
-    layout = Layout(how.get("skip_lines", 0), how.get("decimal", "."), how.get("encoding", "utf-8-sig"))
-    whole = load(table, layout)
+    layout = Layout(how.get("skip_lines", 0), how.get("decimal"), how.get("encoding", "utf-8-sig"))
+    whole = load(table, layout, sheet=how.get("sheet"))
     if by not in whole.columns:
         message = (
             f"there is no column '{by}' to divide the table by; it has {', '.join(map(str, whole.columns))}"
@@ -122,9 +123,10 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     for place, label in enumerate(labels):
         if label:
             rows.setdefault(label, []).append(place)
-    parts = {label: whole.iloc[places].reset_index(drop=True) for label, places in rows.items()}
+    found = replace(found_in(whole), corrupt={}, notes=())  # rows of the parts have other places
+    parts = {label: keep(whole.iloc[places].reset_index(drop=True), found) for label, places in rows.items()}
     columns = {**read_columns(how.get("columns")), by: "ignore"}
-    used = {"skip_lines": 0, "decimal": ".", "encoding": "utf-8-sig"}
+    used = {"skip_lines": 0, "decimal": None, "encoding": "utf-8-sig", "sheet": None}
     return Sources(parts, {**how, "columns": columns, **used}, sum(not label for label in labels), by)
 
 

@@ -1,0 +1,105 @@
+"""Options of a command from a TOML file: ``--options log.toml``. What is given as a flag wins."""
+
+import atexit
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from echocal.errors import UsageError
+
+__all__ = ["KNOWN", "Options", "added", "from_stdin"]
+
+KNOWN = {
+    "column", "missing", "trust", "at", "reading-speed", "time-zone", "time-format", "skip-lines", "decimal",
+    "encoding", "sheet", "reference-distance", "constant-distance", "by", "since", "until", "base", "law",
+    "same-target",
+}  # fmt: skip
+"""Options that such a file may have; a command takes those that it has."""
+
+_PAIRS = ("column", "missing", "at")
+_KEY = "echocal.options"
+
+
+def _take(context: typer.Context, path: Path | None) -> Path | None:
+    """Make the values of the file the defaults of the command."""
+    if path is not None and not context.resilient_parsing:
+        values = _read(path)
+        context.meta[_KEY] = values
+        context.default_map = {**(context.default_map or {}), **values}
+    return path
+
+
+Options: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--options",
+        metavar="FILE.toml",
+        is_eager=True,
+        callback=_take,
+        help="Options of the log, as `echocal inspect LOG -o FILE.toml` writes them; a flag wins.",
+    ),
+]
+
+
+def added(
+    context: typer.Context, parameter: typer.CallbackParam, given: list[str] | None
+) -> list[str] | None:
+    """Pairs of the file before those that are given as flags: these win, for their own column."""
+    if given is None or context.get_parameter_source(parameter.name or "") is None:
+        return given
+    source = context.get_parameter_source(parameter.name or "")
+    if source is not None and source.name == "COMMANDLINE":
+        return [*context.meta.get(_KEY, {}).get(parameter.name, []), *given]
+    return given
+
+
+def from_stdin(data: Path) -> Path:
+    """The file itself; for ``-`` a file with what stdin has, until the program ends."""
+    if str(data) != "-":
+        return data
+    held = tempfile.NamedTemporaryFile(prefix="stdin-", delete=False)  # noqa: SIM115
+    with held as file:
+        while part := sys.stdin.buffer.read(1 << 20):
+            file.write(part)
+    path = Path(held.name)
+    atexit.register(path.unlink, missing_ok=True)
+    return path
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        given = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        message = f"options file {path} cannot be read: {error.strerror}"
+        raise UsageError(message) from None
+    except ValueError as error:
+        message = f"options file {path} is not TOML: {error}"
+        raise UsageError(message) from None
+    values: dict[str, Any] = {}
+    for name, value in given.items():
+        option = name.replace("_", "-")
+        if option not in KNOWN:
+            message = f"options file {path}: unknown option '{name}'; there are {', '.join(sorted(KNOWN))}"
+            raise UsageError(message)
+        values[option.replace("-", "_")] = _plain(path, option, value)
+    return values
+
+
+def _plain(path: Path, option: str, value: Any) -> Any:
+    if option in _PAIRS and isinstance(value, dict):
+        listed = [
+            (name, own)
+            for name, codes in value.items()
+            for own in (codes if isinstance(codes, list) else [codes])
+        ]
+        return [f"{name}={own}" if name else str(own) for name, own in listed]
+    if option in (*_PAIRS, "trust"):
+        return [str(own) for own in (value if isinstance(value, list) else [value])]
+    if isinstance(value, dict | list):
+        message = f"options file {path}: '{option}' takes one value"
+        raise UsageError(message)
+    return value

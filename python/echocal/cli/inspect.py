@@ -1,0 +1,197 @@
+"""``echocal inspect``: what a log holds, and how to read it."""
+
+import json as json_
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from echocal.cli import _made_by
+from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._tables import (
+    At,
+    Columns,
+    Decimal,
+    Encoding,
+    Json,
+    Missing,
+    Options,
+    Quiet,
+    ReadingSpeed,
+    Sheet,
+    SkipLines,
+    TimeFormat,
+    TimeZone,
+    Trust,
+    from_stdin,
+    notes,
+    options_of,
+    toml_files,
+    write_json,
+)
+from echocal.errors import UsageError
+from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
+from echocal.observations.layout import Layout
+from echocal.outputs import replace_text
+
+_BARS = "▁▂▃▄▅▆▇█"
+_FIRST = "# how to read"
+
+
+def command(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of any kind (docs/logs.md); - is stdin.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="FILE.toml", help="Write how to read the log, for --options."),
+    ] = None,
+    write: Annotated[
+        Path | None,
+        typer.Option(metavar="TABLE.csv", help="Write the log as a table whose names have echocal's units."),
+    ] = None,
+    column: Columns = None,
+    missing: Missing = None,
+    trust: Trust = None,
+    reading_speed: ReadingSpeed = None,
+    time_zone: TimeZone = "UTC",
+    skip_lines: SkipLines = 0,
+    decimal: Decimal = None,
+    encoding: Encoding = "utf-8-sig",
+    at: At = None,
+    time_format: TimeFormat = None,
+    sheet: Sheet = None,
+    options: Options = None,
+    json: Json = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Tell what each column holds and why, what is missing, how the clock runs; change nothing."""
+    check_outputs(
+        Output("--out", out, _is_ours),
+        Output("--write", write, _is_ours),
+        Output("--json", json, _made_by.result("echocal.inspection")),
+        inputs=[log, options, *toml_files(column)],
+        force=force,
+    )
+    if write is not None and write.suffix.lower() != ".csv":
+        message = f"--write {write} must end in .csv"
+        raise UsageError(message)
+    how = options_of(
+        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
+    )
+    layout = Layout(skip_lines, decimal, encoding)
+    name = log
+    found = inspect_log(from_stdin(log), layout, how.pop("columns"), how.pop("missing"), sheet=sheet, **how)
+    stated = {
+        "reading-speed": reading_speed,
+        "time-zone": time_zone if time_zone != "UTC" else None,
+        "time-format": time_format,
+        "skip-lines": skip_lines or None,
+        "decimal": decimal,
+        "encoding": encoding if encoding != "utf-8-sig" else None,
+        "sheet": sheet,
+        "trust": trust or None,
+        "at": at or None,
+    }
+    if out is not None:
+        replace_text(out, _toml(found, name, out, {n: v for n, v in stated.items() if v is not None}))
+    if write is not None:
+        _write(found, write)
+    write_json(found.to_dict(), json)
+    notes(found.notes, quiet)
+    if not quiet and json != "-":
+        _print(found, name, out)
+
+
+def _is_ours(file: Path) -> bool:
+    with file.open(encoding="utf-8", errors="replace") as stream:
+        return stream.readline().startswith(_FIRST)
+
+
+def _print(found: Inspection, name: Path, out: Path | None) -> None:
+    console = Console(highlight=False)
+    console.print(f"{name}: {found.kind}, {found.rows} rows, {len(found.columns)} columns", markup=False)
+    table = Table("column", "holds", "because", "missing", "values", "")
+    for column in found.columns:
+        proposal = column.proposal
+        holds = proposal.request or "extra"
+        missing = f"{column.missing} of {found.rows}" if column.missing else ""
+        if column.codes:
+            missing += f" code {', '.join(f'{code:g}' for code in column.codes)}?"
+        because = f"a guess: {proposal.reason}" if proposal.guess else proposal.reason
+        table.add_row(
+            _plain(column.name), _plain(holds), because, missing, _plain(_values(column)), _histogram(column.histogram),
+            style="yellow" if proposal.guess else "",
+        )  # fmt: skip
+    console.print(table)
+    if found.clock is not None:
+        clock = found.clock
+        console.print(
+            f"clock: {clock.first} to {clock.last}, a row each {clock.usual_step_s:g} s", markup=False
+        )
+        kinds = {"gaps": clock.gaps, "steps back": clock.backwards, "equal times": clock.equal}
+        odd = ", ".join(f"{count} {kind}" for kind, count in kinds.items() if count)
+        if odd:
+            console.print(f"       {odd}: {'; '.join(clock.shown) or 'of neighboring rows'}", markup=False)
+    for column_name, count in found.sensors.items():
+        console.print(f'sensors: {count} in "{column_name}"; each alone: --by "{column_name}"', markup=False)
+    if found.refusal:
+        console.print(f"not readable as it is: {found.refusal}", markup=False, style="red", soft_wrap=True)
+    else:
+        console.print(f"{found.usable} of {found.rows} rows can be used", markup=False)
+    if out is not None:
+        console.print(f"wrote {out}: echocal diagnose {name} --options {out}", markup=False)
+    elif any(column.proposal.guess for column in found.columns):
+        console.print(
+            "accept the guesses, or edit them: echocal inspect ... -o log.toml, then --options log.toml"
+        )
+
+
+def _plain(text: str) -> str:
+    return text.replace("[", "\\[")
+
+
+def _values(column: ColumnFacts) -> str:
+    if column.median is None:
+        return ", ".join(column.examples)
+    return f"{column.least:.4g} .. {column.median:.4g} .. {column.most:.4g} {column.unit}".rstrip()
+
+
+def _histogram(counts: list[int]) -> str:
+    most = max(counts, default=0)
+    return "".join(" " if not n else _BARS[min(7, (8 * n - 1) // most)] for n in counts)
+
+
+def _toml(found: Inspection, log: Path, out: Path, stated: dict[str, object]) -> str:
+    """Options of the log; guesses have a remark."""
+    lines = [
+        f"{_FIRST} {log}, written by echocal inspect; edit it, then: echocal diagnose {log} --options {out}"
+    ]
+    lines += [f"{name} = {_value(value)}" for name, value in stated.items()]
+    lines += ["# constant-distance = true  # if the target did not move"]
+    lines += [f"# by = {_value(name)}  # {count} sensors" for name, count in found.sensors.items()]
+    reasons = {column.name: column.proposal for column in found.columns}
+    lines += ["", "[column]"]
+    for name, request in found.requests.items():
+        guess = "a guess: " if reasons[name].guess else ""
+        lines.append(f"{_value(name)} = {_value(request)}  # {guess}{reasons[name].reason}")
+    if found.missing:
+        lines += ["", "[missing]"]
+        lines += [f"{_value(name)} = {_value(codes)}" for name, codes in found.missing.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: object) -> str:
+    return json_.dumps(value, ensure_ascii=False)
+
+
+def _write(found: Inspection, path: Path) -> None:
+    """The table, with the proposals as names."""
+    used = {column.name: column.proposal.request for column in found.columns}
+    names = {
+        name: request for name, request in used.items() if (request and "_" in request) or request == "time"
+    }
+    ignored = [name for name, request in used.items() if request == "ignore"]
+    table = found.table.drop(columns=ignored).rename(columns=names)
+    replace_text(path, table.to_csv(index=False), newline="")

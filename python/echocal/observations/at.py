@@ -1,0 +1,120 @@
+"""Conditions that a table has no column for, stated by the user."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from echocal.errors import UsageError
+from echocal.observations.names import by_name
+from echocal.observations.units import NAMES
+from echocal.quantities import QUANTITIES
+
+__all__ = ["ALSO", "conditions_at", "parsed", "sentences", "uncertainties_of"]
+
+ALSO = {"temperature": "temperature_C", "humidity": "humidity_percent", "pressure": "pressure_hPa"}
+"""Names without a unit: degC, percent, hPa."""
+
+_VALUE = re.compile(r"\s*(?P<value>[-+]?\d*\.?\d+)\s*(?:(?:\+-|\+/-|±)\s*(?P<u>\d*\.?\d+))?\s*")
+_PER_KELVIN = 0.5 / 293.15
+"""Part of a distance that a kelvin makes: half of its part of the absolute temperature."""
+
+
+def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
+    """Column, value and standard uncertainty by quantity, in the unit of the column.
+
+    Raises
+    ------
+    UsageError
+        If a name is none of a condition, or a value no number.
+
+    Examples
+    --------
+    >>> parsed({"temperature": "20+-2"})
+    {'temperature': ('temperature_C', 20.0, 2.0)}
+    """
+    found = {}
+    for name, given in texts.items():
+        column = ALSO.get(name, name)
+        if column not in NAMES or NAMES[column][0].quantity not in QUANTITIES:
+            message = f"--at {name}={given}: no such condition; there are {', '.join(ALSO)}, or a column: temperature_F"
+            raise UsageError(message)
+        match = _VALUE.fullmatch(str(given))
+        if match is None:
+            message = (
+                f"--at {name}={given}: not a number; give a value, or with its uncertainty: {name}=20+-2"
+            )
+            raise UsageError(message)
+        found[NAMES[column][0].quantity] = (column, float(match["value"]), float(match["u"] or 0.0))
+    return found
+
+
+def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[str, tuple[float, float]]:
+    """Add a column for each stated condition; values and standard uncertainties [SI] by quantity.
+
+    Raises
+    ------
+    UsageError
+        If the table has a column of this condition.
+    """
+    stated = {}
+    for quantity, (column, value, uncertainty) in parsed(given or {}).items():
+        form, symbol = NAMES[column]
+        for name in table.columns:
+            if name in NAMES and (found := by_name(name)) and found[0].quantity == quantity:
+                message = f"--at {quantity}={value:g}: the table has it in column '{name}'; leave one out"
+                raise UsageError(message)
+        low, high = form.physical
+        unit = form.units[symbol]
+        if not low <= unit.to_si(value) <= high:
+            message = (
+                f"--at {quantity}={value:g} is outside of {unit.from_si(low):g} to {unit.from_si(high):g}"
+            )
+            raise UsageError(message)
+        table[column] = value
+        stated[quantity] = (unit.to_si(value), unit.to_si(value + uncertainty) - unit.to_si(value))
+    return stated
+
+
+def uncertainties_of(texts: Mapping[str, Any]) -> dict[str, float]:
+    """Standard uncertainty [SI] of each stated condition that has one, by quantity."""
+    found = {}
+    for quantity, (column, _, uncertainty) in parsed(texts).items():
+        form, symbol = NAMES[column]
+        if uncertainty:
+            found[quantity] = uncertainty * form.units[symbol].numerator / form.units[symbol].denominator
+    return found
+
+
+def sentences(stated: Mapping[str, tuple[float, float]]) -> list[str]:
+    """What a result must say of conditions that nobody recorded."""
+    said = []
+    for quantity, (value, uncertainty) in stated.items():
+        shown = _shown(quantity, value, uncertainty)
+        if not uncertainty:
+            said.append(
+                f"the {_words(quantity)} is stated for all rows, not recorded: {shown}, no uncertainty given"
+            )
+            continue
+        part = (
+            f"; this leaves {_PER_KELVIN * uncertainty:.2%} of each distance open"
+            if quantity == "temperature"
+            else ""
+        )
+        said.append(f"the {_words(quantity)} is stated for all rows, not recorded: {shown}{part}")
+    return said
+
+
+def _words(quantity: str) -> str:
+    return quantity.replace("_", " ")
+
+
+def _shown(quantity: str, value: float, uncertainty: float) -> str:
+    factor, unit = {
+        "temperature": (1.0, "degC"),
+        "relative_humidity": (100.0, "%"),
+        "pressure": (0.01, "hPa"),
+    }.get(quantity, (1.0, QUANTITIES[quantity].unit))
+    spread = f" +- {uncertainty * factor:g}" if uncertainty else ""
+    return f"{value * factor:g}{spread} {unit}"

@@ -1,0 +1,89 @@
+"""What a reader found beside the values of a table, kept with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
+
+from echocal.observations.layout import Head, Layout
+
+__all__ = ["Found", "found_in", "keep", "pointed", "said_of"]
+
+_KEY = "echocal"
+
+
+@dataclass(frozen=True)
+class Found:
+    """What stands in a log beside its values.
+
+    Attributes
+    ----------
+    kind : str
+        What a person calls the format.
+    units : mapping of str to str
+        Units of columns that the log gives beside their names.
+    notes : tuple of str
+        What a person should know, one sentence each.
+    corrupt : mapping of int to str
+        Reason of each row that could not be read.
+    requests : mapping of str to str
+        What columns hold by their values: times.
+    streams : bool
+        Whether `echocal correct` can keep the file line by line.
+    """
+
+    kind: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    corrupt: Mapping[int, str] = field(default_factory=dict)
+    streams: bool = True
+    requests: Mapping[str, str] = field(default_factory=dict)
+
+
+def keep(table: pd.DataFrame, found: Found) -> pd.DataFrame:
+    """The table with what was found."""
+    plain = {
+        "kind": found.kind,
+        "units": dict(found.units),
+        "notes": list(found.notes),
+        "corrupt": [[row, why] for row, why in found.corrupt.items()],
+        "streams": found.streams,
+        "requests": dict(found.requests),
+    }
+    table.attrs[_KEY] = plain
+    return table
+
+
+def found_in(table: pd.DataFrame) -> Found:
+    """What a reader found; nothing for a table that is no log."""
+    plain: dict[str, Any] = table.attrs.get(_KEY) or {}
+    if not plain:
+        return Found()
+    corrupt = {int(row): str(why) for row, why in plain["corrupt"] if row < len(table)}
+    return Found(
+        plain["kind"], plain["units"], tuple(plain["notes"]), corrupt, plain["streams"], plain["requests"]
+    )
+
+
+def pointed(texts: pd.Series[Any]) -> pd.Series[Any]:
+    """Texts of which those that are numbers with a comma have a point."""
+    number = r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$"
+    return texts.astype(object).where(
+        texts.isna(), texts.astype(str).str.replace(number, r"\1.\2", regex=True)
+    )
+
+
+def said_of(layout: Layout, head: Head) -> tuple[str, ...]:
+    """What a person should know of how a text was read."""
+    said = []
+    if head.kind == "text without a header":
+        said.append(
+            f"the file has no names of columns: they are called {', '.join(head.names[:3])}"
+            f"{', ...' if len(head.names) > 3 else ''}"
+        )
+    if layout.decimal is None and head.decimal == ",":
+        said.append("numbers are read with a decimal comma; if that is wrong: --decimal .")
+    return tuple(said)

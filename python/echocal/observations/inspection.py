@@ -1,0 +1,272 @@
+"""What a log holds, before it is used: columns with their meaning, missing values, the clock, sensors."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from echocal.errors import EchocalError
+from echocal.observations.found import found_in
+from echocal.observations.layout import Layout
+from echocal.observations.names import EXTRA, IGNORE
+from echocal.observations.proposals import Proposal, codes_in, propose
+from echocal.observations.reading import read_observations
+from echocal.observations.source import load
+from echocal.observations.table import Observations
+from echocal.observations.units_said import split_unit
+
+__all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
+
+_BINS = 16
+_JUMP = 5.0  # usual steps
+_SHOWN = 5
+_SENSORS = (
+    "sensor",
+    "sensor_id",
+    "device",
+    "device_id",
+    "dev_eui",
+    "deveui",
+    "node",
+    "unit",
+    "id",
+    "mac",
+    "host",
+    "station_id",
+    "serial",
+    "sn",
+)
+
+
+@dataclass(frozen=True)
+class ColumnFacts:
+    """A column of a log.
+
+    Attributes
+    ----------
+    name, unit : str
+    proposal : Proposal
+    filled, missing : int
+        Rows with a value and without.
+    codes : list of float
+        Values that look like error codes.
+    least, median, most : float or None
+        Of the numbers.
+    histogram : list of int
+        Numbers in 16 classes from `least` to `most`, error codes left out.
+    examples : list of str
+        First different values of a column of text.
+    """
+
+    name: str
+    unit: str
+    proposal: Proposal
+    filled: int
+    missing: int
+    codes: list[float] = field(default_factory=list)
+    least: float | None = None
+    median: float | None = None
+    most: float | None = None
+    histogram: list[int] = field(default_factory=list)
+    examples: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The times of a log.
+
+    Attributes
+    ----------
+    first, last : str
+        ISO 8601 in UTC, or seconds.
+    usual_step_s : float
+    gaps, backwards, equal : int
+        Steps of more than five usual ones, steps back, and rows with the time of the row before.
+    shown : list of str
+        The first of these, with their rows.
+    """
+
+    first: str
+    last: str
+    usual_step_s: float
+    gaps: int
+    backwards: int
+    equal: int
+    shown: list[str]
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What a log holds.
+
+    Attributes
+    ----------
+    kind : str
+        The format.
+    rows : int
+    columns : list of ColumnFacts
+    clock : Clock or None
+    sensors : dict of str to int
+        Columns that tell sensors apart, with the number of sensors.
+    notes : list of str
+    usable : int or None
+        Rows that can be used if the proposals are accepted; None where the table is refused.
+    refusal : str
+        Why it is refused.
+    table : pandas.DataFrame
+    requests : dict of str to str
+        The proposals, as ``--column`` takes them.
+    missing : dict of str to list of str
+        Error codes, as ``--missing`` takes them.
+    """
+
+    kind: str
+    rows: int
+    columns: list[ColumnFacts]
+    clock: Clock | None
+    sensors: dict[str, int]
+    notes: list[str]
+    usable: int | None
+    refusal: str
+    table: pd.DataFrame
+    requests: dict[str, str]
+    missing: dict[str, list[str]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of ``--json``."""
+        plain = {
+            name: value for name, value in vars(self).items() if name not in {"table", "columns", "clock"}
+        }
+        return {
+            "schema": "echocal.inspection/1",
+            **plain,
+            "columns": [asdict(column) for column in self.columns],
+            "clock": None if self.clock is None else asdict(self.clock),
+        }
+
+
+def inspect_log(
+    path: Path,
+    layout: Layout,
+    columns: Mapping[str, str],
+    missing: Mapping[str, list[str]],
+    *,
+    sheet: str | None = None,
+    **how: Any,
+) -> Inspection:
+    """Look at a log, without using it.
+
+    Parameters
+    ----------
+    path : Path
+    layout : Layout
+    columns, missing, **how
+        What the user says already, as in `echocal.read_observations`.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read as a table of any kind.
+    """
+    table = load(path, layout, sheet=sheet)
+    found = found_in(table)
+    proposals = propose(table, found, columns)
+    codes = {
+        str(n): codes_in(table[n]) for n in table.columns if proposals[str(n)].request not in {EXTRA, IGNORE}
+    }
+    codes = {
+        name: [f"{code:g}" for code in own] for name, own in codes.items() if own and name not in missing
+    }
+    all_codes = {**codes, **missing}
+    requests = {name: p.request for name, p in proposals.items() if p.request and p.reason != "its name"}
+    observations, refusal = _read(table, requests, all_codes, how)
+    notes = [*found.notes, *(observations.notes if observations is not None else ())]
+    facts = [_facts(table[n], proposals[str(n)], found.units, codes.get(str(n), [])) for n in table.columns]
+    return Inspection(
+        found.kind or "a table",
+        len(table),
+        facts,
+        None if observations is None else _clock(observations),
+        _sensors(table),
+        list(dict.fromkeys(note for note in notes if not note.startswith("read by name and unit"))),
+        None if observations is None else int(observations.usable.sum()),
+        refusal,
+        table,
+        {
+            name: request
+            for name, request in requests.items()
+            if name not in found.requests or request != IGNORE
+        },
+        all_codes,
+    )
+
+
+def _read(
+    table: pd.DataFrame, requests: Mapping[str, str], codes: Mapping[str, list[str]], how: Mapping[str, Any]
+) -> tuple[Observations | None, str]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            return read_observations(table, requests, missing=dict(codes), **how), ""
+        except EchocalError as error:
+            return None, str(error)
+
+
+def _facts(
+    values: pd.Series[Any], proposal: Proposal, units: Mapping[str, str], codes: list[str]
+) -> ColumnFacts:
+    name = str(values.name)
+    unit = units.get(name, "") or split_unit(name)[1].replace("percent", "%").replace("_", "/")
+    numbers = pd.to_numeric(values, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    finite = numbers[np.isfinite(numbers)]
+    empty = int(values.isna().sum() + (values.astype(object) == "").sum())
+    filled = len(values) - empty
+    if not len(finite) or 2 * len(finite) < filled:
+        examples = list(dict.fromkeys(str(v) for v in values.dropna().head(200)))[:3]
+        return ColumnFacts(name, unit, proposal, filled, empty, examples=examples)
+    own = [float(code) for code in codes]
+    usual = finite[~np.isin(finite, own)]
+    usual = usual if len(usual) else finite
+    counts = np.histogram(usual, bins=_BINS)[0] if np.ptp(usual) else np.array([len(usual)])
+    low, middle, high = (float(f(usual)) for f in (np.min, np.median, np.max))
+    return ColumnFacts(name, unit, proposal, filled, empty, own, low, middle, high, counts.tolist())
+
+
+def _clock(observations: Observations) -> Clock | None:
+    seconds = observations.conditions.get("elapsed_time")
+    if seconds is None or np.isfinite(seconds).sum() < 2:
+        return None
+    rows = np.flatnonzero(np.isfinite(seconds))
+    steps = np.diff(seconds[rows])
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    gaps, back, equal = (np.flatnonzero(m) for m in (steps > _JUMP * usual, steps < 0, steps == 0))
+    shown = [f"row {rows[n] + 2}: {_span(steps[n])} after the row before" for n in gaps[:_SHOWN]]
+    shown += [f"row {rows[n] + 2}: {_span(-steps[n])} back" for n in back[:_SHOWN]]
+    first, last = (f"{v:g} s" for v in (seconds[rows].min(), seconds[rows].max()))
+    if observations.time is not None:
+        known = observations.time[~np.isnat(observations.time)]
+        first, last = (str(v.astype("datetime64[s]")) + "Z" for v in (known.min(), known.max()))
+    return Clock(first, last, usual, len(gaps), len(back), len(equal), shown)
+
+
+def _span(seconds: float) -> str:
+    for size, unit in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.1f} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def _sensors(table: pd.DataFrame) -> dict[str, int]:
+    """Columns called as ids of sensors are, with few different values."""
+    found = {}
+    for name in table.columns:
+        count = int(table[name].nunique())
+        if str(name).strip().lower().replace(" ", "_") in _SENSORS and 1 < count <= max(len(table) // 5, 1):
+            found[str(name)] = count
+    return found

@@ -1,0 +1,119 @@
+"""How a text file is written."""
+
+import codecs
+import gzip
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from echocal.errors import UsageError
+
+__all__ = ["Head", "Layout", "is_zipped", "no_encoding", "settled"]
+
+_DEFAULT = "utf-8-sig"
+_SAMPLE = 1 << 20
+_WESTERN = frozenset(b"\xb0\xb1\xb2\xb3\xb5\xe4\xf6\xfc\xc4\xd6\xdc\xdf")
+"""Degree, plus-minus, square, cube, micro and German letters: the signs of units and names in cp1252."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text file is written, beyond what can be seen."""
+
+    skip_lines: int = 0
+    """Lines before the header; lines that begin with # there are skipped anyway."""
+    decimal: str | None = None
+    """Decimal separator; None: seen in the file."""
+    encoding: str = _DEFAULT
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:
+            message = f"skip_lines is {self.skip_lines!r}; give the number of lines before the header"
+            raise UsageError(message)
+        if self.decimal not in {".", ",", None}:
+            message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
+            raise UsageError(message)
+        try:
+            codecs.lookup(self.encoding)
+        except (LookupError, TypeError, ValueError):
+            raise UsageError(no_encoding(self.encoding)) from None
+
+
+@dataclass(frozen=True)
+class Head:
+    """What a delimited text begins with.
+
+    Attributes
+    ----------
+    above : int
+        Lines down to the names of the columns, which are the last of them.
+    separator : str
+    names : list of str
+        Columns; one without a name has one by its place.
+    below : int
+        Lines between the names and the first row: units, and how a logger made its values.
+    units : mapping of str to str
+        Units that these lines give, by column.
+    decimal : str
+    comments : bool
+        Whether lines that begin with # are comments below the names, too.
+    repeated : frozenset of str
+        The lines of the header: a logger that starts again writes them again.
+    kind : str
+        What a person calls the format.
+    nameless : bool
+        Whether the file has no names of columns.
+    """
+
+    above: int
+    separator: str
+    names: list[str]
+    below: int = 0
+    units: Mapping[str, str] = field(default_factory=dict)
+    decimal: str = "."
+    comments: bool = True
+    repeated: frozenset[str] = frozenset()
+    kind: str = "delimited text"
+    nameless: bool = False
+
+    @property
+    def start(self) -> int:
+        """Lines down to the first row."""
+        return self.above + self.below
+
+    def is_no_row(self, line: str) -> bool:
+        """Whether a line below the header is a comment, or the header once more."""
+        return (self.comments and line.startswith("#")) or line in self.repeated
+
+
+def no_encoding(name: object) -> str:
+    """Say that an encoding is unknown."""
+    return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
+
+
+def is_zipped(path: Path) -> bool:
+    """Whether a file begins as gzip does."""
+    with path.open("rb") as file:
+        return file.read(2) == b"\x1f\x8b"
+
+
+def settled(path: Path, layout: Layout) -> Layout:
+    """The layout of a file, where its signs above ASCII can only be those of cp1252."""
+    if layout.encoding != _DEFAULT:
+        return layout
+    try:
+        with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
+            sample: bytes = file.read(_SAMPLE)
+    except (OSError, EOFError):
+        return layout  # the reader tells
+    if sample.isascii() or 0 in sample:
+        return layout
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(sample)
+    except UnicodeError:
+        above = {byte for byte in sample if byte > 127}
+        return replace(layout, encoding="cp1252") if above <= _WESTERN else layout
+    return layout

@@ -1,0 +1,106 @@
+"""Spreadsheets: .xlsx, .xls, .ods."""
+
+from datetime import date, datetime, time, timedelta
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from echocal.errors import DataError, UsageError
+from echocal.observations.found import Found, keep
+from echocal.observations.heading import is_value
+from echocal.observations.readers.log import numeric
+from echocal.observations.units_said import is_unit_row
+
+__all__ = ["NAME", "is_one", "read"]
+
+NAME = "a spreadsheet"
+
+_STARTS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
+
+
+def is_one(path: Path) -> bool:
+    """Whether a file begins as a spreadsheet does."""
+    with path.open("rb") as file:
+        return file.read(8).startswith(_STARTS)
+
+
+def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
+    """Read a sheet; its header is the first row with as many texts as the rows below have values.
+
+    Raises
+    ------
+    DataError
+        If the file is none, or no sheet has a table.
+    UsageError
+        If there is no such sheet.
+    """
+    try:
+        from python_calamine import CalamineWorkbook
+    except ImportError:
+        message = f"{path} is a spreadsheet: pip install 'echocal[excel]', or save the table as CSV"
+        raise DataError(message) from None
+    try:
+        book = CalamineWorkbook.from_path(str(path))
+    except Exception as error:
+        message = f"{path} is a zip archive or a spreadsheet; save the table as CSV ({error})"
+        raise DataError(message) from None
+    names = book.sheet_names
+    if sheet is not None and sheet not in names:
+        message = f"{path} has no sheet '{sheet}'; it has: {', '.join(names)}"
+        raise UsageError(message)
+    for name in [sheet] if sheet else names:
+        rows = [
+            row
+            for row in book.get_sheet_by_name(name).to_python()[skip_rows:]
+            if any(_filled(v) for v in row)
+        ]
+        table = _table(rows)
+        if table is not None:
+            notes = (
+                (f"sheet '{name}' of {len(names)} is read; another: --sheet NAME",) if len(names) > 1 else ()
+            )
+            frame, units = table
+            return keep(frame, Found(NAME, units, () if sheet else notes, streams=False))
+    message = f"{path} has no sheet with a row of names and rows of values below"
+    raise DataError(message)
+
+
+def _table(rows: list[list[Any]]) -> tuple[pd.DataFrame, dict[str, str]] | None:
+    for place, row in enumerate(rows[:-1]):
+        width = sum(map(_filled, row))
+        texts = [v for v in row if isinstance(v, str) and v.strip() and not is_value(v)]
+        below = rows[place + 1 : place + 21]
+        usual = sorted(sum(map(_filled, own)) for own in below)[len(below) // 2]
+        if len(texts) != width or width < usual or not width:
+            continue
+        names = [str(v).strip() if _filled(v) else f"Unnamed {n + 1}" for n, v in enumerate(row)]
+        units: dict[str, str] = {}
+        first = place + 1
+        if first < len(rows) and all(isinstance(v, str) for v in rows[first]) and is_unit_row(rows[first]):
+            units = {n: u.strip() for n, u in zip(names, rows[first], strict=False) if u.strip()}
+            first += 1
+        values = [[_plain(v) for v in (own + [""] * len(names))[: len(names)]] for own in rows[first:]]
+        frame = pd.DataFrame(values, columns=pd.Index(names), dtype=object)
+        empty = [n for n in names if n.startswith("Unnamed") and frame[n].isin([None, ""]).all()]
+        frame = frame.drop(columns=empty)
+        return frame.apply(numeric), units
+    return None
+
+
+def _filled(value: Any) -> bool:
+    return not (value is None or (isinstance(value, str) and not value.strip()))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, datetime):
+        return value.isoformat(sep=" ")
+    if isinstance(value, date):
+        return value.isoformat()
+    if isinstance(value, timedelta):
+        return str(value)
+    if isinstance(value, time):
+        return value.isoformat()
+    if isinstance(value, str):
+        return value.strip() or None
+    return value

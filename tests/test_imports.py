@@ -1,0 +1,60 @@
+"""What an import loads: pandas, SciPy and the like wait until they are used."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import echocal
+
+HEAVY = {
+    "matplotlib",
+    "netCDF4",
+    "numpy",
+    "pandas",
+    "plotly",
+    "polars",
+    "pyarrow",
+    "pydantic",
+    "rich",
+    "scipy",
+    "xarray",
+}
+
+
+def loaded(program: str) -> set[str]:
+    """Names of the top packages that a program has loaded at its end."""
+    program += (
+        "\nimport json, sys; print(json.dumps(sorted(name for name in sys.modules if '.' not in name)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_the_import_loads_nothing_heavy() -> None:
+    assert not loaded("import echocal") & HEAVY
+
+
+def test_the_version_loads_nothing_heavy() -> None:
+    program = "import sys; sys.argv[1:] = ['--version']; import echocal.__main__; echocal.__main__.main()"
+    assert not loaded(program) & (HEAVY | {"typer"})
+
+
+def test_a_scalar_speed_loads_only_numpy() -> None:
+    assert loaded("import echocal; echocal.speed_of_sound(20.0, 0.5)") & HEAVY <= {"numpy"}
+
+
+@pytest.mark.parametrize("name", ["calibrate", "diagnose", "sweep", "verify"])
+def test_a_function_is_not_hidden_by_its_module(name: str) -> None:
+    program = f"import echocal, echocal.{name}\nassert callable(echocal.{name}), echocal.{name}"
+    program += f"\nfrom echocal import {name}\nassert callable({name})"
+    loaded(program)
+
+
+def test_every_public_name_is_there_and_listed() -> None:
+    assert set(echocal.__all__) <= set(dir(echocal))
+    for name in echocal.__all__:
+        assert getattr(echocal, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = echocal.nothing
