@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
-    {"_core", "_interrupt", "errors"},
+    {"_core", "_interrupt", "errors", "shown"},
     {"codes", "outputs", "checksums", "objects"},
     {"places"},
     {"quantities"},
@@ -22,8 +22,8 @@ LAYERS = (
     {"model"},
     {"observations"},
     {"sweep", "calibrate", "engines"},
-    {"diagnose", "silicon", "echoes"},
-    {"plots", "report", "verify", "firmware", "batch", "correct"},
+    {"diagnose", "silicon", "echoes", "verify"},
+    {"plots", "report", "firmware", "batch", "correct"},
     {"study", "explore", "fleet", "watch"},
     {"cli"},
 )

@@ -16,13 +16,14 @@ from echocal.observations.at import sentences
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.stated import shifted, uncertain
 from echocal.observations.table import require_observations
+from echocal.shown import Shown
 from echocal.sweep import Range, sweep
 
 __all__ = ["Verification", "verify", "verify_model"]
 
 
-@dataclass(frozen=True)
-class Verification:
+@dataclass(frozen=True, repr=False)
+class Verification(Shown):
     """Outcome of a verification (VIM 2.44) by simple acceptance, no guard band.
 
     Attributes

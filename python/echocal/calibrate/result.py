@@ -11,6 +11,7 @@ from echocal.calibrate.form import Column, Form, Parameter
 from echocal.conditions import numbers
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
+from echocal.shown import Shown
 
 __all__ = ["Calibration", "Estimate", "Prediction"]
 
@@ -47,8 +48,8 @@ class Prediction:
     observation_standard_uncertainty: Column
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Shown):
     """Estimates, covariance and residuals of a calibration (VIM 2.39).
 
     Attributes

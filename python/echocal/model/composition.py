@@ -18,13 +18,14 @@ from echocal.model.shape import DISTANCE, Shape
 from echocal.model.smooth import Smooth
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
+from echocal.shown import Shown
 
 __all__ = ["Model"]
 
 Values = NDArray[np.float64]
 
 
-class Model:
+class Model(Shown):
     """A law for the speed of sound and the effects that extend it.
 
     The law holds for the echo in the true conditions, and the device converts with the same law in the
@@ -167,10 +168,8 @@ class Model:
     @property
     def columns(self) -> dict[str, str]:
         """Column of a table by quantity, for quantities that it reads and several columns may hold."""
-        if not self.given_columns:
-            return {}
-        reads = self.reads
-        return {quantity: column for quantity, column in self.given_columns.items() if quantity in reads}
+        given = self.given_columns
+        return {quantity: given[quantity] for quantity in given if quantity in self.reads} if given else {}
 
     @property
     def standard_uncertainties(self) -> dict[str, float | None]:

@@ -8,14 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
+from echocal.shown import Shown
 
 __all__ = ["Observations", "require_observations"]
 
 Column = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Observations:
+@dataclass(frozen=True, repr=False)
+class Observations(Shown):
     """A table of echoes in SI units: as many rows as its source, in the same order.
 
     Attributes

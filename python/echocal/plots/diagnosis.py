@@ -21,7 +21,7 @@ from echocal.plots.posterior import plot_posterior
 from echocal.plots.smooth import TERM, smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
-__all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "save_diagnosis"]
+__all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "residuals_figure", "save_diagnosis"]
 
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png", "smooth.png")
 """Names of the files that `save_diagnosis` can write; the last two if there is such a function."""
@@ -62,7 +62,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     folder = Path(folder)
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
         figures = [
-            _residuals(diagnosis),
+            residuals_figure(diagnosis),
             _single(diagnosis, plot_gain, (6.0, 2.8)),
             _single(diagnosis, plot_posterior, (8.0, 3.2)),
             next_figure(diagnosis),
@@ -84,7 +84,8 @@ def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Fi
     return figure
 
 
-def _residuals(diagnosis: Diagnosis) -> Figure:
+def residuals_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the residuals against the most telling columns, before and after."""
     against = by_correlation(diagnosis)[:_PANELS]
     rows = max(1, -(-len(against) // 2))
     figure = Figure(figsize=(10.0, 0.4 + 2.7 * rows), layout="constrained")

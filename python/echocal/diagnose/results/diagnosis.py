@@ -20,6 +20,7 @@ from echocal.diagnose.results.smooth import refusal
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import replace_text
+from echocal.shown import Shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -30,8 +31,8 @@ SCHEMA = "echocal.diagnosis/1"
 Column = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Diagnosis(Outcome):
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Shown, Outcome):
     """What the base simulation gets wrong, with probabilities.
 
     Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:

@@ -1,0 +1,94 @@
+"""One figure for each kind of result: what its method ``plot`` draws."""
+
+from functools import singledispatch
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from echocal.calibrate import Calibration
+from echocal.diagnose import Diagnosis
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.plots.diagnosis import residuals_figure
+from echocal.plots.sweep import plot_sweep
+from echocal.sweep import sweep
+from echocal.verify import Verification
+
+__all__ = ["figure"]
+
+_STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+_DARK, _LIGHT = "#155a75", "#e0862a"
+_MM = 1e3  # mm in a meter
+
+
+@singledispatch
+def figure(result: object) -> Figure:
+    """Draw a result."""
+    raise TypeError(type(result).__name__)
+
+
+def _axes(width: float = 6.4, height: float = 3.6) -> tuple[Figure, Axes]:
+    with mpl.rc_context(_STYLE):
+        drawn = Figure((width, height), layout="constrained")
+        return drawn, drawn.add_subplot()
+
+
+@figure.register
+def _(result: Diagnosis) -> Figure:
+    with mpl.rc_context(_STYLE):
+        return residuals_figure(result)
+
+
+@figure.register
+def _(result: Model) -> Figure:
+    drawn, ax = _axes()
+    grid = sweep(result, temperature=(-10.0, 50.0, 1.0), distance=[0.5, 1.0, 2.0, 4.0])
+    plot_sweep(grid, "error", ax)
+    ax.set_title("error of indication of a device that the model describes", loc="left", fontsize=9)
+    return drawn
+
+
+@figure.register
+def _(result: Calibration) -> Figure:
+    drawn, ax = _axes()
+    rows = np.arange(1, len(result.residuals) + 1)
+    ax.axhline(0.0, color="0.7", lw=0.8)
+    ax.plot(rows, result.residuals, ".", ms=3, color=_DARK)
+    ax.set(xlabel="row", ylabel="observed minus predicted [unit of the response]")
+    ax.set_title(f"residuals of {', '.join(result.names)}", loc="left", fontsize=9)
+    return drawn
+
+
+@figure.register
+def _(result: Observations) -> Figure:
+    drawn, ax = _axes()
+    along = np.arange(1, len(result) + 1) if result.time is None else result.time
+    values = result.reading if result.reading is not None else _MM * result.echo_time
+    label = "reading [m]" if result.reading is not None else "echo time [ms]"
+    ax.plot(along[result.usable], values[result.usable], ".", ms=3, color=_DARK, label="usable rows")
+    if not result.usable.all():
+        off = ~result.usable & np.isfinite(values)
+        ax.plot(along[off], values[off], "x", ms=4, color=_LIGHT, label="rows that cannot be used")
+        ax.legend(frameon=False, fontsize=8)
+    ax.set(xlabel="row" if result.time is None else "time (UTC)", ylabel=label)
+    drawn.autofmt_xdate()
+    return drawn
+
+
+@figure.register
+def _(result: Verification) -> Figure:
+    drawn, ax = _axes(6.4, 2.2)
+    bound = _MM * result.maximum_permissible_error
+    ax.axvspan(-bound, bound, color="0.9", label="permissible")
+    marks = {"mean": result.mean_error, "RMS": result.rms_error, "largest": result.maximum_error}
+    for place, value in enumerate(marks.values()):
+        beyond = abs(value) > result.maximum_permissible_error
+        ax.plot(_MM * value, place, "o", color=_LIGHT if beyond else _DARK)
+    ax.set_yticks(range(len(marks)), list(marks))
+    ax.set_xlabel("error of indication [mm]")
+    ax.legend(frameon=False, fontsize=8)
+    ax.set_title(f"{result.exceeding} of {result.count} errors exceed {bound:.3g} mm", loc="left", fontsize=9)
+    return drawn

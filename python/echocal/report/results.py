@@ -1,0 +1,180 @@
+"""Results in a notebook and in the terminal: a headline, an explanation, a table."""
+
+from functools import singledispatch
+from html import escape
+
+import numpy as np
+import pandas as pd
+
+from echocal.calibrate import Calibration
+from echocal.diagnose import Diagnosis
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.quantities import QUANTITIES
+from echocal.registry import effects
+from echocal.verify import Verification
+
+__all__ = ["dataframe", "explanation", "headline", "html"]
+
+_MM = 1e3  # mm in a meter
+
+
+@singledispatch
+def headline(result: object) -> str:
+    """Say in a line what a result is."""
+    raise TypeError(type(result).__name__)
+
+
+@singledispatch
+def dataframe(result: object) -> pd.DataFrame:
+    """Return a result as a table."""
+    raise TypeError(type(result).__name__)
+
+
+@singledispatch
+def explanation(result: object) -> str:
+    """Explain a result: its headline and its table."""
+    table = dataframe(result)
+    notes = "".join(f"\nNote: {note}." for note in getattr(result, "notes", ()))
+    return headline(result) + ("\n" + table.to_string() if len(table) else "") + notes
+
+
+def html(result: object) -> str:
+    """Return the headline and the table as HTML."""
+    notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(result, "notes", ()))
+    listed = f"<ul>{notes}</ul>" if notes else ""
+    table = dataframe(result)
+    return (
+        f"<p><b>{escape(headline(result))}</b></p>{table.to_html(max_rows=10, border=0, escape=True)}{listed}"
+    )
+
+
+@headline.register
+def _(result: Diagnosis) -> str:
+    named = [cause.id for cause in result.causes if not cause.doubt]
+    said = f"Diagnosis {result.verdict}" + (f": {', '.join(named)}" if named else "")
+    if result.gain is None or not result.gain.held_out_rows:
+        return said
+    before, after = _MM * result.gain.rms_before_m, _MM * result.gain.rms_after_m
+    return f"{said}; RMS error {before:.2f} -> {after:.2f} mm on {result.gain.judged_rows}"
+
+
+@explanation.register
+def _(result: Diagnosis) -> str:
+    return result.explain()
+
+
+@dataframe.register
+def _(result: Diagnosis) -> pd.DataFrame:
+    columns = [
+        "kind",
+        "probability",
+        "probability_alone",
+        "parameters",
+        "in_model",
+        "cannot_be_told_from",
+        "doubt",
+    ]
+    rows = [
+        (
+            cause.kind,
+            cause.probability,
+            cause.probability_alone,
+            ", ".join(
+                f"{p.name} = {p.value:.4g} ± {p.standard_uncertainty:.1g} {p.unit}" for p in cause.parameters
+            ),
+            cause.in_model,
+            ", ".join(cause.indistinguishable_from),
+            cause.doubt,
+        )
+        for cause in result.causes
+    ]
+    return pd.DataFrame(rows, columns=columns, index=pd.Index([c.id for c in result.causes], name="cause"))
+
+
+@headline.register
+def _(result: Model) -> str:
+    return f"Model: law {result.law}" + (f" with {', '.join(result.effects)}" if result.effects else "")
+
+
+@dataframe.register
+def _(result: Model) -> pd.DataFrame:
+    units = {effect.id: {p.name: p.unit for p in effect.parameters} for effect in effects()}
+    spread = result.standard_uncertainties
+    rows = [
+        (
+            effect,
+            name,
+            value,
+            spread.get(f"{effect}.{name}", spread.get(name)),
+            units.get(effect, {}).get(name, ""),
+        )
+        for effect, parameters in result.effects.items()
+        for name, value in parameters.items()
+    ]
+    return pd.DataFrame(rows, columns=["effect", "parameter", "value", "standard_uncertainty", "unit"])
+
+
+@headline.register
+def _(result: Calibration) -> str:
+    used, total = result.rows["used"], result.rows["total"]
+    return f"Calibration: {', '.join(result.names)}; {used} of {total} rows, RMS residual {result.rms:.4g}"
+
+
+@dataframe.register
+def _(result: Calibration) -> pd.DataFrame:
+    bounded = set(result.at_bounds)
+    rows = [(each.value, each.standard_uncertainty, each.unit, each.name in bounded) for each in result]
+    names = pd.Index(result.names, name="parameter")
+    return pd.DataFrame(rows, columns=["value", "standard_uncertainty", "unit", "at_bound"], index=names)
+
+
+@headline.register
+def _(result: Observations) -> str:
+    quantities = ", ".join(result.conditions)
+    known = ", reference distance" if result.reference_distance is not None else ""
+    return f"Observations: {int(result.usable.sum())} of {len(result)} rows usable; {quantities}{known}"
+
+
+@dataframe.register
+def _(result: Observations) -> pd.DataFrame:
+    columns: dict[str, object] = {} if result.time is None else {"time": result.time}
+    columns["echo_time [s]"] = result.echo_time
+    if result.reading is not None:
+        columns["reading [m]"] = result.reading
+    if result.reference_distance is not None:
+        columns["reference_distance [m]"] = result.reference_distance
+    for name, values in result.conditions.items():
+        columns[f"{name} [{QUANTITIES[name].unit}]" if name in QUANTITIES else name] = values
+    columns |= {**result.labels, **result.extra}
+    frame = pd.DataFrame({**columns, "unusable": result.unusable})
+    frame.index = pd.RangeIndex(1, len(frame) + 1, name="row")
+    return frame
+
+
+@explanation.register
+def _(result: Observations) -> str:
+    counts = [f"{count} rows: {why}" for why, count in result.unusable_counts.items()]
+    return "\n".join([headline(result), *counts, *(f"Note: {note}." for note in result.notes)])
+
+
+@headline.register
+def _(result: Verification) -> str:
+    bound = _MM * result.maximum_permissible_error
+    return (
+        f"Verification {'passed' if result.passed else 'failed'}: {result.exceeding} of {result.count} "
+        f"errors exceed {bound:.3g} mm; the largest is {_MM * result.maximum_error:+.3g} mm"
+    )
+
+
+@dataframe.register
+def _(result: Verification) -> pd.DataFrame:
+    rows = {
+        "maximum permissible error": result.maximum_permissible_error,
+        "maximum error": result.maximum_error,
+        "mean error": result.mean_error,
+        "RMS error": result.rms_error,
+    }
+    found = pd.DataFrame({"[mm]": _MM * np.array(list(rows.values()))}, index=list(rows))
+    found.index.name = "figure"
+    return found
