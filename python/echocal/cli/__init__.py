@@ -45,7 +45,6 @@ app = typer.Typer(
     name="echocal",
     help="Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # help texts name units in brackets, which markup would swallow
 )
@@ -70,7 +69,7 @@ def main() -> None:
     """Run the command line; a user's mistake is one line on stderr and an exit code."""
     write_what_can_be_written()
     try:
-        app()
+        app(prog_name="echocal")
     except EchocalError as error:
         sys.stderr.write(f"echocal: {error}\n")
         sys.exit(error.exit_code)

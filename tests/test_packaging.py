@@ -1,0 +1,77 @@
+"""The files that a release needs: workflows, citation, metadata; and the completion of the shell."""
+
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import echocal
+
+ROOT = Path(__file__).parents[1]
+BIN = Path(sys.executable).parent
+
+
+def output(*command: str, **environment: str) -> str:
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, **environment}
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("schema", "path"),
+    [
+        ("vendor.github-workflows", ".github/workflows/ci.yml"),
+        ("vendor.github-workflows", ".github/workflows/wheels.yml"),
+        ("vendor.dependabot", ".github/dependabot.yml"),
+        ("vendor.citation-file-format", "CITATION.cff"),
+    ],
+)
+def test_files_have_their_schema(schema: str, path: str) -> None:
+    output(str(BIN / "check-jsonschema"), "--builtin-schema", schema, path)
+
+
+def test_workflows_are_safe() -> None:
+    output(str(BIN / "zizmor"), "--offline", "--quiet", ".github")
+
+
+def test_the_workflow_builds_what_the_issue_of_a_release_needs() -> None:
+    text = (ROOT / ".github/workflows/wheels.yml").read_text(encoding="utf-8")
+    for name in ("linux-x86_64", "linux-aarch64", "macos-x86_64", "macos-aarch64", "windows-x86_64", "sdist"):
+        assert name in text
+
+
+def test_one_version_everywhere() -> None:
+    cargo = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))
+    version = cargo["workspace"]["package"]["version"]
+    assert echocal.__version__ == version
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"## {version}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_the_changelog_is_one_page() -> None:
+    assert len((ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split()) < 1500
+
+
+def test_python_versions_are_those_of_the_wheel() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["requires-python"] == ">=3.11"
+    assert "abi3-py311" in (ROOT / "rust/py/Cargo.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_the_shell_completes(shell: str) -> None:
+    script = output(str(BIN / "echocal"), "--show-completion", shell)
+    assert "_ECHOCAL_COMPLETE" in script
+    assert script.strip()
+
+
+def test_commands_are_completed() -> None:
+    words = output(
+        str(BIN / "echocal"), _ECHOCAL_COMPLETE="complete_bash", COMP_WORDS="echocal di", COMP_CWORD="1"
+    )
+    assert words.split() == ["diagnose"]
