@@ -68,7 +68,7 @@ REFUSED: dict[str, tuple[Lines, str]] = {
     "thousands": (
         lambda t: _timed(t, ISO, '{w},"2,274 mm",{c}', ["Time,Distance,Temp (C)"]),
         "write plain numbers",
-    ),  # noqa: E501
+    ),
 }
 
 
