@@ -16,6 +16,8 @@ from echocal.registry import find_effect
 
 __all__ = ["Needs", "assumed", "of", "of_thermometers"]
 
+_AT = "; of a whole table: --at temperature=20+-2"
+
 
 @dataclass(frozen=True)
 class Needs:
@@ -54,6 +56,7 @@ class Needs:
                 message = (
                     f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; {record}, "
                     f"pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
+                    f"{_AT if name == 'temperature' else ''}"
                 )
                 raise DataError(message)
         for name, who in self.excluded.items():

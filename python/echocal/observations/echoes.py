@@ -54,7 +54,7 @@ class FirmwareSpeed:
                 message = (
                     f"readings become echo times with the speed that the firmware used: '{self.law}' needs a "
                     f'temperature and the table has none; map one (--column "{thermometer()}"), or say '
-                    "the speed: --reading-speed 343"
+                    "the speed: --reading-speed 343; one that nobody recorded: --at temperature=20+-2"
                 )
                 raise DataError(message)
 

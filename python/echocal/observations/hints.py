@@ -13,7 +13,6 @@ from echocal.observations.vocabulary import (
     CLOCK_UNITS,
     CLOCKS,
     COUNTERS,
-    LENGTH,
     LETTERS,
     NEVER,
     NO_CLOCK,
@@ -25,7 +24,7 @@ from echocal.observations.vocabulary import (
     WORDS,
 )
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "refusal_of_levels", "role_of"]
+__all__ = ["Hint", "completed", "hint", "is_time_name", "role_of"]
 
 
 @dataclass(frozen=True)
@@ -151,13 +150,6 @@ def _drop_unsure(found: dict[str, list[tuple[str, Hint]]], held: set[str], notes
     found["reading"] = [pair for pair in readings if pair[1].sure]
     if not found["reading"]:
         del found["reading"]
-
-
-def refusal_of_levels(columns: Collection[str], units: Mapping[str, str]) -> str:
-    """The request for the only column of a length, for a message; empty where there are more."""
-    lengths = [(c, symbol_of(units.get(c, "")) or split_unit(c)[1]) for c in columns]
-    lengths = [(column, unit) for column, unit in lengths if unit in LENGTH]
-    return f"{lengths[0][0]}=reading_{lengths[0][1]}" if len(lengths) == 1 else ""
 
 
 def _several(listed: list[tuple[str, Hint]]) -> str:
