@@ -10,7 +10,6 @@ import fleet_logs
 import numpy as np
 import polars as pl
 import pytest
-from echocal.fleet.names import named
 from polars.testing import assert_frame_equal
 
 from echocal.errors import DataError
@@ -19,6 +18,7 @@ from echocal.fleet.index import Index, indexed
 from echocal.fleet.plan import tasks_of
 from echocal.fleet.source import files_of
 from echocal.fleet.spill import is_spilled, plan_spills, run_spill
+from echocal.model.names import named
 from echocal.observations.text import Layout
 
 LAYOUT = Layout()
@@ -41,7 +41,7 @@ def gathered(
 ) -> dict[str, Log]:
     sensors = index_of(folder, by, kind).sensors
     found = {}
-    for task in tasks_of(sensors, named(sensors), by, {}, 1 << 30):
+    for task in tasks_of(sensors, named(sensor.key for sensor in sensors), by, {}, 1 << 30):
         for sensor, log in logs(task["sensors"], by, kind, requests or {}, LAYOUT, "UTC"):
             found[sensor["key"]] = log
     return found
@@ -229,7 +229,7 @@ def test_files_that_are_divided_first_give_the_same_logs(
         (part.write_parquet if ending == "parquet" else part.write_csv)(folder / f"{name}.{ending}")
     sensors = index_of(folder).sensors
     job = {"by": "sensor_id", "kind": None, "store": str(tmp_path / "store"), "layout": LAYOUT.__dict__}
-    tasks = tasks_of(sensors, named(sensors), "sensor_id", job, 400)
+    tasks = tasks_of(sensors, named(sensor.key for sensor in sensors), "sensor_id", job, 400)
     assert len(tasks) == 3
     spills = plan_spills(sensors, [*tasks, *tasks], job, most)
     assert spills
@@ -254,7 +254,7 @@ def test_a_file_that_breaks_while_it_is_divided_fails_its_sensors_only(
     write(table.filter(pl.col("sensor_id") == 2), folder / "b.parquet")
     sensors = index_of(folder).sensors
     job = {"by": "sensor_id", "kind": None, "store": str(tmp_path / "store"), "layout": LAYOUT.__dict__}
-    tasks = tasks_of(sensors, named(sensors), "sensor_id", job, 400)
+    tasks = tasks_of(sensors, named(sensor.key for sensor in sensors), "sensor_id", job, 400)
     content = bytearray((folder / "b.parquet").read_bytes())
     content[4:200] = bytes(196)
     (folder / "b.parquet").write_bytes(content)
@@ -275,11 +275,25 @@ def test_a_tree_of_partitions_is_not_divided(tmp_path: Path, table: pl.DataFrame
         write(own(table, key), tmp_path / f"sensor_id={key}" / "a.parquet")
     sensors = index_of(tmp_path).sensors
     job = {"by": "sensor_id", "kind": None, "layout": LAYOUT.__dict__}
-    assert plan_spills(sensors, tasks_of(sensors, named(sensors), "sensor_id", job, 400), job, 10) == []
+    assert (
+        plan_spills(
+            sensors,
+            tasks_of(sensors, named(sensor.key for sensor in sensors), "sensor_id", job, 400),
+            job,
+            10,
+        )
+        == []
+    )
 
 
 def test_tasks_are_as_large_as_the_memory_allows(tmp_path: Path, table: pl.DataFrame) -> None:
     write(table, tmp_path / "a.parquet")
     sensors = index_of(tmp_path).sensors
-    assert [len(t["sensors"]) for t in tasks_of(sensors, named(sensors), "sensor_id", {}, 1 << 30)] == [3]
-    assert [len(t["sensors"]) for t in tasks_of(sensors, named(sensors), "sensor_id", {}, 400 * 60)] == [2, 1]
+    assert [
+        len(t["sensors"])
+        for t in tasks_of(sensors, named(sensor.key for sensor in sensors), "sensor_id", {}, 1 << 30)
+    ] == [3]
+    assert [
+        len(t["sensors"])
+        for t in tasks_of(sensors, named(sensor.key for sensor in sensors), "sensor_id", {}, 400 * 60)
+    ] == [2, 1]

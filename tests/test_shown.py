@@ -1,13 +1,16 @@
 """Results in a notebook: short, explained, as a table and as a figure."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import Seeded
 from matplotlib.figure import Figure
 
 import echocal
 from echocal import Model
+
+Seeded = Callable[..., np.random.Generator]
 
 
 @pytest.fixture(scope="module")
