@@ -4,7 +4,7 @@ The sun and the electronics warm the box; the air between sensor and water stays
 echocal: speed of sound and echo are those of make_warehouse.py, with its delay of the rising echo.
 
     python examples/make_tank.py box > tank.csv          # two weeks, the thermometer in the box alone
-    python examples/make_tank.py hanging > hanging.csv   # the same, and a thermometer that hangs below the lid
+    python examples/make_tank.py hanging > hanging.csv   # the same, and one that hangs below the lid
     python examples/make_tank.py dips > dips.csv         # twelve levels, each measured with a dipstick, too
 """
 

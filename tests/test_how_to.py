@@ -21,7 +21,7 @@ def flat(text: str) -> str:
 
 
 def near(shown: str, printed: str) -> bool:
-    """Whether two numbers agree to two units of the last digit, or to 2 %: other processors round otherwise."""
+    """Whether two numbers agree to two units of the last digit, or to 2 %: processors differ."""
     a, b = (float(text.replace(",", "")) for text in (shown, printed))
     last = 10.0 ** -len(shown.partition(".")[2])
     return abs(a - b) <= max(2 * last if "." in shown else 0.0, 0.02 * abs(b))
