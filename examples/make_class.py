@@ -1,9 +1,9 @@
 """Make the table of docs/how-to/lab-course.md, simulated: four teams, four HC-SR04, a ruler each.
 
-Nothing here comes from echocal: speed of sound and echo are those of make_warehouse.py. Each team places a board at
-eight distances, five readings each. Its ruler is off by 1 mm (standard deviation) at each placement. Team C lays the
-zero of the ruler to the front of the transducers, 12 mm before the plane of the board that the others use. Team D
-types one distance wrong.
+Nothing here comes from echocal: speed of sound and echo are those of make_warehouse.py. Each team places a
+board at eight distances, five readings each. Its ruler is off by 1 mm (standard deviation) at each placement.
+Team C lays the zero of the ruler to the front of the transducers, 12 mm before the plane that the others use.
+Team D types one distance wrong.
 
     python examples/make_class.py > class.csv
 """
