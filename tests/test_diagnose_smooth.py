@@ -14,6 +14,8 @@ from scipy.signal import lfilter
 from scipy.stats import f as variance_ratio
 
 import echocal
+from echocal.diagnose.inference.smoothing import least
+from echocal.diagnose.settings import SmoothSettings
 from echocal.diagnose.validation.remainder import explained
 
 Table = dict[str, Any]
@@ -283,11 +285,11 @@ def test_the_curve_is_that_of_the_page(random: np.random.Generator, monkeypatch:
     np.testing.assert_allclose(found, expected, atol=2e-6)
     assert diagnosis.smooth is not None
 
-    total = 0.0
+    expected_gains = []
     for out in case.folds.held:
         rows = out[case.folds.blocks]
         before, after = (white[rows] @ left for left in (residuals[0], residuals[0] - curve(~rows)))
-        total += rows.sum() / 2 * np.log(before @ before / (after @ after))
+        expected_gains.append(rows.sum() / 2 * np.log(before @ before / (after @ after)))
     *others, last = weights
     gains, squares = smoother._gains(
         case.folds.fit,
@@ -297,12 +299,19 @@ def test_the_curve_is_that_of_the_page(random: np.random.Generator, monkeypatch:
         smoother.places[-1].stop,
     )
     which = int(np.argmin(np.abs(smoother._weights(case.folds.fit, last) - weights[last])))
-    assert gains[which] == pytest.approx(total, rel=1e-3)
+    assert gains[:, which] == pytest.approx(expected_gains, rel=1e-3, abs=1e-3)
     errors = [
         residuals[0][rows] - curve(~rows)[rows]
         for rows in (out[case.folds.blocks] for out in case.folds.held)
     ]
     assert squares[which] == pytest.approx(float(sum(one @ one for one in errors)), rel=1e-3)
+
+
+def test_one_part_alone_does_not_choose_a_column(random: np.random.Generator) -> None:
+    """What a column adds must be more than its scatter over the parts left out: one standard error."""
+    alike, one = 4.0 + random.uniform(0.0, 0.1, 5), np.array([20.0, 0.0, 0.0, 0.0, 0.0])
+    assert alike.sum() > least(alike, SmoothSettings())
+    assert one.sum() < least(one, SmoothSettings())
 
 
 def test_columns_may_be_odd(random: np.random.Generator) -> None:

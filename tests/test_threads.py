@@ -36,10 +36,16 @@ def run(value: str | None, code: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="counts threads as Linux lists them")
 def test_one_thread_is_one_thread_and_changes_no_bit() -> None:
-    alone, three, free = (run(value, SUM).stdout.partition(" ") for value in ("1", "3", None))
+    alone, free = (run(value, SUM).stdout.partition(" ") for value in ("1", None))
     assert int(alone[0]) == 0
-    assert int(three[0]) == 2
-    assert alone[2] == three[2] == free[2] != ""
+    seen = []
+    for _ in range(8):  # on a busy machine a thread may begin and end unseen
+        three = run("3", SUM).stdout.partition(" ")
+        assert alone[2] == three[2] == free[2] != ""
+        seen.append(int(three[0]))
+        if max(seen) == 2:
+            break
+    assert max(seen) == 2, seen
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "two", "1.5"])

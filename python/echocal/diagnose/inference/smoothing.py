@@ -15,7 +15,7 @@ from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import SmoothSettings
 from echocal.model.shape import DISTANCE
 
-__all__ = ["Coefficients", "Smoother", "values_of"]
+__all__ = ["Coefficients", "Smoother", "least", "values_of"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -128,16 +128,21 @@ class Smoother:
             Position of what is explained, among the products.
         """
         best: dict[int, float] = {}
-        gain, square, able = 0.0, np.inf, list(range(len(self.splines)))
+        able, square = list(range(len(self.splines))), np.inf
+        gains = np.zeros(len(held))
         while len(best) < self.settings.most_terms and able:
             tried = {place: self._gains(blocks, held, best, place, residual) for place in able}
-            found = {p: np.where(squares < square, gains, -np.inf) for p, (gains, squares) in tried.items()}
+            found = {
+                p: np.where(squares < square, parts.sum(axis=0), -np.inf)
+                for p, (parts, squares) in tried.items()
+            }
             able = sorted(able, key=lambda place: -found[place].max())[: self.settings.most_beside]
             place = able.pop(0)
-            if not found[place].max() > gain + self.settings.gain_from:
-                break
             weight = int(found[place].argmax())
-            gain, square = float(found[place][weight]), float(tried[place][1][weight])
+            more = tried[place][0][:, weight] - gains
+            if not (np.isfinite(found[place][weight]) and more.sum() > least(more, self.settings)):
+                break
+            gains, square = gains + more, float(tried[place][1][weight])
             best[place] = float(self._weights(blocks, place)[weight])
         return best
 
@@ -172,7 +177,7 @@ class Smoother:
     def _gains(
         self, blocks: Mask, held: Sequence[Mask], weights: Weights, place: int, residual: int
     ) -> tuple[Column, Column]:
-        """Log likelihood of the blocks left out, relative to no splines; the scale of each is free.
+        """Log likelihood of each part left out, relative to no splines; the scale of each is free.
 
         With some splines, and one more, for each weight of its penalty. Also the sum of squares of these
         blocks, as they are; infinite where it is not smaller than without splines.
@@ -181,8 +186,8 @@ class Smoother:
         used = self._used({**weights, place: 0.0})
         own = np.zeros((len(used), len(used)))
         own[-len(self.means[place]) :, -len(self.means[place]) :] = self.splines[place].penalty
-        total, square, bare = np.zeros(len(tried)), np.zeros(len(tried)), 0.0
-        for out in held:
+        total, square, bare = np.zeros((len(held), len(tried))), np.zeros(len(tried)), 0.0
+        for part, out in enumerate(held):
             fit = blocks & ~out
             if not fit.any():
                 continue
@@ -193,7 +198,7 @@ class Smoother:
             floor = max(degrees, 1) * VARIANCE_FLOOR**2
             before = max(other[residual, residual], floor)
             after = np.maximum(_left(other, used, residual, mean), floor)
-            total += 0.5 * degrees * np.log(before / after)
+            total[part] = 0.5 * degrees * np.log(before / after)
             plain = self.over(out, WHITE_NOISE)[0]
             square += _left(plain, used, residual, mean)
             bare += plain[residual, residual]
@@ -211,6 +216,13 @@ class Smoother:
             matrix[first:end, first:end] += weight * self.splines[place].penalty
             first = end
         return np.asarray(matrix)
+
+
+def least(more: Column, settings: SmoothSettings) -> float:
+    """What a further column must add to the log likelihood, from what it adds in each part left out."""
+    parts = len(more)
+    error = np.sqrt(parts) * more.std(ddof=1) if parts > 1 else 0.0
+    return float(settings.gain_from + settings.standard_errors * error)
 
 
 def _left(products: Column, used: Labels, residual: int, mean: Column) -> Column:

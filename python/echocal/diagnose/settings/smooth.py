@@ -33,6 +33,12 @@ class SmoothSettings:
         "a column takes part if it raises that of the rows left out by so much",
         "odds of 20",
     )
+    standard_errors: float = number(
+        1.0,
+        "standard errors",
+        "of this rise, from its scatter over the parts left out: so many are subtracted from it first",
+        "rule of one standard error: Hastie, Tibshirani, Friedman, Elements of Statistical Learning, 7.10",
+    )
     longest_gap: float = number(
         1.5, "h", "a column of hours with a longer gap has no smooth function of the day", "chosen by hand"
     )

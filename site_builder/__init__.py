@@ -1,0 +1,1 @@
+"""What MkDocs needs beyond its plugins: generated pages, mathematics without a script, compiled functions."""
