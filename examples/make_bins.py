@@ -1,8 +1,8 @@
 """Make the logs of docs/how-to/fleet.md, simulated: twelve sensors above bins, and level gauges.
 
 The speed of sound is that of make_warehouse.py, not echocal's. Five sensors have a firmware that is
-45 us late. Two have a thermometer that is 2 K too warm. One was installed on the last day. In the second month
-somebody bumps bin07: it reads 8 mm too long from 18 July on.
+45 us late. Two have a thermometer that is 2 K too warm. One was installed on the last day. In the second
+month somebody bumps bin07: it reads 8 mm too long from 18 July on.
 
     python examples/make_bins.py june      # writes logs/sensor_id=.../2025-06.parquet
     python examples/make_bins.py july > live.csv
