@@ -1,8 +1,9 @@
 """Make the log of docs/how-to/snow.md, simulated: a sonic ranger on a mast looks down on grass, then on snow.
 
-Nothing here comes from echocal: the speed of sound is that of make_warehouse.py. The sun warms the shield of the
-thermometer, which also follows the air late. Grass grows until October, and makes the echo weaker: the quality
-number rises. Snow falls from 20 November on. The logger writes the distance as if sound had 331.4 m/s.
+Nothing here comes from echocal: the speed of sound is that of make_warehouse.py. The sun warms the shield of
+the thermometer, which also follows the air late. Grass grows in September. A weaker echo has a larger quality
+number, and is timed early. Snow falls from 20 November on. The logger writes the distance as if sound had
+331.4 m/s at every temperature.
 
     python examples/make_snow.py log > snow.dat      # TOA5, a row every half hour from September to December
     python examples/make_snow.py stake > stake.csv   # six visits: the distance from the mast to the surface
@@ -16,7 +17,7 @@ from make_warehouse import Column, speed_of_sound
 START = np.datetime64("2024-09-01T00:00:00")
 DAYS, A_DAY = 106, 48
 MAST = 2.480  # from the sensor to the soil [m]
-WARM = 1.8 / 800.0  # warming of the shield by the sun [K m2/W]
+WARM = 2.5 / 800.0  # warming of the shield by the sun [K m2/W]
 LATE = 480.0  # time constant of the thermometer [s]
 QUALITY = -0.05e-3  # of the reading by a unit of the quality number [m]
 STAKE = 3e-3  # standard deviation of a reading of the stake [m]
@@ -38,7 +39,7 @@ def wander(chance: np.random.Generator, rows: int, size: float, memory: float) -
 
 def surface(days: Column) -> Column:
     """Return the distance from the sensor to grass or snow [m]."""
-    grass = 0.030 * (1.0 - np.exp(-days / 20.0))
+    grass = 0.030 * (1.0 - np.exp(-days / 8.0))
     snow = np.zeros_like(days)
     for day, fresh in ((80.3, 0.12), (86.7, 0.20), (97.2, 0.15)):
         since = np.clip(days - day, 0.0, None)

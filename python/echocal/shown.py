@@ -1,5 +1,6 @@
 """How results show themselves: in a notebook, in the terminal, as a table and as a figure."""
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +42,9 @@ class Shown:
             A notebook shows it; ``figure.savefig("name.png")`` writes it.
         """
         figure: Figure = _call("plots", "figure", self)
+        if "ipykernel" in sys.modules:
+            # a notebook knows how to show a figure once this is imported, a dependency of ipykernel
+            import_module("matplotlib_inline.backend_inline")
         return figure
 
 
