@@ -1,5 +1,6 @@
 """Requests that make no sense, and data at the edge of sense: one clear answer, never a number."""
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal import DataError, Model, ModelError, UsageError
+from echocal import DataError, DataWarning, Model, ModelError, UsageError
 from echocal.observations.text import Layout
 
 CODES = (1.0, 0.0, 2.0)
@@ -341,3 +342,62 @@ def test_one_text_may_stand_for_a_list_of_one() -> None:
     assert len(echocal.read_observations(TABLE, trust="temperature_C")) == 9
     model = Model("cramer", {"temperature_gradient": {"gradient": 0.1}})
     assert echocal.firmware.generate(model, temperature=CODES, echo=900, accept="temperature_gradient").files
+
+
+def test_a_distance_that_the_table_denies_is_refused(random: np.random.Generator) -> None:
+    table = {"reading_m": 2 + random.normal(0, 1e-3, 60), "temperature_C": np.linspace(5, 30, 60)}
+    table["target_m"] = np.full(60, 2.0)
+    columns = {"target_m": "distance_m"}
+    said = "--reference-distance says 1 m, and column 'target_m' says 2 m at row 1 .60 of 60 rows"
+    with pytest.raises(UsageError, match=said):
+        echocal.diagnose(table, columns=columns, reference_distance=1.0)
+    assert echocal.diagnose(table, columns=columns, reference_distance=2.01).verdict
+    with pytest.raises(UsageError, match='--column "target_m=ignore"'):
+        echocal.diagnose(table, columns=columns, reference_distance=1.0)
+    assert echocal.diagnose(table, columns={"target_m": "ignore"}, reference_distance=1.9).verdict
+
+
+def test_a_constancy_that_the_table_denies_is_doubted(random: np.random.Generator) -> None:
+    table = {"reading_m": 2 + random.normal(0, 1e-3, 60), "temperature_C": np.linspace(5, 30, 60)}
+    table |= {"distance_m": np.repeat([1.0, 2.0], 30), "stand": np.repeat(["a", "b"], 30)}
+    with pytest.warns(DataWarning, match="says 1 m at row 1 and 2 m at row 31. The column is not used"):
+        echocal.diagnose({name: table[name] for name in table if name != "stand"}, constant_distance=True)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", "--constant-distance", DataWarning)
+        echocal.diagnose(table, constant_distance=True)  # constant at each stand
+
+
+@pytest.mark.parametrize(
+    ("speed", "meant"),
+    [
+        (58, "58 us/cm, out and back, is 344.8 m/s"),
+        (29.1, "29.1 us/cm, one way, is 343.6 m/s"),
+        (34300, "34300 cm/s is 343.0 m/s"),
+        (0.0343, "0.0343 cm/us is 343.0 m/s"),
+        (0.343, "0.343 mm/us is 343.0 m/s"),
+        (0.017, "0.017 cm/us of the whole path is 340.0 m/s"),
+        (148, "148 us/inch, out and back, is 343.2 m/s"),
+        (1235, "1235 km/h is 343.1 m/s"),
+        (-343, "give a positive one"),
+        (0, "give a positive one"),
+        (5, "5 m/s; the speed of sound in air lies within 200 .. 600 m/s; say"),
+    ],
+)
+def test_a_reading_speed_in_another_unit_is_refused_with_the_speed_it_means(speed: float, meant: str) -> None:
+    table = {"reading_m": np.linspace(1, 2, 60), "distance_m": np.linspace(1, 2, 60)}
+    with pytest.raises((UsageError, ModelError)) as refused:
+        echocal.diagnose({**table, "temperature_C": np.full(60, 20.0)}, reading_speed=speed)
+    assert meant in str(refused.value)
+
+
+@pytest.mark.parametrize("each", [1, 2, 3])
+def test_placements_of_few_rows_are_judged_or_refused(each: int, random: np.random.Generator) -> None:
+    """A row alone at its level tells nothing of it; two rows of each placement do."""
+    stand = np.arange(60) // each
+    table = {"reading_m": 2 + random.normal(0, 1e-3, 60), "temperature_C": np.linspace(5, 30, 60)}
+    table["stand"] = np.array([f"place {number}" for number in stand])
+    if each == 1:
+        with pytest.raises(DataError, match="60 usable rows have 60 placements: column 'stand' changes"):
+            echocal.diagnose(table, constant_distance=True)
+    else:
+        assert echocal.diagnose(table, constant_distance=True).verdict

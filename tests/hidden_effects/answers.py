@@ -92,11 +92,12 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
 def _told(case: Case, causes: list[dict[str, Any]], named: Mapping[str, float]) -> Record:
     """Whether the one cause told, or one that it says it cannot be told from, is the planted one.
 
-    `told` is None where all that is told is a tape that does err; `class_told` holds the names.
+    `told` is None where no effect is in the model, or where all that is told is a tape that does err;
+    `class_told` holds the names.
     """
     true_noise = {"reference_error"} - set(case.spec.causes) if case.spec.tape else set()
     heads = [c for c in causes if c["id"] in named and c["id"] not in true_noise]
-    if not case.spec.causes or (not heads and named):
+    if not case.spec.causes or not heads:
         return {"told": None, "class_told": []}
     said = [id_ for c in heads for id_ in (c["id"], *c["indistinguishable_from"])]
     truth = case.spec.causes[0]

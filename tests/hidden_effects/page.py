@@ -50,7 +50,9 @@ Each cell has the value, its interval and the number of cases. `open`: the goal 
   no alarm.
 - *power at snr sqrt(N) = 5 or 8*: part of these cases in which the verdict is not `nothing`.
 - *with the rule P(no effect) < 0.5*: the same, with this rule in place of the verdict.
-- *alias class right, if detected*: part of the claims that name the planted cause or one of its class.
+- *claimed, if detected*: part of the cases with another verdict than `nothing` in which a cause is in the
+  model, because its gain on rows that nothing has seen is above zero.
+- *alias class right, if claimed*: part of these claims that name the planted cause or one of its class.
 - *names in the reported class*: mean number of causes in the reported class.
 - *first set of the posterior in the right class*: part of the cases in which the most probable set has the
   planted cause or one of its class.

@@ -97,7 +97,12 @@ TARGETS = (
         dict.fromkeys("abc", (None, None)),
     ),
     Target(
-        "alias class right, if detected",
+        "claimed, if detected",
+        lambda rs: part(_detected(rs), lambda r: r["told"] is not None),
+        dict.fromkeys("abc", (None, None)),
+    ),
+    Target(
+        "alias class right, if claimed",
         lambda rs: part(_told(rs), lambda r: r["told"]),
         dict.fromkeys("abc", (0.92, None)),
     ),

@@ -123,7 +123,7 @@ def diagnose(
     work.begin("reading")
     how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
     if not isinstance(observations, Observations):
-        how["reading_speed"] = reading_speed or request.base.reading_speed
+        how["reading_speed"] = request.base.reading_speed if reading_speed is None else reading_speed
     reading = read(observations, how)
     diagnosis = run(reading, request, work)
     if reading.observations.stated:

@@ -25,6 +25,7 @@ from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
+from echocal.diagnose.preprocess.reference import refuse_contradiction
 from echocal.diagnose.preprocess.window import between
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
@@ -102,6 +103,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the final one is a note
         work.begin("searching for faults")
         whole = between(reading.observations, request.since, request.until)
+        refuse_contradiction(whole, distance, constant)
         after = request.hold_out_after
         observations, _ = split(whole, after, settings.rows.fewest)
         faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.errors import DataError, DomainWarning
+from echocal.errors import DataError, DomainWarning, UsageError
 from echocal.model import Model
 from echocal.observations.fields import row
 from echocal.observations.part import Part
@@ -19,6 +19,10 @@ Column = NDArray[np.float64]
 
 DEFAULT_SPEED = "linear"
 """Law that the firmware is assumed to use if the user does not state one."""
+
+
+_SPEEDS = (200.0, 600.0)
+"""m/s, of a fixed reading speed: that of an ideal dry gas, 331.3 sqrt(T / 273.15 K), at 100 and 896 K."""
 
 
 class FirmwareSpeed:
@@ -48,7 +52,9 @@ class FirmwareSpeed:
         self._model = Model(str(text) if self.stated else DEFAULT_SPEED)
         self.law = self._model.law
         self._conditions: dict[str, Column] = {}
-        if not self.fixed:
+        if self.fixed:
+            _refuse_speed(float(self.law))
+        else:
             self._conditions = {name: conditions[name] for name in self._reads() if name in conditions}
             if "temperature" not in self._conditions:
                 message = (
@@ -101,6 +107,38 @@ class FirmwareSpeed:
     def _reads(self) -> list[str]:
         by_id = {facts["id"]: facts["reads"] for facts in _core.laws()}
         return list(by_id.get(self.law, ["temperature"]))
+
+
+def _refuse_speed(speed: float) -> None:
+    """Refuse what is no speed of sound in air, with the speed that it may mean."""
+    low, high = _SPEEDS
+    if low <= speed <= high:
+        return
+    meant = [f"; {speed:g} {unit} is {c:.1f} m/s" for unit, c in _meant(speed) if low <= c <= high]
+    message = (
+        f"the reading speed is {speed:g} m/s; the speed of sound in air lies within {low:g} .. {high:g} m/s"
+        f"{meant[0] if meant else ''}; say the speed that the firmware used: --reading-speed 343"
+    )
+    raise UsageError(message)
+
+
+def _meant(number: float) -> list[tuple[str, float]]:
+    """Speeds [m/s] that firmware writes as a number in another unit."""
+    if not number > 0.0:
+        return []
+    return [
+        ("cm/s", number / 100),
+        ("km/h", number / 3.6),
+        ("ft/s", number * 0.3048),
+        ("cm/us", number * 1e4),
+        ("mm/us", number * 1e3),
+        ("cm/us of the whole path", number * 2e4),
+        ("mm/us of the whole path", number * 2e3),
+        ("us/cm, out and back,", 2e4 / number),
+        ("us/cm, one way,", 1e4 / number),
+        ("us/inch, out and back,", 2 * 0.0254e6 / number),
+        ("us/inch, one way,", 0.0254e6 / number),
+    ]
 
 
 def disagreeing(

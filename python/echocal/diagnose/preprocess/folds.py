@@ -53,6 +53,8 @@ class Folds:
             if table.reference is None:
                 _divide_segments(blocks, table.groups, count)
             by = "time" if "elapsed_time" in table.conditions else "row order"
+        used, blocks = np.unique(blocks, return_inverse=True)  # few rows may leave a block empty
+        count = len(used)
         held = tuple(np.arange(count) == fold for fold in range(count))
         scheme = f"blocked by {by}, {count} folds"
         return cls(blocks.astype(np.int64), held, np.ones(count, dtype=bool), scheme)
@@ -108,6 +110,7 @@ def _divide_segments(blocks: Labels, groups: Labels, count: int) -> None:
     Otherwise no other row would have the level of a row that is held out, and it could not be judged.
     """
     firsts = np.flatnonzero(np.diff(groups, prepend=-1))
-    for first, end in zip(firsts, np.append(firsts[1:], len(groups)), strict=True):
+    for number, (first, end) in enumerate(zip(firsts, np.append(firsts[1:], len(groups)), strict=True)):
         if blocks[first] == blocks[end - 1]:
-            blocks[first:end] = _runs(end - first, count)
+            turn = number if end - first < count else 0  # short segments together reach every block
+            blocks[first:end] = (_runs(end - first, count) + turn) % count

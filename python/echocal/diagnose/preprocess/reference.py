@@ -1,16 +1,20 @@
 """The reference distance of every row, from the table or from the user."""
 
+import warnings
 from numbers import Real
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import UsageError
+from echocal.errors import DataWarning, UsageError
 from echocal.observations import Observations
+from echocal.observations.fields import row
 from echocal.observations.units import NAMES
 
-__all__ = ["reference_of", "refuse_distance"]
+__all__ = ["reference_of", "refuse_contradiction", "refuse_distance"]
+
+_APART = 0.02  # of the distance: more than a ruler, a tape or the thermal expansion of a stand explains
 
 
 def refuse_distance(given: Any) -> None:
@@ -44,3 +48,48 @@ def reference_of(
         )
         raise UsageError(message)
     return observations.reference_distance
+
+
+def refuse_contradiction(observations: Observations, given: float | None, constant: bool) -> None:
+    """Refuse a distance that the reference distances of the table deny, and doubt a constancy that they deny.
+
+    A distance that is constant at each ``stand`` may differ between them. Where steps of the level are known,
+    the reference distances may follow them, so a constancy is not refused.
+
+    Raises
+    ------
+    UsageError
+        If the given distance differs by more than 2 %.
+
+    Warns
+    -----
+    DataWarning
+        If a constant distance varies by more than 2 %.
+    """
+    known = observations.reference_distance
+    if known is None or not (constant or given is not None):
+        return
+    column = observations.source_names.get("reference_distance", "reference_distance")
+    way = f'leave the option out, or if the column is no distance to the target: --column "{column}=ignore"'
+    usable = np.flatnonzero(observations.usable & np.isfinite(known))
+    if given is not None:
+        apart = usable[np.abs(known[usable] - given) > _APART * given]
+        if len(apart):
+            message = (
+                f"--reference-distance says {given:g} m, and column '{column}' says {known[apart[0]]:g} m at "
+                f"{row(apart[0])} ({len(apart)} of {len(usable)} rows differ by more than 2 %); {way}"
+            )
+            raise UsageError(message)
+        return
+    stand = observations.labels.get("stand", np.zeros(len(known), dtype=np.int64))
+    for own in np.unique(stand[usable]):
+        rows = usable[stand[usable] == own]
+        low, high = rows[known[rows].argmin()], rows[known[rows].argmax()]
+        if known[high] - known[low] > _APART * known[high]:
+            message = (
+                f"--constant-distance says that the target did not move, and column '{column}' says "
+                f"{known[low]:g} m at {row(low)} and {known[high]:g} m at {row(high)}. The column is not "
+                "used. If the target moved, leave the option out"
+            )
+            warnings.warn(message, DataWarning, stacklevel=4)
+            return
