@@ -257,6 +257,17 @@ def test_models_that_need_later_rows_are_refused() -> None:
         watch.take([{"echo_us": 11660, "temperature_C": 20}])
 
 
+def test_of_a_fleet_only_the_sensor_with_such_a_model_is_not_watched() -> None:
+    late = echocal.Model("linear", {"temperature_self_heating": {"rise": 1.0, "time_constant": 600.0}})
+    models = {"a": late, "b": echocal.Model("linear")}
+    watch = Fleet(models.get, "id", Reference(none=True), WatchSettings(), State(None), own_models=True)
+    row = {"echo_us": 11660, "temperature_C": 20}
+    done, events = taken(watch, [{"id": "a", **row}, {"id": "b", **row}])
+    assert [event.sensor for event in events if "known of a whole table only" in event.sentence] == ["a"]
+    assert [row["corrected_distance_m"] is None for row in done] == [True, False]
+    assert done[0]["status"] == "no model for sensor a"
+
+
 def test_a_state_of_another_model_is_refused(tmp_path: Path, random: np.random.Generator) -> None:
     first = fleet(tmp_path / "state.db")
     taken(first, log(random, 5))

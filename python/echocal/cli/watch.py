@@ -142,7 +142,8 @@ def command(
                 "by": by,
             }
         )
-        fleet = Fleet(models_of(one, models), by, reference, settings, kept, options, interval)
+        own = models is not None
+        fleet = Fleet(models_of(one, models), by, reference, settings, kept, options, interval, own)
         rows = _source(source, kept, poll, client, once=once)
         if isinstance(rows, Broker):
             at_end.callback(rows.close)

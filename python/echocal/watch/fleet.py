@@ -16,6 +16,7 @@ from echocal.watch.reference import Models, Reference, refuse_columns
 from echocal.watch.rows import Block, Reader, Row
 from echocal.watch.sensor import Sensor
 from echocal.watch.settings import WatchSettings
+from echocal.watch.signatures import unwatchable
 from echocal.watch.state import State
 from echocal.watch.target import Target
 
@@ -55,6 +56,8 @@ class Fleet:
         Arguments of `echocal.read_observations`.
     interval : float or None
         Time between rows of a sensor [s].
+    own_models : bool
+        Each sensor has a model of its own: one that cannot be watched stops its sensor, not the others.
 
     Examples
     --------
@@ -76,6 +79,7 @@ class Fleet:
     state: State
     options: dict[str, Any] = field(default_factory=dict)
     interval: float | None = None
+    own_models: bool = False
     rows: int = 0
     corrected: int = 0
     _sensors: dict[str, Sensor | None] = field(default_factory=dict)
@@ -265,6 +269,9 @@ class Fleet:
             sentence = f"the model has {named}, of the campaign that it was found in; the watch leaves it out"
             notes.append(Event("note", id_, None, 0, sentence))
             model = model.transferable()
+        if self.own_models and (why := unwatchable(model)):
+            self._sensors[id_] = None
+            return [Event("note", id_, None, 0, f"{why}; its rows are passed on without correction")]
         sensor = Sensor(id_, model, self.settings, self.reference.kind, self.interval)
         kept = self.state.sensor(id_)
         if kept is not None:

@@ -10,7 +10,7 @@ from echocal.errors import DataError, EchocalError, ModelError
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
 
-__all__ = ["DRIFT", "STEP", "Signature", "Signatures", "refuse_unwatchable", "step_and_drift"]
+__all__ = ["DRIFT", "STEP", "Signature", "Signatures", "refuse_unwatchable", "step_and_drift", "unwatchable"]
 
 Column = NDArray[np.float64]
 
@@ -47,13 +47,19 @@ def refuse_unwatchable(model: Model) -> None:
     DataError
         With the quantity and the way out.
     """
-    reads = {name for name in model.reads if name.startswith(_LATER) or name in _OF_THE_TABLE}
-    if reads:
-        message = (
-            f"the model reads {', '.join(sorted(reads))}, which is known of a whole table only, not of rows "
-            "as they come; correct finished tables with `echocal correct`, or watch with a model without it"
-        )
+    if message := unwatchable(model):
         raise DataError(message)
+
+
+def unwatchable(model: Model) -> str:
+    """Say why a model cannot be watched, and the way out; nothing if it can."""
+    reads = {name for name in model.reads if name.startswith(_LATER) or name in _OF_THE_TABLE}
+    if not reads:
+        return ""
+    return (
+        f"the model reads {', '.join(sorted(reads))}, which is known of a whole table only, not of rows "
+        "as they come; correct finished tables with `echocal correct`, or watch with a model without it"
+    )
 
 
 class Signatures:
