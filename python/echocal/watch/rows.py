@@ -142,6 +142,10 @@ class Reader:
         for role, source in plan.assignments.items():
             if role not in _WORDS and is_damaged(row[source.column], source.column, missing):
                 return f"{source.column} is no number"
+        clock = plan.assignments.get("elapsed_time")
+        if clock is not None and isinstance(row[clock.column], str):
+            if pd.isna(pd.to_datetime(row[clock.column], format="ISO8601", errors="coerce")):
+                return f"{clock.column} missing"
         return ""
 
     def _trusted(self, names: list[str]) -> list[str]:
