@@ -1,10 +1,12 @@
 """What the plots show first, and what they show as one."""
 
 import io
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from rich.console import Console
@@ -13,9 +15,10 @@ import echocal
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.results.followed import by_correlation
 from echocal.diagnose.results.grouped import grouped
-from echocal.plots.diagnosis import _summary, plot_gain, save_diagnosis
+from echocal.plots.diagnosis import plot_gain, save_diagnosis
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
+from echocal.plots.residuals import _summary, plot_residuals, residuals_figure
 from echocal.plots.unexplained import plot_unexplained
 from echocal.report import print_diagnosis
 
@@ -53,7 +56,7 @@ def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> N
     plot_posterior(joined, ax)
     assert [label.get_text() for label in ax.get_yticklabels()] == [
         "clock_error or 2 others",
-        "no further cause",
+        "cycle_slip",
     ]
     assert "in every set: cycle_slip" in ax.get_title(loc="left")
     assert "clock_error or 2 others: oblique_target, reference_scale" in ax.get_title(loc="left")
@@ -166,3 +169,83 @@ def test_class_and_member_are_told_with_their_questions(diagnosis: echocal.Diagn
     assert f"removes {100 * gain.variance_removed:.0f} % of the mean square error" in " ".join(
         ax.get_title(loc="left").split()
     )
+
+
+def logged(random: np.random.Generator, noise: float) -> dict[str, object]:
+    """A log of four days, of a sensor with one fixed speed, with two copies of its thermometer."""
+    celsius = 15.0 + 8.0 * np.sin(np.arange(600.0) / 23.0) + random.normal(0.0, 0.3, 600)
+    distance = np.tile([0.4, 1.0, 1.9], 200)
+    reading = distance * 343.0 / (331.4 + 0.6 * celsius) + random.normal(0.0, noise, 600)
+    reading[[50, 300]] = np.nan
+    return {
+        "time_s": 600.0 * np.arange(600.0),
+        "reading_m": reading,
+        "temperature_C": celsius,
+        "temperature_box_K": celsius + 273.15,
+        "distance_m": distance,
+    }
+
+
+def test_before_and_after_are_readable_and_the_axis_says_the_sign(random: np.random.Generator) -> None:
+    figure = residuals_figure(echocal.diagnose(logged(random, 2e-4), base="343"))
+    axes = [ax for ax in figure.axes if ax.has_data()]
+    before, after = (
+        [ax for ax in axes if ax.get_title(loc="left").startswith(word)] for word in ("before", "after")
+    )
+    assert len(before) == len(after) >= 2
+    assert {" ".join(ax.get_ylabel().split()) for ax in axes} == {"reading minus reference [mm]"}
+    assert all("above 0, it reads too far" in ax.get_title(loc="left") for ax in before)
+    for ax in after:  # errors of 0.2 mm beside some of 20 mm
+        (points, *_) = ax.lines
+        low, high = ax.get_ylim()
+        assert np.ptp(np.asarray(points.get_ydata())) > 0.4 * (high - low)
+        assert "scale of its own" in ax.get_title(loc="left")
+
+
+def test_a_panel_shows_time_and_none_repeats_another(random: np.random.Generator) -> None:
+    figure = residuals_figure(echocal.diagnose(logged(random, 2e-4), base="343"))
+    labels = [ax.get_xlabel() for ax in figure.axes if ax.get_title(loc="left").startswith("after")]
+    assert sum(label.startswith("time [") for label in labels) == 1
+    assert len(labels) == len(set(labels))
+    assert sum("temperature" in label for label in labels) == 1  # its copy in kelvin shows nothing new
+    (ax, *_) = (ax for ax in figure.axes if ax.get_xlabel().startswith("time ["))
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["2 left out"]
+
+
+def test_a_worse_model_looks_worse(diagnosis: echocal.Diagnosis) -> None:
+    traces = diagnosis.traces
+    worse = replace(diagnosis, traces=replace(traces, before=traces.after, after=traces.before))
+    limits = []
+    for which in ("before", "after"):
+        plot_residuals(worse, ax := Figure().add_subplot(), "temperature", which)
+        limits.append(ax.get_ylim())
+    assert limits[0] == limits[1]
+    assert "same scale" in ax.get_title(loc="left")
+
+
+def test_the_bar_of_the_reported_cause_is_there_and_dark(diagnosis: echocal.Diagnosis) -> None:
+    others = tuple(((f"column_{place}",), 0.13) for place in range(7))
+    cause = Cause("zero_error", "effect", 0.09, (), (), "all rows")
+    one = replace(diagnosis, causes=(cause,), refuted=(), posterior=(*others, (("zero_error",), 0.09)))
+    plot_posterior(one, ax := Figure().add_subplot())
+    labels = [label.get_text() for label in ax.get_yticklabels()]
+    assert labels[-1] == "zero_error"
+    colors = [bar.get_facecolor() for bar in ax.patches]  # type: ignore[attr-defined]
+    assert colors[-1] not in colors[:-1]
+    assert "dark: sets with a cause that the verdict reports" in ax.get_title(loc="left")
+
+
+@pytest.mark.parametrize(("form", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_plots_in_other_formats(
+    form: str, start: bytes, random: np.random.Generator, run: Callable[..., tuple[int, str]]
+) -> None:
+    pd.DataFrame(logged(random, 1e-3)).to_csv("log.csv", index=False)
+    words = ("diagnose", "log.csv", "--base", "343", "--quiet", "--plots", "plots", "--plot-format")
+    assert run(*words, form)[0] == 0
+    files = sorted(Path("plots").iterdir())
+    assert {file.suffix for file in files} == {f".{form}"}
+    assert {"residuals", "gain", "posterior", "next"} <= {file.stem for file in files}
+    assert all(file.read_bytes().startswith(start) for file in files)
+    assert run(*words, form)[0] == 0  # again, over its own pictures
+    code, said = run(*words, "bmp")
+    assert (code, "png, svg, pdf" in said) == (2, True)

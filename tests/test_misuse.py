@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal import DataError, DataWarning, Model, ModelError, UsageError
+from echocal import DataError, DataWarning, DomainWarning, Model, ModelError, UsageError
 from echocal.observations.text import Layout
 
 CODES = (1.0, 0.0, 2.0)
@@ -401,3 +401,35 @@ def test_placements_of_few_rows_are_judged_or_refused(each: int, random: np.rand
             echocal.diagnose(table, constant_distance=True)
     else:
         assert echocal.diagnose(table, constant_distance=True).verdict
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda: echocal.speed_of_sound(20, 50),
+            "relative_humidity is 50, outside 0 .. 1.05: it is",
+        ),
+        (lambda: echocal.speed_of_sound(500, 0.5), "temperature is 500, outside -100 .. 200"),
+        (lambda: echocal.speed_of_sound([20.0], [50.0]), "relative_humidity is 50"),
+        (lambda: echocal.speed_of_sound(np.full(1000, 293.15), 0.5), "temperature is 293.15"),
+        (lambda: echocal.distance(0.01, 20.0, 0.5, 1013.25), "1013 hPa is 101300"),
+        (lambda: echocal.time_of_flight(1.0, 20.0, 0.5, 101325, 400), "400 ppm is 4e-4"),
+        (lambda: echocal.error(1.0, np.array([20.0]), np.array([50.0])), "relative_humidity is 50"),
+        (lambda: echocal.absorption(20.0, 50.0, 101325.0, 40e3), "relative_humidity is 50"),
+    ],
+)
+def test_another_unit_of_the_air_is_told(call: Callable[[], Any], said: str) -> None:
+    with pytest.warns(DomainWarning) as warned:
+        call()
+    assert len(warned) == 1
+    assert said in str(warned[0].message)
+    assert warned[0].filename == __file__
+
+
+def test_unusual_air_is_no_other_unit() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        echocal.speed_of_sound(-60.0, 1.0, 30e3)
+        echocal.speed_of_sound(np.linspace(-90, 150, 100), 1.02, 110e3, 0.1)
+        assert np.isnan(echocal.speed_of_sound(np.nan, 0.5))

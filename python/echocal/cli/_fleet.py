@@ -35,6 +35,7 @@ class Outputs:
     results: Path | None
     plots: Path | None
     json: str | None
+    plot_format: str = "png"
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ def diagnose_sensors(
     if outputs.plots is not None:
         from echocal.plots.fleet import save_fleet  # matplotlib takes a second to import
 
-        save_fleet(fleet.summary, outputs.plots)
+        save_fleet(fleet.summary, outputs.plots, outputs.plot_format)
     write_json(fleet.summary, outputs.json)
     if not quiet and outputs.json != "-":
         print_fleet(fleet.summary, Console())
@@ -161,7 +162,9 @@ def _check(inputs: Sequence[Path], used: Sequence[str | None], outputs: Outputs,
         there = [] if folder is None or not folder.is_dir() else [file.name for file in folder.glob("*.json")]
         check_outputs(*made_in(folder, option, there, recognize), inputs=every, folder=folder, force=force)
     if outputs.plots is not None:
+        from echocal.plots.files import in_form
         from echocal.plots.fleet import PICTURES
 
-        pictures = made_in(outputs.plots, "--plots", PICTURES, _made_by.picture("diagnose"))
+        names = in_form(PICTURES, outputs.plot_format)
+        pictures = made_in(outputs.plots, "--plots", names, _made_by.picture("diagnose"))
         check_outputs(*pictures, inputs=every, folder=outputs.plots, force=force)

@@ -13,10 +13,14 @@ from echocal.cli._made_by import Recognize
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "check_outputs", "made_in", "pass_on"]
+__all__ = ["Force", "Output", "PlotFormat", "check_outputs", "made_in", "pass_on"]
 
 Force: TypeAlias = Annotated[
     bool, typer.Option("--force", help="Replace existing files that this command did not make.")
+]
+
+PlotFormat: TypeAlias = Annotated[
+    str, typer.Option(metavar="png|svg|pdf", help="Format of the plots of --plots.")
 ]
 
 

@@ -37,6 +37,7 @@ class Outputs:
     models: Path | None
     plots: Path | None
     json: str | None
+    plot_format: str = "png"
 
 
 def told_apart(more: Sequence[str] | None) -> tuple[list[Path], list[str]]:
@@ -85,7 +86,12 @@ def diagnose_tables(
         folder=outputs.models,
         force=force,
     )
-    check_outputs(*_pictures(outputs.plots), inputs=[*tables, *inputs], folder=outputs.plots, force=force)
+    check_outputs(
+        *_pictures(outputs.plots, outputs.plot_format),
+        inputs=[*tables, *inputs],
+        folder=outputs.plots,
+        force=force,
+    )
     with bar(quiet) as shown, noted(quiet, DomainWarning):
         task = shown.add_task("reading", total=None)
         pooled = diagnose_many(
@@ -105,7 +111,7 @@ def diagnose_tables(
     if outputs.plots is not None:
         from echocal.plots.pooled import save_pooled  # matplotlib takes a second to import
 
-        save_pooled(pooled, outputs.plots)
+        save_pooled(pooled, outputs.plots, outputs.plot_format)
     write_json(pooled.to_dict(), outputs.json)
     if not quiet and outputs.json != "-":
         print_pooled(pooled, Console())
@@ -130,9 +136,10 @@ def _shared(folder: Path | None, table: Path) -> list[Output]:
     return [*made_in(folder, "--models", [_SHARED], _made_by.model("diagnose", table)), *index]
 
 
-def _pictures(folder: Path | None) -> list[Output]:
+def _pictures(folder: Path | None, form: str) -> list[Output]:
     if folder is None:
         return []
+    from echocal.plots.files import in_form
     from echocal.plots.pooled import PICTURES  # matplotlib takes a second to import
 
-    return made_in(folder, "--plots", PICTURES, _made_by.picture("diagnose"))
+    return made_in(folder, "--plots", in_form(PICTURES, form), _made_by.picture("diagnose"))

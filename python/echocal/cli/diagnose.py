@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 
 from echocal.cli import _fleet, _made_by, _pool
-from echocal.cli._outputs import Force, Output, check_outputs, made_in
+from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
 from echocal.cli._tables import (
     At,
     Columns,
@@ -95,6 +95,7 @@ def command(
         ),
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
+    plot_format: PlotFormat = "png",
     report: Annotated[
         Path | None,
         typer.Option(metavar="OUT.html", help="Write one page to read in a browser, to print or to send."),
@@ -193,7 +194,7 @@ def command(
                 used,
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading,
-                _fleet.Outputs(output, models, results, plots, json),
+                _fleet.Outputs(output, models, results, plots, json, plot_format),
                 _fleet.How(kind, memory, workers, engine or "local"),
                 force=force,
                 quiet=quiet,
@@ -206,7 +207,7 @@ def command(
             used,
             {**request, "base": _base(base)},
             reading,
-            _pool.Outputs(models, plots, json),
+            _pool.Outputs(models, plots, json, plot_format),
             force=force,
             quiet=quiet,
         )
@@ -217,7 +218,7 @@ def command(
         Output("--json", json, _made_by.result("echocal.diagnosis")),
         Output("--rows", rows, _made_by.table("diagnose")),
         Output("--report", report, _made_by.report("diagnose")),
-        *_pictures(plots),
+        *_pictures(plots, plot_format),
         inputs=[data, *_file(base), *toml_files(column)],
         folder=plots,
         force=force,
@@ -244,7 +245,7 @@ def command(
         whole = diagnosis.model_with_shape if with_shape else diagnosis.model_with_smooth
     if model is not None:
         whole = _made_by.sign(whole, "diagnose", data, model)
-    _write(diagnosis, whole, model, plots)
+    _write(diagnosis, whole, model, plots, plot_format)
     write_json(diagnosis.to_dict(), json)
     if report is not None:
         from echocal.report.html import save_report  # plotly takes a while to import
@@ -295,19 +296,20 @@ def _refuse_fleet_options(is_fleet: bool, given: dict[str, object]) -> None:
         raise UsageError(message)
 
 
-def _pictures(folder: Path | None) -> list[Output]:
+def _pictures(folder: Path | None, form: str) -> list[Output]:
     if folder is None:
         return []
     from echocal.plots.diagnosis import PICTURES  # matplotlib takes a second to import
+    from echocal.plots.files import in_form
 
-    return made_in(folder, "--plots", PICTURES, _made_by.picture("diagnose"))
+    return made_in(folder, "--plots", in_form(PICTURES, form), _made_by.picture("diagnose"))
 
 
-def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path | None) -> None:
+def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path | None, form: str) -> None:
     if plots is not None:  # first: it creates the folder, which may also receive the model
         from echocal.plots.diagnosis import save_diagnosis  # matplotlib takes a second to import
 
-        save_diagnosis(diagnosis, plots)
+        save_diagnosis(diagnosis, plots, form)
     if model is not None:
         whole.save(model)
 

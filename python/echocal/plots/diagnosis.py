@@ -7,17 +7,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.findings.sentences import shown
-from echocal.diagnose.results.explain import class_texts
-from echocal.diagnose.results.followed import binned, by_correlation
 from echocal.errors import writing
-from echocal.plots.files import save_figure
-from echocal.plots.labels import fitted, title_beside
+from echocal.plots.files import in_form, save_figure
+from echocal.plots.labels import title_beside
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior
+from echocal.plots.residuals import AFTER, BEFORE, plot_residuals, residuals_figure
 from echocal.plots.smooth import TERM, smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
@@ -26,19 +23,10 @@ __all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "residua
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png", "smooth.png")
 """Names of the files that `save_diagnosis` can write; the last two if there is such a function."""
 
-_BEFORE, _AFTER, _FLOOR = (
-    "#e0862a",
-    "#155a75",
-    "#8a8a8a",
-)  # light and dark: different without color, too
-_PANELS = 4
-_SUMMARY = 140  # characters of a line above all panels
-_LABEL = 55  # characters of a line below a panel
-_FEW = 200  # rows that are visible one by one
-_ENOUGH = 5  # fewest rows of a mean that is drawn
+_FLOOR = "#8a8a8a"
 
 
-def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
+def save_diagnosis(diagnosis: Diagnosis, folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``residuals.png``, ``gain.png``, ``posterior.png`` and ``next.png``.
 
     If there is an unexplained term, ``unexplained.png`` shows it. If a smooth correction is offered,
@@ -49,6 +37,8 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
     diagnosis : Diagnosis
     folder : path
         Created if it does not exist.
+    form : {"png", "svg", "pdf"}
+        Format of the files, which is their ending, too.
 
     Returns
     -------
@@ -69,7 +59,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path) -> list[Path]:
             None if diagnosis.unexplained is None else _single(diagnosis, plot_unexplained, (6.5, 3.6)),
             smooth_figure(diagnosis) if diagnosis.smooth is not None and diagnosis.smooth.offered else None,
         ]
-        named = zip(PICTURES, figures, strict=True)
+        named = zip(in_form(PICTURES, form), figures, strict=True)
         paths = {folder / name: figure for name, figure in named if figure is not None}
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
@@ -84,82 +74,6 @@ def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Fi
     return figure
 
 
-def residuals_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the residuals against the most telling columns, before and after."""
-    against = by_correlation(diagnosis)[:_PANELS]
-    rows = max(1, -(-len(against) // 2))
-    figure = Figure(figsize=(10.0, 0.4 + 2.7 * rows), layout="constrained")
-    axes = figure.subplots(rows, min(2, max(1, len(against))), squeeze=False).ravel()
-    for ax, name in zip(axes, against, strict=False):
-        plot_residuals(diagnosis, ax, name)
-    for ax in axes[len(against) :]:
-        ax.axis("off")
-    if against:
-        axes[0].legend(loc="best", frameon=False)
-    figure.suptitle(_summary(diagnosis), fontsize=10)
-    return figure
-
-
-def _summary(diagnosis: Diagnosis) -> str:
-    gain = diagnosis.gain
-    if gain is None:
-        return "residuals, against the columns that they follow most"
-    text = f"RMS error on {gain.judged_rows}: {1e3 * gain.rms_before_m:.2f} mm with the base"
-    if len(gain.ladder) > 1:
-        text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
-    lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
-    return "\n".join(textwrap.fill(line, _SUMMARY) for line in lines)
-
-
-def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str) -> None:
-    """Residuals against one column, of the base and of the model, with the means of thirty bins.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
-    against : str
-        A name in ``diagnosis.traces.against``.
-    """
-    traces = diagnosis.traces
-    same = np.array_equal(traces.before, traces.after, equal_nan=True)
-    values, label = shown(against, traces.against[against])
-    for residual, color, width, name in (
-        (
-            traces.before,
-            _BEFORE,
-            *((1.6, "base, not extended") if same else (3.2, "base")),
-        ),  # wide, so that it is visible below the other
-        (traces.after, _AFTER, 1.6, "extended model"),
-    )[: 1 if same else 2]:
-        finite = np.isfinite(residual)
-        x, y = values[finite], 1e3 * residual[finite]
-        few = len(x) <= _FEW
-        ax.plot(x, y, "o", color=color, mew=0, markersize=5 if few else 2.5, alpha=_opacity(len(x)))
-        ax.plot(*_binned(x, y), "-", color=color, linewidth=width, label=name)
-    middle = 1e3 * np.nanpercentile(np.concatenate([traces.before, traces.after]), [0.5, 99.5])
-    room = 0.25 * np.ptp(middle) + 1e-3
-    ax.set_ylim(middle[0] - room, middle[1] + room)
-    ax.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
-    ax.set(xlabel=fitted(label, _LABEL), ylabel="residual [mm]")
-
-
-def _opacity(rows: int) -> float:
-    """Lower with more points: few points stay visible, and many do not hide the mean."""
-    return float(np.clip(200 / max(rows, 1), 0.12, 0.9))
-
-
-def _binned(
-    x: NDArray[np.float64], y: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Means of bins with about equally many rows; of many rows, bins with few rows are left out."""
-    bins = binned(x)
-    rows = np.bincount(bins)
-    filled = rows >= (1 if len(x) <= _FEW else min(_ENOUGH, rows.max()))
-    means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]
-    return means[0], means[1]
-
-
 def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     """Error on cross-validated or held-out rows, as the causes are added.
 
@@ -172,11 +86,11 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     if gain is None:
         ax.text(0.5, 0.5, "the gain was not measured", ha="center", transform=ax.transAxes)
         return
-    rungs = [(f"+ {ids[-1]}" if ids else "base", rms, _AFTER if ids else _BEFORE) for ids, rms in gain.ladder]
+    rungs = [(f"+ {ids[-1]}" if ids else "base", rms, AFTER if ids else BEFORE) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:
         rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
     if len(gain.ladder) > 1 and gain.judged_rows != "held-out rows":
-        rungs.append(("chosen by each fold", gain.rms_after_m, _AFTER))
+        rungs.append(("chosen by each fold", gain.rms_after_m, AFTER))
     smooth = diagnosis.smooth
     if smooth is not None and smooth.offered and smooth.rms_after_m is not None:
         rungs.append(("+ smooth correction", smooth.rms_after_m, TERM))

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from echocal.errors import writing
-from echocal.plots.files import save_figure
+from echocal.plots.files import in_form, save_figure
 
 __all__ = ["PICTURES", "plot_counts", "plot_errors", "save_fleet"]
 
@@ -22,7 +22,7 @@ _MOST = 15  # causes that are drawn
 _CLAIMED, _NAMED, _BEFORE, _AFTER = "#c9d8de", "#155a75", "#e0862a", "#155a75"
 
 
-def save_fleet(summary: Mapping[str, Any], folder: str | Path) -> list[Path]:
+def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``fleet.png``: in how many sensors each cause is, and what it costs there.
 
     Parameters
@@ -31,6 +31,8 @@ def save_fleet(summary: Mapping[str, Any], folder: str | Path) -> list[Path]:
         Schema ``echocal.fleet/1``.
     folder : path
         Created if it does not exist.
+    form : {"png", "svg", "pdf"}
+        Format of the file, which is its ending, too.
 
     Returns
     -------
@@ -58,8 +60,9 @@ def save_fleet(summary: Mapping[str, Any], folder: str | Path) -> list[Path]:
         figure.suptitle(f"{summary['sensors']} sensors: {verdicts}", fontsize=9)
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-        save_figure(figure, folder / PICTURES[0], "diagnose")
-    return [folder / name for name in PICTURES]
+        (path,) = (folder / name for name in in_form(PICTURES, form))
+        save_figure(figure, path, "diagnose")
+    return [path]
 
 
 def plot_counts(causes: list[Mapping[str, Any]], ax: Axes) -> None:

@@ -12,7 +12,7 @@ from echocal.diagnose.pooling.explain import lead
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.errors import writing
-from echocal.plots.files import save_figure
+from echocal.plots.files import in_form, save_figure
 
 __all__ = ["PICTURES", "plot_sizes", "save_pooled"]
 
@@ -25,7 +25,7 @@ _NAMED = 60  # tables whose names are written
 _WIDEST = 4.0  # times the spread of the other intervals, beyond which one is cut off
 
 
-def save_pooled(pooled: PooledDiagnosis, folder: str | Path) -> list[Path]:
+def save_pooled(pooled: PooledDiagnosis, folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``sizes.png``: the sizes of the shared causes in each table.
 
     Parameters
@@ -33,6 +33,8 @@ def save_pooled(pooled: PooledDiagnosis, folder: str | Path) -> list[Path]:
     pooled : PooledDiagnosis
     folder : path
         Created if it does not exist.
+    form : {"png", "svg", "pdf"}
+        Format of the file, which is its ending, too.
 
     Returns
     -------
@@ -59,8 +61,9 @@ def save_pooled(pooled: PooledDiagnosis, folder: str | Path) -> list[Path]:
         figure.suptitle(f"{pooled.verdict}: {lead(pooled)}", fontsize=9)
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-        save_figure(figure, folder / PICTURES[0], "diagnose")
-    return [folder / name for name in PICTURES]
+        (path,) = (folder / name for name in in_form(PICTURES, form))
+        save_figure(figure, path, "diagnose")
+    return [path]
 
 
 def plot_sizes(cause: PooledCause, name: str, ax: Axes) -> None:

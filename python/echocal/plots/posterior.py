@@ -12,7 +12,7 @@ from echocal.plots.labels import title_beside
 
 __all__ = ["plot_posterior"]
 
-_COLOR = "#155a75"
+_COLOR, _OTHER = "#155a75", "#a9b6bd"  # sets with a cause that the verdict reports, and the others
 _MOST = 6  # bars
 _FEWEST = 2  # bars that there is always room for, so that a single one is not too high
 _WIDTH = 46  # characters of a label's line
@@ -26,14 +26,16 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     diagnosis : Diagnosis
     ax : matplotlib.axes.Axes
     """
-    groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_MOST]
+    claimed = {cause.id for cause in diagnosis.causes if cause.in_model or cause.kind != "effect"}
+    groups = _chosen(diagnosis, claimed)
     common = in_common(groups)
     labels = []
     for place, group in enumerate(groups):
-        labels.append(textwrap.fill(group.beyond(common), _WIDTH))
+        labels.append(textwrap.fill(_label(group, common), _WIDTH))
+        color = _COLOR if _has(group, claimed) else _OTHER
         left = 0.0
         for share in group.shares:
-            ax.barh(place, share, left=left, height=0.6, color=_COLOR, edgecolor="white", linewidth=0.8)
+            ax.barh(place, share, left=left, height=0.6, color=color, edgecolor="white", linewidth=0.8)
             left += share
         ax.text(left + 0.015, place, f"{left:.3f}", va="center")
     ax.set_yticks(range(len(groups)), labels)
@@ -46,15 +48,35 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     said = lead(diagnosis)
     finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
     width = title_beside(labels, ax)
-    told = (finding, *class_texts(diagnosis), *_remarks(groups, common))
+    told = (finding, *class_texts(diagnosis), *_remarks(groups, common, claimed))
     lines = [textwrap.fill(text, width) for text in told]
     ax.set_title("\n".join(lines), fontsize=8, loc="left")
 
 
-def _remarks(groups: list[Group], common: Set[str]) -> list[str]:
+def _chosen(diagnosis: Diagnosis, claimed: Set[str]) -> list[Group]:
+    """The most probable groups; the first one with a reported cause is among them."""
+    every = [group for group in grouped(diagnosis) if group.probability >= LEAST]
+    chosen = every[:_MOST]
+    own = next((group for group in every if _has(group, claimed)), None)
+    return chosen if own is None or own in chosen else [*chosen[:-1], own]
+
+
+def _has(group: Group, claimed: Set[str]) -> bool:
+    """Whether a cause that the verdict reports is in the sets of a group."""
+    return any(not claimed.isdisjoint(group.members.get(name, name.split(" or "))) for name in group.classes)
+
+
+def _label(group: Group, common: Set[str]) -> str:
+    """What acts beyond the causes of all sets; the set without more is these causes themselves."""
+    return group.beyond(common) if set(group.classes) - common else " + ".join(group.classes) or "no effect"
+
+
+def _remarks(groups: list[Group], common: Set[str], claimed: Set[str]) -> list[str]:
     remarks = []
     if common:
         remarks.append(f"in every set: {', '.join(sorted(common))}")
+    if len({_has(group, claimed) for group in groups}) > 1:
+        remarks.append("dark: sets with a cause that the verdict reports")
     if any(len(group.shares) > 1 and group.shares[1] >= LEAST for group in groups):
         remarks.append("the parts of a bar are sets that these data cannot separate")
     for name, members in {name: m for group in groups for name, m in group.members.items()}.items():

@@ -12,7 +12,7 @@ from echocal.calibrate import Calibration
 from echocal.diagnose import Diagnosis
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.plots.diagnosis import residuals_figure
+from echocal.plots.residuals import residuals_figure
 from echocal.plots.sweep import plot_sweep
 from echocal.sweep import sweep
 from echocal.verify import Verification

@@ -9,7 +9,7 @@ use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::batch::{Entry, Input, Label, Options, Threads, call};
+use crate::batch::{ANY, Entry, Input, Label, Options, Threads, call};
 use crate::border::{Column, same_length};
 use crate::errors::to_python;
 use crate::laws::LawText;
@@ -188,11 +188,13 @@ impl CoreModel {
             name: facts.name,
             given: given.as_ref(),
             default: facts.default.unwrap_or(f64::NAN),
+            range: ANY, // the Python side tells the domain
         });
         let first = Input {
             name,
             given: Some(first),
             default: f64::NAN,
+            range: ANY, // the Python side tells the domain
         };
         let inputs: Vec<_> = iter::once(first).chain(recorded).collect();
         let options = Options {

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt};
 
+use super::absurd::Range;
 use crate::errors::raise;
 
 /// An input as given, and the value that it has when it is not.
@@ -10,6 +11,8 @@ pub struct Input<'a, 'py> {
     pub name: &'static str,
     pub given: Option<&'a Bound<'py, PyAny>>,
     pub default: f64,
+    /// Beyond it another unit is meant.
+    pub range: Range,
 }
 
 /// What a function returns, for results that carry labels.

@@ -6,6 +6,7 @@ use echocal_core::batch::available_threads;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyTuple};
 
+use super::absurd::{look_at_arrays, look_at_numbers};
 use super::arguments::{Input, Label, Options, Threads};
 use super::cache::Entry;
 use super::direct::direct;
@@ -27,9 +28,11 @@ pub fn call<'py>(
         if options.out.is_none()
             && let Some(values) = numbers(inputs)
         {
+            look_at_numbers(py, inputs, &values)?;
             let value = kernel.evaluate(&values[..inputs.len()]);
             return Ok(PyFloat::new(py, value).into_any());
         }
+        look_at_arrays(py, inputs)?;
         let threads = threads(options.n_threads);
         if let Some(result) = direct(py, kernel, inputs, options.out, threads) {
             return Ok(result);

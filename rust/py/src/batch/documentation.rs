@@ -19,7 +19,8 @@ macro_rules! law {
     () => {
         "law : str, default \"cramer\"
     Law for the speed of sound: a name of `laws()`, or an expression such as \"331.3+0.606*T\".
-    Outside its domain nothing is clamped and, for speed, nothing said: `departures` tells the rows.
+    Outside its domain nothing is clamped; to be fast, `domain_violations` tells the rows, and not this
+    function.
 frequency : array_like, default 0.0
     Frequency of the sound [Hz]; at 0 the air does not disperse."
     };
@@ -45,6 +46,11 @@ Returns
             "
     A float for plain numbers; else of the inputs' broadcast shape, of their type (pandas,
     xarray, dask, polars) and precision (float32 stays float32). NaN where an input is NaN.
+
+Warns
+-----
+DomainWarning
+    If a number, or one of 64 elements of an array, is no such quantity of air: 50 for a relative humidity.
 
 Raises
 ------

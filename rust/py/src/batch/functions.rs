@@ -4,6 +4,7 @@ use echocal_core::Quantity;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 
+use super::absurd::{ANY, Range, range_of};
 use super::arguments::{Input, Options, Threads};
 use super::cache::{DEFAULT_LAW, Function, entry};
 use super::call::call;
@@ -52,7 +53,7 @@ pub fn speed_of_sound<'py>(
     n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
-        given("temperature", temperature),
+        temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
         recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
@@ -107,7 +108,7 @@ pub fn time_of_flight<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("distance", distance),
-        given("temperature", temperature),
+        temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
         recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
@@ -165,7 +166,7 @@ pub fn distance<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("time_of_flight", time_of_flight),
-        given("temperature", temperature),
+        temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
         recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
@@ -225,7 +226,7 @@ pub fn error<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
         given("distance", distance),
-        given("temperature", temperature),
+        temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
         recorded(Quantity::Co2MoleFraction, co2_mole_fraction),
@@ -287,9 +288,9 @@ pub fn absorption<'py>(
     n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
-        given("temperature", temperature),
-        given("relative_humidity", relative_humidity),
-        given("pressure", pressure),
+        temperature_of(temperature),
+        ranged(given("relative_humidity", relative_humidity)),
+        ranged(given("pressure", pressure)),
         given("frequency", frequency),
     ];
     let options = Options {
@@ -309,7 +310,21 @@ fn given<'a, 'py>(name: &'static str, value: &'a Bound<'py, PyAny>) -> Input<'a,
 /// A quantity of the air, by default as everywhere.
 fn recorded<'a, 'py>(quantity: Quantity, given: Argument<'a, 'py>) -> Input<'a, 'py> {
     let facts = quantity.facts();
-    or(facts.name, given, facts.default.unwrap_or(f64::NAN))
+    ranged(or(facts.name, given, facts.default.unwrap_or(f64::NAN)))
+}
+
+fn temperature_of<'a, 'py>(value: &'a Bound<'py, PyAny>) -> Input<'a, 'py> {
+    const RANGE: Range = range_of("temperature");
+    Input {
+        range: RANGE,
+        ..given("temperature", value)
+    }
+}
+
+/// With the range beyond which another unit is meant.
+fn ranged<'a, 'py>(input: Input<'a, 'py>) -> Input<'a, 'py> {
+    let range = input.given.map_or(ANY, |_| range_of(input.name));
+    Input { range, ..input }
 }
 
 fn or<'a, 'py>(name: &'static str, given: Argument<'a, 'py>, default: f64) -> Input<'a, 'py> {
@@ -317,6 +332,7 @@ fn or<'a, 'py>(name: &'static str, given: Argument<'a, 'py>, default: f64) -> In
         name,
         given,
         default,
+        range: ANY,
     }
 }
 
