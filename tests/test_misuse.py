@@ -152,10 +152,12 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         UsageError,
         "reading_speed is an argument for reading a table; pass it to read_observations",
     ),
-    "a table where observations are due": (
-        lambda: echocal.calibrate(TABLE, Model("linear"), fit=["zero_error"]),  # type: ignore[arg-type]
+    "reading observations for a verification": (
+        lambda: echocal.calibrate(
+            echocal.read_observations(TABLE), Model("linear"), ["zero_error"], at={"a": 1}
+        ),
         UsageError,
-        "calibrate needs observations, got dict; echocal.read_observations makes them",
+        "decimal is an argument for reading a table; pass it to read_observations",
     ),
     "colder than cold": (
         lambda: echocal.sweep("linear", temperature=-300.0),
