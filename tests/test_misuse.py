@@ -153,9 +153,7 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "reading_speed is an argument for reading a table; pass it to read_observations",
     ),
     "reading observations for a verification": (
-        lambda: echocal.calibrate(
-            echocal.read_observations(TABLE), Model("linear"), ["zero_error"], at={"a": 1}
-        ),
+        lambda: echocal.verify(echocal.read_observations(TABLE), maximum_permissible_error=1.0, decimal=","),
         UsageError,
         "decimal is an argument for reading a table; pass it to read_observations",
     ),
