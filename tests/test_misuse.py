@@ -151,10 +151,10 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         UsageError,
         "reading_speed is an argument for reading a table; pass it to read_observations",
     ),
-    "a table where observations are due": (
-        lambda: echocal.calibrate(TABLE, Model("linear"), fit=["zero_error"]),  # type: ignore[arg-type]
+    "reading observations for a verification": (
+        lambda: echocal.verify(echocal.read_observations(TABLE), maximum_permissible_error=1.0, decimal=","),
         UsageError,
-        "calibrate needs observations, got dict; echocal.read_observations makes them",
+        "decimal is an argument for reading a table; pass it to read_observations",
     ),
     "colder than cold": (
         lambda: echocal.sweep("linear", temperature=-300.0),
