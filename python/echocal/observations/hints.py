@@ -216,8 +216,8 @@ def role_of(column: str) -> str:
         return "echo"
     if tokens & NEVER:
         return ""
-    if tokens & QUALITY and not tokens & {"air", "water"}:
-        return "echo_quality"
+    if tokens & QUALITY:
+        return "" if tokens & {"air", "water"} else "echo_quality"
     roles = (
         role for role, (_, known) in WORDS.items() if tokens & known and not tokens & NOT.get(role, set())
     )
