@@ -5,10 +5,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import echocal
-from echocal import DataError, DataWarning, DomainWarning, ModelError, UsageError
+from echocal import DataError, DataWarning, DomainWarning, Model, ModelError, UsageError
 
 
 def test_a_distance_that_the_table_denies_is_refused(random: np.random.Generator) -> None:
@@ -75,14 +76,21 @@ def test_placements_of_few_rows_are_judged_or_refused(each: int, random: np.rand
     [
         (
             lambda: echocal.speed_of_sound(20, 50),
-            "relative_humidity is 50, outside 0 .. 1.05: it is",
+            "relative_humidity is 50, not 0 .. 1.05: it is",
         ),
-        (lambda: echocal.speed_of_sound(500, 0.5), "temperature is 500, outside -100 .. 200"),
+        (lambda: echocal.speed_of_sound(500, 0.5), "temperature is 500, not -100 .. 200"),
         (lambda: echocal.speed_of_sound([20.0], [50.0]), "relative_humidity is 50"),
         (lambda: echocal.speed_of_sound(np.full(1000, 293.15), 0.5), "temperature is 293.15"),
         (lambda: echocal.distance(0.01, 20.0, 0.5, 1013.25), "1013 hPa is 101300"),
         (lambda: echocal.time_of_flight(1.0, 20.0, 0.5, 101325, 400), "400 ppm is 4e-4"),
         (lambda: echocal.error(1.0, np.array([20.0]), np.array([50.0])), "relative_humidity is 50"),
+        (lambda: echocal.distance(8700, 20.0), "time_of_flight is 8700, not at most 1: it is in s: 8700 us"),
+        (
+            lambda: echocal.time_of_flight(1500, 20.0),
+            "distance is 1500, not at most 100: it is in m: 1500 mm",
+        ),
+        (lambda: Model("343").correct(pd.Series([8700, 8701])), "indication is 8700, not at most 100"),
+        (lambda: Model("343").distance(np.array([8700.0])), "time is 8700, not at most 1"),
         (lambda: echocal.absorption(20.0, 50.0, 101325.0, 40e3), "relative_humidity is 50"),
     ],
 )
@@ -100,3 +108,27 @@ def test_unusual_air_is_no_other_unit() -> None:
         echocal.speed_of_sound(-60.0, 1.0, 30e3)
         echocal.speed_of_sound(np.linspace(-90, 150, 100), 1.02, 110e3, 0.1)
         assert np.isnan(echocal.speed_of_sound(np.nan, 0.5))
+
+
+def logged(**changed: Any) -> echocal.Observations:
+    times = pd.date_range("2024-05-01", periods=60, freq="h").to_numpy().copy()
+    for rows, value in changed.values():
+        times[rows] = value if isinstance(value, np.datetime64) else times[rows] + value
+    with warnings.catch_warnings(action="ignore"):
+        return echocal.read_observations(
+            {"time": times, "echo_us": np.full(60, 8700), "temperature_C": [20.0] * 60}
+        )
+
+
+def test_rows_of_a_clock_that_was_not_set_have_no_time() -> None:
+    data = logged(unset=(slice(3, 9), np.datetime64("1970-01-01T00:00:07")))
+    assert data.unusable_counts == {"time before 1990": 6}
+    assert np.nanmax(data.conditions["elapsed_time"]) == 59 * 3600.0
+
+
+def test_a_clock_that_goes_back_or_stands_still_is_told() -> None:
+    back = logged(back=(slice(40, None), np.timedelta64(-3, "D"))).notes
+    assert any("time goes back in 1 row, first at row 41, by 255600 s" in note for note in back)
+    still = logged(still=(slice(40, 44), np.datetime64("2024-05-02T15:00"))).notes
+    assert any("time is that of the row before in 4 rows, first at row 41" in note for note in still)
+    assert not any("goes back" in note or "row before" in note for note in logged().notes)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError
 from echocal.model import Model
-from echocal.observations import checks, clock, labels
+from echocal.observations import checks, clock, labels, odd_times
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
@@ -88,12 +88,15 @@ class Assembly:
         if source.name == "time":
             given = self.table[source.column]
             self.time, outside = clock.instants(given, source.column, self.time_zone, self.time_format)
+            unset = np.zeros(len(outside), dtype=np.bool_) if self.part else odd_times.not_set(self.time)
+            self.time = np.where(unset, np.datetime64("NaT"), self.time)
             values = clock.elapsed(self.time, None if self.part is None else self.part.start)
             self._mark(outside, f"{source.column} out of range", source)
-            self._check_filled(np.where(outside, np.inf, values), source)
+            self._mark(unset, f"{source.column} before 1990", source)
+            self._check_filled(np.where(outside | unset, np.inf, values), source)
             if self.part is None:
                 self.notes += checks.outside_years(given, outside, source)
-                self.notes += checks.newest_first(values, source)
+                self.notes += self._order(values, source)
             return values
         checks.refuse_truth(self.table[source.column], source)
         values = self._numbers(source.column, source)
@@ -110,8 +113,12 @@ class Assembly:
         if quantity == "elapsed_time":
             values = self._since_start(values)
             if self.part is None:
-                self.notes += checks.newest_first(values, source)
+                self.notes += self._order(values, source)
         return values
+
+    def _order(self, values: Column, source: Assignment) -> list[str]:
+        bursts = bool({"group", "order"} & set(self.plan.assignments))
+        return [*checks.newest_first(values, source), *odd_times.said_of_order(values, source, bursts=bursts)]
 
     def _numbers(self, column: str, source: Assignment | None = None) -> Column:
         """Numbers of a column; a few texts in it make their rows unusable."""

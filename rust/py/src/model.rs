@@ -9,7 +9,7 @@ use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::batch::{ANY, Entry, Input, Label, Options, Threads, call};
+use crate::batch::{ANY, Entry, Input, Label, Options, Threads, call, range_of};
 use crate::border::{Column, same_length};
 use crate::errors::to_python;
 use crate::laws::LawText;
@@ -189,12 +189,14 @@ impl CoreModel {
             given: given.as_ref(),
             default: facts.default.unwrap_or(f64::NAN),
             range: ANY, // the Python side tells the domain
+            depth: 1,
         });
         let first = Input {
             name,
             given: Some(first),
             default: f64::NAN,
-            range: ANY, // the Python side tells the domain
+            range: range_of(name),
+            depth: 3,
         };
         let inputs: Vec<_> = iter::once(first).chain(recorded).collect();
         let options = Options {

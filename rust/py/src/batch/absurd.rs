@@ -21,8 +21,18 @@ pub const ANY: Range = (f64::NEG_INFINITY, f64::INFINITY);
 /// Elements of an array that are looked at, evenly spaced: a wrong unit is wrong in all of them.
 const SAMPLE: usize = 64;
 
+/// Of a distance: no ultrasound comes back from so far through air.
+const LENGTH: Range = (f64::NEG_INFINITY, 100.0);
+const TIME: Range = (f64::NEG_INFINITY, 1.0);
+const IN_SECONDS: &str = "it is in s: 8700 us is 0.0087";
+const IN_METERS: &str = "it is in m: 1500 mm is 1.5";
+
 /// The range of an input, and what is meant: ice of carbon dioxide to an oven; 20 km of altitude to ten atmospheres.
-const KNOWN: [(&str, Range, &str); 4] = [
+const KNOWN: [(&str, Range, &str); 8] = [
+    ("time", TIME, IN_SECONDS),
+    ("time_of_flight", TIME, IN_SECONDS),
+    ("distance", LENGTH, IN_METERS),
+    ("indication", LENGTH, IN_METERS),
     ("temperature", (-100.0, 200.0), "it is in degC"),
     (
         "relative_humidity",
@@ -75,26 +85,60 @@ pub fn look_at_numbers(py: Python<'_>, inputs: &[Input<'_, '_>], values: &[f64])
 /// Warn of some elements of arrays that lie outside.
 pub fn look_at_arrays(py: Python<'_>, inputs: &[Input<'_, '_>]) -> PyResult<()> {
     for input in inputs.iter().filter(|input| input.range != ANY) {
+        let Some(given) = input.given else { continue };
         if let Some(value) = input.number() {
             look(py, input, value)?;
-        } else if let Some(list) = input.given.and_then(|given| given.cast::<PyList>().ok()) {
-            if let Ok(value) = list.get_item(0).and_then(|first| first.extract::<f64>()) {
-                look(py, input, value)?;
-            }
-        } else if let Some(array) = input
-            .given
-            .and_then(|given| given.cast::<PyUntypedArray>().ok())
-            && let Ok(array) = array.extract::<PyReadonlyArrayDyn<'_, f64>>()
-            && let Ok(rows) = array.as_slice()
+        } else if let Ok(list) = given.cast::<PyList>() {
+            let first = list.get_item(0).and_then(|first| first.extract::<f64>());
+            first.map_or(Ok(()), |value| look(py, input, value))?;
+        } else if let Ok(array) = given.cast::<PyUntypedArray>() {
+            look_at(py, input, array)?;
+        } else if is_pandas(given)
+            && let Ok(values) = given.getattr("values")
+            && let Ok(array) = values.cast::<PyUntypedArray>()
         {
-            for value in rows.iter().step_by(rows.len().div_ceil(SAMPLE).max(1)) {
-                if outside(input, *value) {
-                    return look(py, input, *value);
-                }
-            }
+            look_at(py, input, array)?;
         }
     }
     Ok(())
+}
+
+fn look_at(
+    py: Python<'_>,
+    input: &Input<'_, '_>,
+    array: &Bound<'_, PyUntypedArray>,
+) -> PyResult<()> {
+    if let Ok(array) = array.extract::<PyReadonlyArrayDyn<'_, f64>>() {
+        look_along(py, input, array.as_slice().unwrap_or_default(), |value| {
+            value
+        })
+    } else if let Ok(array) = array.extract::<PyReadonlyArrayDyn<'_, i64>>() {
+        #[allow(clippy::cast_precision_loss)] // only the size counts
+        let number = |value: i64| value as f64;
+        look_along(py, input, array.as_slice().unwrap_or_default(), number)
+    } else {
+        Ok(())
+    }
+}
+
+fn look_along<T: Copy>(
+    py: Python<'_>,
+    input: &Input<'_, '_>,
+    rows: &[T],
+    number: impl Fn(T) -> f64,
+) -> PyResult<()> {
+    let step = rows.len().div_ceil(SAMPLE).max(1);
+    let mut sample = rows.iter().step_by(step).map(|value| number(*value));
+    let strange = sample.find(|value| outside(input, *value));
+    strange.map_or(Ok(()), |value| look(py, input, value))
+}
+
+fn is_pandas(given: &Bound<'_, PyAny>) -> bool {
+    let module = given.get_type().module();
+    module.is_ok_and(|name| {
+        name.to_str()
+            .is_ok_and(|name| name == "pandas" || name.starts_with("pandas."))
+    })
 }
 
 fn outside(input: &Input<'_, '_>, value: f64) -> bool {
@@ -117,11 +161,16 @@ fn warn(py: Python<'_>, input: &Input<'_, '_>, value: f64) -> PyResult<()> {
         .map_or("", |(_, _, hint)| hint);
     let (low, high) = input.range;
     let message = format!(
-        "{} is {value}, outside {low} .. {high}: {hint}; the result means nothing",
-        input.name
+        "{} is {value}, not {}{high}: {hint}; the result means nothing",
+        input.name,
+        if low.is_finite() {
+            format!("{low} .. ")
+        } else {
+            "at most ".to_owned()
+        },
     );
     let category = py.import("echocal.errors")?.getattr("DomainWarning")?;
     let category = category.cast_into::<pyo3::types::PyType>()?;
     debug_assert!(category.is_subclass_of::<PyWarning>()?);
-    PyErr::warn(py, &category, &CString::new(message)?, 1)
+    PyErr::warn(py, &category, &CString::new(message)?, input.depth)
 }

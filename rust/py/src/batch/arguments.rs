@@ -13,6 +13,8 @@ pub struct Input<'a, 'py> {
     pub default: f64,
     /// Beyond it another unit is meant.
     pub range: Range,
+    /// Python calls between the user and this function, for a warning.
+    pub depth: i32,
 }
 
 /// What a function returns, for results that carry labels.

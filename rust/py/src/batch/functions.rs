@@ -107,7 +107,7 @@ pub fn time_of_flight<'py>(
     n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
-        given("distance", distance),
+        ranged(given("distance", distance)),
         temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
@@ -165,7 +165,7 @@ pub fn distance<'py>(
     n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
-        given("time_of_flight", time_of_flight),
+        ranged(given("time_of_flight", time_of_flight)),
         temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
@@ -225,7 +225,7 @@ pub fn error<'py>(
     n_threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let inputs = [
-        given("distance", distance),
+        ranged(given("distance", distance)),
         temperature_of(temperature),
         recorded(Quantity::RelativeHumidity, relative_humidity),
         recorded(Quantity::Pressure, pressure),
@@ -333,6 +333,7 @@ fn or<'a, 'py>(name: &'static str, given: Argument<'a, 'py>, default: f64) -> In
         given,
         default,
         range: ANY,
+        depth: 1,
     }
 }
 

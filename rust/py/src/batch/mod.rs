@@ -13,7 +13,7 @@ mod output;
 mod precision;
 mod ufunc;
 
-pub use absurd::ANY;
+pub use absurd::{ANY, range_of};
 pub use arguments::{Input, Label, Options, Threads};
 pub use cache::Entry;
 pub use call::call;
