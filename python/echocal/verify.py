@@ -14,8 +14,8 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.at import sentences
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
+from echocal.observations.given import observed
 from echocal.observations.stated import shifted, uncertain
-from echocal.observations.table import require_observations
 from echocal.shown import Shown
 from echocal.sweep import Range, sweep
 
@@ -77,18 +77,20 @@ class Verification(Shown):
 
 
 def verify(
-    observations: Observations,
+    observations: Any,
     *,
     maximum_permissible_error: float,
     model: Model | None = None,
     law: str = "linear",
+    **table: Any,
 ) -> Verification:
     """Compare indications with reference distances, row by row.
 
     Parameters
     ----------
-    observations : Observations
-        Rows with a reference distance.
+    observations : Observations, path, DataFrame, or mapping of str to array_like
+        Rows with a reference distance. Everything but `Observations` is read with
+        `echocal.read_observations`.
     maximum_permissible_error : float
         Bound for the magnitude of every error [m].
     model : Model, optional
@@ -96,6 +98,9 @@ def verify(
     law : str
         Law that turns echo times into indications where the table has no readings, and no model
         is given.
+    **table
+        Arguments of `echocal.read_observations`: ``columns``, ``missing``, ... The default of
+        ``reading_speed`` is the law of the model, if one is given.
 
     Returns
     -------
@@ -118,7 +123,7 @@ def verify(
     >>> result.passed, result.worst, round(result.maximum_error * 1e3, 2)
     (False, {'row': 2}, 8.89)
     """
-    require_observations(observations, "verify")
+    observations = observed(observations, verify, table, "" if model is None else model.law)
     observations.require("verification", reference_distance=True)
     assert observations.reference_distance is not None  # required above
     usable = np.flatnonzero(observations.usable)

@@ -20,14 +20,14 @@ from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.at import sentences
+from echocal.observations.given import observed
 from echocal.observations.stated import shifted, uncertain
-from echocal.observations.table import require_observations
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
 
 
 def calibrate(
-    observations: Observations,
+    observations: Any,
     model: Model | Form,
     fit: Sequence[str] | None = None,
     *,
@@ -35,13 +35,15 @@ def calibrate(
     standard_uncertainty: ArrayLike | None = None,
     loss: str = "linear",
     loss_scale: float | None = None,
+    **table: Any,
 ) -> Calibration:
     """Estimate parameters from measured data by bounded, robust least squares.
 
     Parameters
     ----------
-    observations : Observations
-        The data; a physical model needs reference distances.
+    observations : Observations, path, DataFrame, or mapping of str to array_like
+        The data; a physical model needs reference distances. Everything but `Observations` is read with
+        `echocal.read_observations`.
     model : Model or Form
         A physical model, or a data-driven form such as `Regression`.
     fit : sequence of str
@@ -58,6 +60,9 @@ def calibrate(
     loss_scale : float, optional
         Residual at which the loss turns robust [m, or standard uncertainties where these are
         given]; by default the scatter that the median absolute residual suggests.
+    **table
+        Arguments of `echocal.read_observations`: ``columns``, ``missing``, ... The default of
+        ``reading_speed`` is the law of the model.
 
     Returns
     -------
@@ -90,8 +95,8 @@ def calibrate(
     >>> round(found["fixed_delay.delay"].value * 1e6, 6)
     30.0
     """
-    require_observations(observations, "calibrate")
     form = _form(model, fit)
+    observations = observed(observations, calibrate, table, model.law if isinstance(model, Model) else "")
     if loss not in LOSSES:
         message = f"unknown loss '{loss}'; known: {', '.join(LOSSES)}"
         raise UsageError(message)
@@ -99,11 +104,11 @@ def calibrate(
     used = observations.usable
     sigma = _sigma(standard_uncertainty, len(observations))
     _require_rows(int(used.sum()), len(parameters), known=sigma is not None)
-    observed = form.observed(observations)
+    response = form.observed(observations)
     columns = {name: column[used] for name, column in form.columns(observations).items()}
-    _require_numbers({"the response": observed[used], **columns}, used)
+    _require_numbers({"the response": response[used], **columns}, used)
     rows_sigma = None if sigma is None else sigma[used]
-    solution = solve(Problem(form, observed[used], columns, parameters, rows_sigma), loss, loss_scale)
+    solution = solve(Problem(form, response[used], columns, parameters, rows_sigma), loss, loss_scale)
     covariance = solution.covariance
     for quantity, uncertainty in uncertain(observations).items():
         low, high = (
@@ -124,7 +129,7 @@ def calibrate(
         covariance=covariance,
         residuals=residuals,
         residual_standard_deviation=solution.residual_standard_deviation,
-        r_squared=_r_squared(observed[used], residuals[used], centered=form.has_intercept),
+        r_squared=_r_squared(response[used], residuals[used], centered=form.has_intercept),
         rows=_rows(observations),
         loss=loss,
         model=form.fitted(solution.values, covariance),

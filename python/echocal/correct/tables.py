@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,15 @@ from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.correct.uncertainty import Uncertainties
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
+from echocal.observations.given import refuse_keywords
 from echocal.observations.numbers import Missing
 from echocal.observations.plan import read_columns
 from echocal.observations.source import load
 
 __all__ = ["Corrected", "correct_table", "refuse_corrected", "results_of"]
+
+_READING = ("missing", "trust", "time_zone")
+"""Arguments of `echocal.read_observations` that act on a table in memory."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +32,7 @@ class Corrected:
 
     Attributes
     ----------
-    table : pandas.DataFrame, shape (n, m + 4)
+    table : pandas.DataFrame, or polars.DataFrame of such a table, shape (n, m + 4)
         The unchanged table, and ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
         ``status``, a reason code, and ``unusable``, its former name. A row
         outside of the range of a smooth correction has a reason and the distance without this correction.
@@ -41,7 +46,7 @@ class Corrected:
         Rows with a corrected distance and a reason code: outside of the range of a smooth correction.
     """
 
-    table: pd.DataFrame
+    table: Any
     rows: int
     unusable: dict[str, int]
     notes: tuple[str, ...]
@@ -49,7 +54,7 @@ class Corrected:
 
 
 def correct_table(
-    table: pd.DataFrame,
+    table: Any,
     model: Model,
     columns: Mapping[str, str] | None = None,
     *,
@@ -62,7 +67,7 @@ def correct_table(
 
     Parameters
     ----------
-    table : pandas.DataFrame, shape (n, m)
+    table : DataFrame of pandas or polars, or mapping of str to array_like, shape (n, m)
         Echoes; see `echocal.read_observations`.
     model : Model
         The model of air and device.
@@ -98,24 +103,22 @@ def correct_table(
     >>> correct_table(echoes, device).table["corrected_distance_m"].round(6).tolist()
     [2.000305, 1.001011]
     """
-    if not isinstance(table, pd.DataFrame):
-        message = f"correct_table corrects a pandas table, got {type(table).__name__}"
+    refuse_keywords(correct_table, options, _READING)
+    if isinstance(table, str | Path):
+        message = "correct_table corrects a table in memory; of a file: pandas.read_csv, or `echocal correct`"
         raise UsageError(message)
-    refuse_corrected(table.columns)
     whole = load(table)
+    refuse_corrected(whole.columns)
     requests = read_columns(columns)
     reading = Reading(
-        missing=options.pop("missing", ()),
-        trust=as_names(options.pop("trust", ())),
-        time_zone=options.pop("time_zone", "UTC"),
+        missing=options.get("missing", ()),
+        trust=as_names(options.get("trust", ())),
+        time_zone=options.get("time_zone", "UTC"),
         reading_speed=None if reading_speed is None else str(reading_speed),
         mark_rows=mark_rows,
         uncertainties=Uncertainties.of(uncertainties),
     )
     Missing(reading.missing).refuse_unknown(whole.columns)
-    if options:
-        message = f"correct_table has no option '{next(iter(options))}' for a table"
-        raise UsageError(message)
     read = needed(
         list(whole.columns),
         model,
@@ -127,7 +130,18 @@ def correct_table(
     rows = correct_rows(whole, model, read, reading)
     unusable, marked = counts(rows)
     notes = (*rows.notes, *said_of(marked))
-    return Corrected(table.assign(**results_of(rows)), len(table), unusable, notes, marked)
+    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, notes, marked)
+
+
+def _appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
+    """The table of the user with the results, of the kind that it is: pandas, polars; pandas of a mapping."""
+    if isinstance(table, pd.DataFrame):
+        return table.assign(**results)
+    if type(table).__module__.startswith("polars"):
+        import polars as pl  # the user has it
+
+        return table.with_columns([pl.Series(name, values.tolist()) for name, values in results.items()])
+    return whole.assign(**results)
 
 
 def results_of(rows: Rows) -> dict[str, NDArray[Any]]:

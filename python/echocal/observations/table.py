@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError
 from echocal.shown import Shown
 
-__all__ = ["Observations", "require_observations"]
+__all__ = ["Observations"]
 
 Column = NDArray[np.float64]
 
@@ -159,15 +159,6 @@ class Observations(Shown):
                 f"{f' (unusable: {counts})' if counts else ''}"
             )
             raise DataError(message)
-
-
-def require_observations(given: object, who: str) -> None:
-    """Raise `UsageError` where a function got anything but observations."""
-    if not isinstance(given, Observations):
-        message = (
-            f"{who} needs observations, got {type(given).__name__}; echocal.read_observations makes them"
-        )
-        raise UsageError(message)
 
 
 def _no_thermometer(quantity: str, column: str, observations: Observations) -> str:

@@ -143,10 +143,10 @@ class Reader:
             if role not in _WORDS and is_damaged(row[source.column], source.column, missing):
                 return f"{source.column} is no number"
         clock = plan.assignments.get("elapsed_time")
-        if clock is not None and isinstance(row[clock.column], str):
-            if pd.isna(pd.to_datetime(row[clock.column], format="ISO8601", errors="coerce")):
-                return f"{clock.column} missing"
-        return ""
+        if clock is None or not isinstance(row[clock.column], str):
+            return ""
+        instant = pd.to_datetime(row[clock.column], format="ISO8601", errors="coerce")
+        return f"{clock.column} missing" if pd.isna(instant) else ""
 
     def _trusted(self, names: list[str]) -> list[str]:
         return [name for name in self.trust if name in names]

@@ -14,6 +14,7 @@ from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
 from echocal.errors import DataError
 from echocal.model import Model
+from echocal.observations.given import reading_keywords, refuse_keywords
 
 if TYPE_CHECKING:
     from echocal.diagnose.pooling.parts import SkippedTable
@@ -96,6 +97,7 @@ def diagnose_many(
     from echocal.diagnose.pooling.source import sources_of
 
     start = time.perf_counter()
+    refuse_keywords(diagnose_many, table, reading_keywords())
     request = Request.of(
         base,
         seed,

@@ -1,9 +1,6 @@
 """The page of a diagnosis: one file that needs nothing from any host."""
 
 import json
-from dataclasses import dataclass
-from importlib.metadata import version
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -22,21 +19,13 @@ from echocal.diagnose.results.explain import (
     without_a_cause,
 )
 from echocal.diagnose.results.followed import by_correlation
-from echocal.errors import UsageError
 from echocal.model.document import text_of
 from echocal.outputs import replace_text
+from echocal.report.html.document import Drawn, drawn, rendered
 
 __all__ = ["report_page", "save_report"]
 
 _BESIDE = 3  # columns whose figures are shown, besides the time
-_CONFIG = {"displaylogo": False, "responsive": True, "scrollZoom": False}
-
-
-@dataclass(frozen=True)
-class _Figure:
-    title: str
-    html: str
-    caption: str = ""
 
 
 def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "") -> None:
@@ -85,23 +74,13 @@ def report_page(diagnosis: Diagnosis, source: str = "") -> str:
     >>> "desk.csv" in page and "<html" in page
     True
     """
-    try:
-        from jinja2 import Environment, StrictUndefined
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        message = "a report needs plotly and jinja2: pip install 'echocal[report]'"
-        raise UsageError(message) from None
-    page = (files("echocal.report.html") / "page.html.j2").read_text(encoding="utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(page).render(script=get_plotlyjs(), **_content(diagnosis, source))
+    title = source or "diagnosis"
+    return rendered("page.html.j2", "diagnose", title, **_content(diagnosis, source))
 
 
 def _content(diagnosis: Diagnosis, source: str) -> dict[str, Any]:
     return {
         "source": source,
-        "version": version("echocal"),
         "verdict": diagnosis.verdict,
         "sentence": lead(diagnosis),
         "facts": _facts(diagnosis),
@@ -171,19 +150,19 @@ def _cause(cause: Any) -> dict[str, Any]:
     }
 
 
-def _evidence(diagnosis: Diagnosis) -> list[_Figure]:
+def _evidence(diagnosis: Diagnosis) -> list[Drawn]:
     from echocal.report.html.figures import over_figure, time_figure
 
     every = by_correlation(diagnosis)
     names = [name for name in every if name not in ("time", "row")]
     if "distance" in names:  # reading against truth
         names = ["distance", *(name for name in names if name != "distance")]
-    figures = [_drawn("Over time" if "time" in every else "Row by row", time_figure(diagnosis))]
-    figures += [_drawn(f"Over {spoken(name)}", over_figure(diagnosis, name)) for name in names[:_BESIDE]]
+    figures = [drawn("Over time" if "time" in every else "Row by row", time_figure(diagnosis))]
+    figures += [drawn(f"Over {spoken(name)}", over_figure(diagnosis, name)) for name in names[:_BESIDE]]
     return figures
 
 
-def _gain(diagnosis: Diagnosis) -> _Figure | None:
+def _gain(diagnosis: Diagnosis) -> Drawn | None:
     from echocal.report.html.figures import gain_figure
 
     figure, gain = gain_figure(diagnosis), diagnosis.gain
@@ -196,23 +175,18 @@ def _gain(diagnosis: Diagnosis) -> _Figure | None:
             f" On rows that neither the choice nor the fit has seen: {1e3 * gain.rms_after_m:.2f} mm. The "
             f"gain is {low:.2f} to {high:.2f} mm (95 % interval)."
         )
-    return _drawn("Error", figure, caption)
+    return drawn("Error", figure, caption)
 
 
-def _posterior(diagnosis: Diagnosis) -> _Figure | None:
+def _posterior(diagnosis: Diagnosis) -> Drawn | None:
     from echocal.report.html.figures import posterior_figure
 
     figure = posterior_figure(diagnosis)
-    return None if figure is None else _drawn("Probabilities", figure)
+    return None if figure is None else drawn("Probabilities", figure)
 
 
-def _left_out(diagnosis: Diagnosis) -> _Figure | None:
+def _left_out(diagnosis: Diagnosis) -> Drawn | None:
     from echocal.report.html.figures import left_out_figure
 
     figure = left_out_figure(diagnosis)
-    return None if figure is None else _drawn("Rows left out", figure)
-
-
-def _drawn(title: str, figure: Any, caption: str = "") -> _Figure:
-    html = figure.to_html(full_html=False, include_plotlyjs=False, config=_CONFIG)
-    return _Figure(title, html, caption)
+    return None if figure is None else drawn("Rows left out", figure)
