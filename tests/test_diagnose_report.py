@@ -2,15 +2,13 @@
 
 import json
 import re
-import shutil
-import subprocess
 from collections.abc import Callable
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from browsed import CLEAN, Text, browsed
 
 import echocal
 
@@ -25,31 +23,6 @@ def table(random: np.random.Generator, distance: np.ndarray, offset: float) -> p
     celsius = random.uniform(5.0, 35.0, ROWS)
     reading = distance + offset + random.normal(0.0, 1e-3, ROWS)
     return pd.DataFrame({"reading_m": reading, "temperature_C": celsius, "distance_m": distance})
-
-
-class Text(HTMLParser):
-    """What a reader sees, and what the page would fetch."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.fetched: list[str] = []
-        self._parts: list[str] = []
-        self._hidden = ""
-        self.feed(page)
-        self.seen = re.sub(r"\s+", " ", " ".join(self._parts))
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag in ("script", "style"):
-            self._hidden = tag
-        self.fetched += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data")]
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag == self._hidden:
-            self._hidden = ""
-
-    def handle_data(self, data: str) -> None:
-        if not self._hidden:
-            self._parts.append(data)
 
 
 @pytest.fixture(scope="module")
@@ -120,32 +93,4 @@ def test_the_command_writes_it_and_replaces_only_its_own(run: Run, random: np.ra
 @pytest.mark.slow
 def test_a_browser_shows_it(named: echocal.Diagnosis, tmp_path: Path) -> None:
     """Every figure is drawn, and the console has no error; a phone has no line that is cut off."""
-    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if browser is None:
-        pytest.skip("no Chromium")
-    watch = """<script>
-    const said = []; window.addEventListener("error", e => said.push(e.message));
-    for (const kind of ["error", "warn"]) console[kind] = (...w) => said.push(w.join(" "));
-    window.addEventListener("load", () => setTimeout(() => {
-      const drawn = document.querySelectorAll(".plotly-graph-div .main-svg").length > 0 &&
-        [...document.querySelectorAll(".plotly-graph-div")].every(d => d.querySelector(".main-svg"));
-      const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
-      const asked = performance.getEntriesByType("resource").filter(r => !r.name.startsWith("data:"));
-      document.title = JSON.stringify({said, drawn, wide, asked: asked.map(r => r.name)});
-    }, 500));
-    </script>"""
-    page = tmp_path / "page.html"
-    page.write_text(report_page(named).replace("<head>", f"<head>{watch}", 1), encoding="utf-8")
-    command = [
-        browser,
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-dev-shm-usage",
-        "--dump-dom",
-    ]
-    command += [f"--user-data-dir={tmp_path / 'profile'}", "--window-size=500,900"]
-    command += ["--virtual-time-budget=20000", page.as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
-    (title,) = re.findall(r"<title>(\{.*?\})</title>", done.stdout)
-    assert json.loads(title.replace("&quot;", '"')) == {"said": [], "drawn": True, "wide": False, "asked": []}
+    assert browsed(report_page(named), tmp_path) == CLEAN

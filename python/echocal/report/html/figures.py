@@ -14,7 +14,7 @@ from echocal.diagnose.findings.sentences import shown
 from echocal.diagnose.results.followed import by_correlation
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
-__all__ = ["gain_figure", "left_out_figure", "over_figure", "posterior_figure", "time_figure"]
+__all__ = ["gain_figure", "left_out_figure", "over_figure", "posterior_figure", "styled", "time_figure"]
 
 Column = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def _errors(diagnosis: Diagnosis, x: Column, label: str) -> go.Figure:
         room = 0.2 * (high - low) + 1e-3
         figure.update_yaxes(title="error [mm]", range=[low - room, high + room], row=place, col=1)
     figure.update_xaxes(title=label, row=len(parts), col=1)
-    return _styled(figure, _TALL if len(parts) == 1 else _BOTH)
+    return styled(figure, _TALL if len(parts) == 1 else _BOTH)
 
 
 def gain_figure(diagnosis: Diagnosis) -> go.Figure | None:
@@ -133,7 +133,7 @@ def left_out_figure(diagnosis: Diagnosis) -> go.Figure | None:
         )
     figure.update_xaxes(title="row", range=[0, len(fate) + 1])
     figure.update_yaxes(automargin=True)
-    return _styled(figure, 130 + _BAR * len(counts))
+    return styled(figure, 130 + _BAR * len(counts))
 
 
 def _bars(names: Sequence[str], values: Sequence[float], colors: Sequence[str], text: str) -> go.Figure:
@@ -150,12 +150,14 @@ def _bars(names: Sequence[str], values: Sequence[float], colors: Sequence[str], 
     )
     height = 110 + _BAR * len(names) + 12 * sum(name.count("<br>") for name in names)
     places = list(range(len(names)))
-    styled = _styled(figure, height)
-    styled.update_yaxes(tickvals=places, ticktext=list(names), autorange="reversed", zeroline=False)
-    return styled
+    styled(figure, height).update_yaxes(
+        tickvals=places, ticktext=list(names), autorange="reversed", zeroline=False
+    )
+    return figure
 
 
-def _styled(figure: go.Figure, height: int) -> go.Figure:
+def styled(figure: go.Figure, height: int) -> go.Figure:
+    """Give a figure the colors and margins of the page, and a height in pixels."""
     grid: dict[str, Any] = {"gridcolor": "#e6e8ea", "zerolinecolor": "#b8bcc0", "linecolor": "#8a8f94"}
     figure.update_layout(
         height=height,
