@@ -38,6 +38,7 @@ def shows(piece: str, output: str) -> bool:
 
 
 def run(language: str, text: str, folder: Path) -> str:
+    text = re.sub(r"# exit code (\d)$", r"&& exit 99 || test $? = \1", text, flags=re.MULTILINE)
     start = ["bash", "-euo", "pipefail", "-c"] if language == "sh" else [sys.executable, "-c"]
     first = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(  # as a reader would type it

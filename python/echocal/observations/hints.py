@@ -13,10 +13,12 @@ from echocal.observations.vocabulary import (
     CLOCK_UNITS,
     CLOCKS,
     COUNTERS,
+    ELAPSED,
     LETTERS,
     NEVER,
     NO_CLOCK,
     NOT,
+    QUALITY,
     SINCE,
     STATISTIC,
     TIMES,
@@ -205,11 +207,17 @@ def role_of(column: str) -> str:
     --------
     >>> role_of("distance"), role_of("Temp"), role_of("battery")
     ('reading', 'temperature', '')
+    >>> role_of("Measured Time Diff"), role_of("signal quality"), role_of("Air quality")
+    ('echo', 'echo_quality', '')
     """
     words, _ = split_unit(STATISTIC.sub("", column))
     tokens = _tokens(words)
+    if tokens & {"time", "zeit"} and tokens & ELAPSED:
+        return "echo"
     if tokens & NEVER:
         return ""
+    if tokens & QUALITY:
+        return "" if tokens & {"air", "water"} else "echo_quality"
     roles = (
         role for role, (_, known) in WORDS.items() if tokens & known and not tokens & NOT.get(role, set())
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.observations.fields import fields, row, shown
 
-__all__ = ["EMPTY", "EXACT", "NO_NUMBER", "Missing", "to_numbers"]
+__all__ = ["EMPTY", "EXACT", "NO_NUMBER", "Missing", "is_damaged", "to_numbers"]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
 EXACT = 2.0**53
@@ -129,6 +129,13 @@ def _parse(values: pd.Series[Any], column: str, missing: Missing, corrupt: list[
         )
         raise DataError(message)
     return numbers
+
+
+def is_damaged(value: Any, column: str, missing: Missing) -> bool:
+    """Whether one field is a text that is no number, means no value, and is not meant as a number."""
+    texts = fields(pd.Series([value], dtype=object), column)
+    absent = texts.iloc[0] in NO_NUMBER | missing.texts(column)
+    return not absent and bool(pd.to_numeric(texts, errors="coerce").isna().iloc[0]) and not _mean(texts)
 
 
 def _mean(texts: pd.Series[Any]) -> bool:

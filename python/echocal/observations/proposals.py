@@ -31,6 +31,7 @@ _RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {
     "echo": (("s", 1e-4, 0.06), ("ms", 0.1, 60.0), ("us", 100.0, 60000.0)),
     "temperature": (("C", -40.0, 48.0), ("F", 48.0, 120.0), ("K", 230.0, 330.0)),
     "humidity": (("percent", 1.5, 100.0),),
+    "echo_quality": (("", 0.0, 1000.0),),
     "pressure": (("kPa", 60.0, 110.0), ("hPa", 600.0, 1100.0), ("Pa", 60000.0, 110000.0)),
 }
 """Usual medians of a column by its unit."""
@@ -72,7 +73,8 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
         unit = symbol_of(found.units.get(name, "")) or split_unit(name)[1] or _usual(own, numbers)
         request = _request(own, unit)
         if request and _quantity(request) not in held:
-            why = f"its name, and values as usual in {unit or 'a fraction'}"
+            usual = "of a quality number" if own == "echo_quality" else f"as usual in {unit or 'a fraction'}"
+            why = f"its name, and values {usual}"
             proposals[name] = Proposal(request, why, guess=True)
             held.add(_quantity(request))
     if not {"reading", "echo_time"} & held:

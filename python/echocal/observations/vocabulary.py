@@ -6,11 +6,13 @@ __all__ = [
     "CLOCKS",
     "CLOCK_UNITS",
     "COUNTERS",
+    "ELAPSED",
     "LENGTH",
     "LETTERS",
     "NEVER",
     "NOT",
     "NO_CLOCK",
+    "QUALITY",
     "SINCE",
     "STATISTIC",
     "TIME",
@@ -136,3 +138,9 @@ CLOCKS = {
     "time", "date", "timestamp", "datetime", "datum", "uhrzeit", "zeit", "zeitstempel", "clock", "ts", "utc",
     "heure", "hora", "fecha", "created", "received", "changed", "epoch", "unix", "unixtime", "stamp", "tijd",
 }  # fmt: skip
+
+ELAPSED = {"diff", "difference", "differenz", "delta", "travel", "transit", "measured", "response"}
+"""Words beside "time" that make it the time of an echo, and no clock."""
+
+QUALITY = {"quality", "qualität", "qualitaet", "qualité"}
+"""Of an echo."""

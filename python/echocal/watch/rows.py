@@ -13,7 +13,7 @@ from echocal.errors import DataError, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.hints import completed
 from echocal.observations.names import IGNORE
-from echocal.observations.numbers import Missing, to_numbers
+from echocal.observations.numbers import Missing, is_damaged, to_numbers
 from echocal.observations.plan import EVERYTHING, Plan, make, read_columns
 
 __all__ = ["Block", "Reader", "Row", "taken"]
@@ -22,6 +22,7 @@ Row = Mapping[str, Any]
 Column = NDArray[np.float64]
 
 _REFERENCES = ("reference_distance", "stand", "group", "order")
+_WORDS = ("elapsed_time", "stand", "group")
 _NEEDED = ("echo_time", "reading")
 
 
@@ -104,7 +105,7 @@ class Reader:
             raise
         except DataError as error:
             if len(full) == 1:
-                status[full[0]] = str(error)
+                status[full[0]] = self._damage(plan, rows[full[0]]) or str(error)
                 return []
         found = []
         for place in full:  # one of them cannot be read
@@ -134,6 +135,18 @@ class Reader:
             self._reference(frame, plan),
             _time(observations, len(places)),
         )
+
+    def _damage(self, plan: Plan, row: Row) -> str:
+        """Why a row alone cannot be read, in the words of a table that has it among others."""
+        missing = Missing(self._options(list(row)).get("missing", ()))
+        for role, source in plan.assignments.items():
+            if role not in _WORDS and is_damaged(row[source.column], source.column, missing):
+                return f"{source.column} is no number"
+        clock = plan.assignments.get("elapsed_time")
+        if clock is None or not isinstance(row[clock.column], str):
+            return ""
+        instant = pd.to_datetime(row[clock.column], format="ISO8601", errors="coerce")
+        return f"{clock.column} missing" if pd.isna(instant) else ""
 
     def _trusted(self, names: list[str]) -> list[str]:
         return [name for name in self.trust if name in names]
