@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import echocal
 
 pytest.importorskip("plotly")
 from echocal.report.html import report_page
+from echocal.report.html.errors import distance_figure, time_figure, truth_figure
 
 ROWS = 300
 Run = Callable[..., tuple[int, str]]
@@ -58,12 +60,47 @@ def test_each_drawn_error_is_one_of_the_table(named: echocal.Diagnosis) -> None:
     """Row numbers and errors of the first figure, as they stand in the page."""
     page = report_page(named)
     (figure,) = re.findall(r'Plotly\.newPlot\(\s*"[^"]+",\s*(\[.*?\]),\s*\{"', page, re.DOTALL)[:1]
-    before, after = json.loads(figure)
+    before, after = (trace for trace in json.loads(figure) if trace["name"] != "left out")
     for trace, error in ((before, named.traces.before), (after, named.traces.after)):
         of_row = dict(zip((named.traces.row + 1).tolist(), error.tolist(), strict=True))
         assert len(trace["y"]) == np.isfinite(error).sum()
         told = [1e3 * of_row[row] for row in trace["customdata"]]
         assert trace["y"] == pytest.approx(told, rel=1e-5, abs=1e-9)
+
+
+def test_marks_show_where_rows_are_left_out(named: echocal.Diagnosis) -> None:
+    figure = time_figure(named)
+    marked = [np.asarray(trace.x) for trace in figure.data if trace.name == "left out"]
+    out = [row for row, fate in enumerate(named.fates.fate, start=1) if fate in named.fates.counts]
+    assert len(out) >= 6
+    assert [x.tolist() for x in marked] == [out, out]
+
+
+def test_a_worse_model_looks_worse(named: echocal.Diagnosis) -> None:
+    traces = named.traces
+    worse = replace(named, traces=replace(traces, before=traces.after, after=traces.before))
+    layout = time_figure(worse).layout
+    assert layout.yaxis.range == layout.yaxis2.range
+    assert layout.annotations[1].text == "extended model, at the same scale"
+
+
+def test_distance_and_reading_stand_beside_the_truth(named: echocal.Diagnosis) -> None:
+    traces = named.traces
+    over_time, against_truth = distance_figure(named), truth_figure(named)
+    for figure in (over_time, against_truth):
+        assert [trace.name for trace in figure.data] == ["base", "extended model", "true"]
+    reading = traces.against["distance"] + traces.before
+    assert list(against_truth.data[0].y) == pytest.approx(reading[np.isfinite(reading)], rel=1e-5)
+    page = Text(report_page(named)).seen
+    assert page.index("Over distance") < page.index("Distance over") < page.index("Reading against truth")
+
+
+def test_it_says_how_to_make_it_again(run: Run, random: np.random.Generator) -> None:
+    table(random, np.repeat([0.5, 1.5, 3.0], ROWS // 3), 10e-3).to_csv("my log.csv", index=False)
+    assert run("diagnose", "my log.csv", "--base", "343", "--quiet", "--report", "log.html")[0] == 0
+    text = Text(Path("log.html").read_text(encoding="utf-8")).seen
+    assert "echocal diagnose 'my log.csv' --base 343 --quiet --report log.html" in text
+    assert "echocal correct my log.csv" not in text
 
 
 def test_a_table_in_which_nothing_is_wrong_has_a_page_too(random: np.random.Generator) -> None:
