@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.results.grouped import LEAST, grouped, in_common
+from echocal.diagnose.results.grouped import has_any, in_common, reported, shown_groups
 
 __all__ = ["gain_figure", "left_out_figure", "posterior_figure", "styled"]
 
@@ -44,12 +44,13 @@ def gain_figure(diagnosis: Diagnosis) -> go.Figure | None:
 
 def posterior_figure(diagnosis: Diagnosis) -> go.Figure | None:
     """Probability of each group of sets of causes."""
-    groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_GROUPS]
+    groups = shown_groups(diagnosis, _GROUPS)
     if len(groups) == 1:
         return None
     common = in_common(groups)
     names = [_wrapped(group.beyond(common)) for group in groups]
-    colors = [AFTER] + [QUIET] * (len(groups) - 1)
+    claimed = reported(diagnosis)
+    colors = [AFTER if has_any(group, claimed) else QUIET for group in groups]
     figure = _bars(names, [group.probability for group in groups], colors, "%{x:.3f}")
     figure.update_xaxes(title="probability of exactly these", range=[0, _ROOM])
     return figure
