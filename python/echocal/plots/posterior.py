@@ -55,7 +55,8 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
 
 def _label(group: Group, common: Set[str]) -> str:
     """What acts beyond the causes of all sets; the set without more is these causes themselves."""
-    return group.beyond(common) if set(group.classes) - common else " + ".join(group.classes) or "no effect"
+    more = f"{'+ ' * bool(common)}{group.beyond(common)}"
+    return more if set(group.classes) - common else " + ".join(group.classes) or "no effect"
 
 
 def _remarks(groups: list[Group], common: Set[str], claimed: Set[str]) -> list[str]:
