@@ -55,7 +55,7 @@ def test_what_cannot_be_told_apart_is_one_bar(diagnosis: echocal.Diagnosis) -> N
     ax = Figure().add_subplot()
     plot_posterior(joined, ax)
     assert [label.get_text() for label in ax.get_yticklabels()] == [
-        "clock_error or 2 others",
+        "+ clock_error or 2 others",
         "cycle_slip",
     ]
     assert "in every set: cycle_slip" in ax.get_title(loc="left")
@@ -200,6 +200,15 @@ def test_before_and_after_are_readable_and_the_axis_says_the_sign(random: np.ran
         low, high = ax.get_ylim()
         assert np.ptp(np.asarray(points.get_ydata())) > 0.4 * (high - low)
         assert "scale of its own" in ax.get_title(loc="left")
+
+
+def test_the_words_above_a_single_column_fit(diagnosis: echocal.Diagnosis) -> None:
+    traces = diagnosis.traces
+    one = {"temperature": traces.against["temperature"]}
+    figure = residuals_figure(replace(diagnosis, traces=replace(traces, against=one)))
+    figure.draw_without_rendering()
+    box = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
 
 
 def test_a_panel_shows_time_and_none_repeats_another(random: np.random.Generator) -> None:

@@ -2,20 +2,20 @@
 
 import json
 import re
-import shutil
-import subprocess
 from collections.abc import Callable
-from html.parser import HTMLParser
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from browsed import CLEAN, Text, browsed
 
 import echocal
 
 pytest.importorskip("plotly")
 from echocal.report.html import report_page
+from echocal.report.html.errors import distance_figure, time_figure, truth_figure
 
 ROWS = 300
 Run = Callable[..., tuple[int, str]]
@@ -25,31 +25,6 @@ def table(random: np.random.Generator, distance: np.ndarray, offset: float) -> p
     celsius = random.uniform(5.0, 35.0, ROWS)
     reading = distance + offset + random.normal(0.0, 1e-3, ROWS)
     return pd.DataFrame({"reading_m": reading, "temperature_C": celsius, "distance_m": distance})
-
-
-class Text(HTMLParser):
-    """What a reader sees, and what the page would fetch."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.fetched: list[str] = []
-        self._parts: list[str] = []
-        self._hidden = ""
-        self.feed(page)
-        self.seen = re.sub(r"\s+", " ", " ".join(self._parts))
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag in ("script", "style"):
-            self._hidden = tag
-        self.fetched += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data")]
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag == self._hidden:
-            self._hidden = ""
-
-    def handle_data(self, data: str) -> None:
-        if not self._hidden:
-            self._parts.append(data)
 
 
 @pytest.fixture(scope="module")
@@ -85,12 +60,47 @@ def test_each_drawn_error_is_one_of_the_table(named: echocal.Diagnosis) -> None:
     """Row numbers and errors of the first figure, as they stand in the page."""
     page = report_page(named)
     (figure,) = re.findall(r'Plotly\.newPlot\(\s*"[^"]+",\s*(\[.*?\]),\s*\{"', page, re.DOTALL)[:1]
-    before, after = json.loads(figure)
+    before, after = (trace for trace in json.loads(figure) if trace["name"] != "left out")
     for trace, error in ((before, named.traces.before), (after, named.traces.after)):
         of_row = dict(zip((named.traces.row + 1).tolist(), error.tolist(), strict=True))
         assert len(trace["y"]) == np.isfinite(error).sum()
         told = [1e3 * of_row[row] for row in trace["customdata"]]
         assert trace["y"] == pytest.approx(told, rel=1e-5, abs=1e-9)
+
+
+def test_marks_show_where_rows_are_left_out(named: echocal.Diagnosis) -> None:
+    figure = time_figure(named)
+    marked = [np.asarray(trace.x) for trace in figure.data if trace.name == "left out"]
+    out = [row for row, fate in enumerate(named.fates.fate, start=1) if fate in named.fates.counts]
+    assert len(out) >= 6
+    assert [x.tolist() for x in marked] == [out, out]
+
+
+def test_a_worse_model_looks_worse(named: echocal.Diagnosis) -> None:
+    traces = named.traces
+    worse = replace(named, traces=replace(traces, before=traces.after, after=traces.before))
+    layout = time_figure(worse).layout
+    assert layout.yaxis.range == layout.yaxis2.range
+    assert layout.annotations[1].text == "extended model, at the same scale"
+
+
+def test_distance_and_reading_stand_beside_the_truth(named: echocal.Diagnosis) -> None:
+    traces = named.traces
+    over_time, against_truth = distance_figure(named), truth_figure(named)
+    for figure in (over_time, against_truth):
+        assert [trace.name for trace in figure.data] == ["base", "extended model", "true"]
+    reading = traces.against["distance"] + traces.before
+    assert list(against_truth.data[0].y) == pytest.approx(reading[np.isfinite(reading)], rel=1e-5)
+    page = Text(report_page(named)).seen
+    assert page.index("Over distance") < page.index("Distance over") < page.index("Reading against truth")
+
+
+def test_it_says_how_to_make_it_again(run: Run, random: np.random.Generator) -> None:
+    table(random, np.repeat([0.5, 1.5, 3.0], ROWS // 3), 10e-3).to_csv("my log.csv", index=False)
+    assert run("diagnose", "my log.csv", "--base", "343", "--quiet", "--report", "log.html")[0] == 0
+    text = Text(Path("log.html").read_text(encoding="utf-8")).seen
+    assert "echocal diagnose 'my log.csv' --base 343 --quiet --report log.html" in text
+    assert "echocal correct my log.csv" not in text
 
 
 def test_a_table_in_which_nothing_is_wrong_has_a_page_too(random: np.random.Generator) -> None:
@@ -120,32 +130,4 @@ def test_the_command_writes_it_and_replaces_only_its_own(run: Run, random: np.ra
 @pytest.mark.slow
 def test_a_browser_shows_it(named: echocal.Diagnosis, tmp_path: Path) -> None:
     """Every figure is drawn, and the console has no error; a phone has no line that is cut off."""
-    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if browser is None:
-        pytest.skip("no Chromium")
-    watch = """<script>
-    const said = []; window.addEventListener("error", e => said.push(e.message));
-    for (const kind of ["error", "warn"]) console[kind] = (...w) => said.push(w.join(" "));
-    window.addEventListener("load", () => setTimeout(() => {
-      const drawn = document.querySelectorAll(".plotly-graph-div .main-svg").length > 0 &&
-        [...document.querySelectorAll(".plotly-graph-div")].every(d => d.querySelector(".main-svg"));
-      const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
-      const asked = performance.getEntriesByType("resource").filter(r => !r.name.startsWith("data:"));
-      document.title = JSON.stringify({said, drawn, wide, asked: asked.map(r => r.name)});
-    }, 500));
-    </script>"""
-    page = tmp_path / "page.html"
-    page.write_text(report_page(named).replace("<head>", f"<head>{watch}", 1), encoding="utf-8")
-    command = [
-        browser,
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-dev-shm-usage",
-        "--dump-dom",
-    ]
-    command += [f"--user-data-dir={tmp_path / 'profile'}", "--window-size=500,900"]
-    command += ["--virtual-time-budget=20000", page.as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
-    (title,) = re.findall(r"<title>(\{.*?\})</title>", done.stdout)
-    assert json.loads(title.replace("&quot;", '"')) == {"said": [], "drawn": True, "wide": False, "asked": []}
+    assert browsed(report_page(named), tmp_path) == CLEAN

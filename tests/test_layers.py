@@ -25,6 +25,7 @@ LAYERS = (
     {"diagnose", "silicon", "echoes", "verify"},
     {"plots", "report", "firmware", "batch", "correct"},
     {"study", "explore", "fleet", "watch"},
+    {"pages"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

@@ -1,5 +1,7 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
+import shlex
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -250,7 +252,7 @@ def command(
     if report is not None:
         from echocal.report.html import save_report  # plotly takes a while to import
 
-        save_report(diagnosis, report, data.name)
+        save_report(diagnosis, report, data.name, shlex.join(["echocal", *sys.argv[1:]]))
     if rows is not None:
         replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
     if not quiet and json != "-":

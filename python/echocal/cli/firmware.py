@@ -27,6 +27,8 @@ from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
 from echocal.model import Model
+from echocal.outputs import replace_text
+from echocal.pages.considered import considered
 
 Tell = Callable[[str, int, int], object]
 
@@ -81,6 +83,10 @@ def command(
     explore: Annotated[
         bool, option("Write the Pareto front of flash, time and error instead.", "--explore")
     ] = False,
+    page: Annotated[
+        Path | None,
+        option("Write a page: proof, costs, forms considered.", "--report", metavar="OUT.html"),
+    ] = None,
     threads: Annotated[int | None, option("Threads of the proof; default: one per processor.")] = None,
     force: Force = False,
     json: Annotated[
@@ -91,8 +97,8 @@ def command(
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
     if explore:
-        _refuse_one(prefer, form, measure, package)
-    _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), force=force)
+        _refuse_one(prefer, form, measure, package, page)
+    _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     request: dict[str, Any] = {
         "temperature": TemperatureCodes(
             temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
@@ -116,23 +122,30 @@ def command(
             one: dict[str, Any] = {"form": form, "package": package, "measure": measure}
             saved = prefer or "size"
             made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
+            if page is not None:
+                forms = considered(followed, target, prefer=saved, progress=tell, **request)
     if explore:
         pass_on(text, json)
         _explore.show(console, table, notes, out)
         return
-    _refuse_outputs(model, json, out, [*made.files, CHECKSUMS], force=force)
+    _refuse_outputs(model, json, out, [*made.files, CHECKSUMS], page, force=force)
     files = made.save(out)
+    if page is not None:
+        from echocal.pages.firmware import firmware_page  # plotly takes a while to import
+
+        replace_text(page, firmware_page(made, followed, forms, request["assume"]))
+        files.append(page)
     pass_on(made.files["report.json"], json)
     notes += [*_left_over(out, made), *(_unmeasured(target) if measure else ())]
     console.print(_summary(made, files, notes))
 
 
-def _refuse_one(prefer: str | None, form: str | None, measure: bool, package: str) -> None:
+def _refuse_one(prefer: str | None, form: str | None, measure: bool, package: str, page: Path | None) -> None:
     """Refuse options of a single function together with --explore."""
-    if prefer or form or measure or package != "c":
+    if prefer or form or measure or package != "c" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure and --package"
+            "--form, --measure, --package and --report"
         )
         raise UsageError(message)
 
@@ -177,9 +190,12 @@ def _bar(console: Console) -> Progress:
     return Progress(*columns, console=console, transient=True)
 
 
-def _refuse_outputs(model: Path, json: str | None, out: Path, names: Iterable[str], *, force: bool) -> None:
+def _refuse_outputs(
+    model: Path, json: str | None, out: Path, names: Iterable[str], page: Path | None, *, force: bool
+) -> None:
     check_outputs(
         Output("--json", json, _made_by.result("echocal.firmware", _explore.SCHEMA.rpartition("/")[0])),
+        Output("--report", page, _made_by.report("firmware")),
         *made_in(out, "--out", names, _made_by.firmware(out)),
         inputs=[model],
         folder=out,

@@ -23,6 +23,9 @@ def command(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write the figures (PNG) and the pages (Markdown).")
     ] = None,
+    page: Annotated[
+        Path | None, typer.Option("--report", metavar="OUT.html", help="Write one page for a browser.")
+    ] = None,
     json: Json = None,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print the count of each verdict only.")
@@ -35,6 +38,7 @@ def command(
 
     check_outputs(
         Output("--json", json, _made_by.result("echocal.study")),
+        Output("--report", page, _made_by.report("study")),
         *made_in(out, "--out", figures.FIGURES, _made_by.picture("study")),
         *made_in(out, "--out", PAGES, _made_by.page("study")),
         folder=out,
@@ -49,6 +53,10 @@ def command(
         report.show(found, console)
     if out is not None:
         _write(found, out, console, quiet=quiet)
+    if page is not None:
+        from echocal.pages.study import study_page  # plotly takes a while to import
+
+        replace_text(page, study_page(found))
     write_json(found.to_dict(), json)
 
 

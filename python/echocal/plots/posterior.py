@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.results.explain import class_texts, lead
-from echocal.diagnose.results.grouped import LEAST, Group, grouped, in_common
+from echocal.diagnose.results.grouped import LEAST, Group, has_any, in_common, reported, shown_groups
 from echocal.plots.labels import title_beside
 
 __all__ = ["plot_posterior"]
@@ -26,13 +26,13 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     diagnosis : Diagnosis
     ax : matplotlib.axes.Axes
     """
-    claimed = {cause.id for cause in diagnosis.causes if cause.in_model or cause.kind != "effect"}
-    groups = _chosen(diagnosis, claimed)
+    claimed = reported(diagnosis)
+    groups = shown_groups(diagnosis, _MOST)
     common = in_common(groups)
     labels = []
     for place, group in enumerate(groups):
         labels.append(textwrap.fill(_label(group, common), _WIDTH))
-        color = _COLOR if _has(group, claimed) else _OTHER
+        color = _COLOR if has_any(group, claimed) else _OTHER
         left = 0.0
         for share in group.shares:
             ax.barh(place, share, left=left, height=0.6, color=color, edgecolor="white", linewidth=0.8)
@@ -53,29 +53,17 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
     ax.set_title("\n".join(lines), fontsize=8, loc="left")
 
 
-def _chosen(diagnosis: Diagnosis, claimed: Set[str]) -> list[Group]:
-    """The most probable groups; the first one with a reported cause is among them."""
-    every = [group for group in grouped(diagnosis) if group.probability >= LEAST]
-    chosen = every[:_MOST]
-    own = next((group for group in every if _has(group, claimed)), None)
-    return chosen if own is None or own in chosen else [*chosen[:-1], own]
-
-
-def _has(group: Group, claimed: Set[str]) -> bool:
-    """Whether a cause that the verdict reports is in the sets of a group."""
-    return any(not claimed.isdisjoint(group.members.get(name, name.split(" or "))) for name in group.classes)
-
-
 def _label(group: Group, common: Set[str]) -> str:
     """What acts beyond the causes of all sets; the set without more is these causes themselves."""
-    return group.beyond(common) if set(group.classes) - common else " + ".join(group.classes) or "no effect"
+    more = f"{'+ ' * bool(common)}{group.beyond(common)}"
+    return more if set(group.classes) - common else " + ".join(group.classes) or "no effect"
 
 
 def _remarks(groups: list[Group], common: Set[str], claimed: Set[str]) -> list[str]:
     remarks = []
     if common:
         remarks.append(f"in every set: {', '.join(sorted(common))}")
-    if len({_has(group, claimed) for group in groups}) > 1:
+    if len({has_any(group, claimed) for group in groups}) > 1:
         remarks.append("dark: sets with a cause that the verdict reports")
     if any(len(group.shares) > 1 and group.shares[1] >= LEAST for group in groups):
         remarks.append("the parts of a bar are sets that these data cannot separate")

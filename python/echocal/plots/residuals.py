@@ -26,7 +26,7 @@ __all__ = ["AFTER", "BEFORE", "plot_residuals", "residuals_figure"]
 BEFORE, AFTER = "#e0862a", "#155a75"  # light and dark: different without color, too
 _LEFT_OUT = "#9b2335"
 _PANELS = 4
-_SUMMARY = 140  # characters of a line above all panels
+_SUMMARY = 68  # characters of a line above all panels, for each panel across
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # rows that are visible one by one
 _ENOUGH = 5  # fewest rows of a mean that is drawn
@@ -56,11 +56,11 @@ def residuals_figure(diagnosis: Diagnosis) -> Figure:
             own[0].tick_params(labelbottom=False)
         else:
             plot_residuals(diagnosis, own[0], against[place], "before")
-    figure.suptitle(_summary(diagnosis), fontsize=10)
+    figure.suptitle(_summary(diagnosis, _SUMMARY * across), fontsize=10)
     return figure
 
 
-def _summary(diagnosis: Diagnosis) -> str:
+def _summary(diagnosis: Diagnosis, width: int = 2 * _SUMMARY) -> str:
     gain = diagnosis.gain
     if gain is None:
         return "errors of the readings, against the columns that they follow most"
@@ -68,7 +68,7 @@ def _summary(diagnosis: Diagnosis) -> str:
     if len(gain.ladder) > 1:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
     lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
-    return "\n".join(textwrap.fill(line, _SUMMARY) for line in lines)
+    return "\n".join(textwrap.fill(line, width) for line in lines)
 
 
 def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str, which: str = "before") -> None:

@@ -97,11 +97,12 @@ def _middle(error: Column) -> Column:
 
 
 def left_out_at(diagnosis: Diagnosis, name: str) -> Column:
-    """Where rows are left out, on an axis of time or of rows: by the rows around them."""
-    if name not in ("time", "row"):
+    """Where rows are left out: as positions in the source, or on an axis of time, by the rows around them."""
+    out = np.flatnonzero(~np.isin(diagnosis.fates.fate.astype(str), (USED, HELD_OUT_ROW))).astype(np.float64)
+    if name == "row":
+        return out
+    if name != "time":
         return np.empty(0)
-    fate = diagnosis.fates.fate.astype(str)
-    out = np.flatnonzero(~np.isin(fate, (USED, HELD_OUT_ROW)))
     traces = diagnosis.traces
     order = np.argsort(traces.row)
     return np.interp(out, traces.row[order], traces.against[name][order])

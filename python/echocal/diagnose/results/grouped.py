@@ -7,7 +7,7 @@ from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.parts import Cause, Refuted
 from echocal.diagnose.results.outcome import Outcome
 
-__all__ = ["LEAST", "Group", "grouped", "in_common"]
+__all__ = ["LEAST", "Group", "grouped", "has_any", "in_common", "reported", "shown_groups"]
 
 OUTSIDE = "effect outside the catalogue"
 """Name of `UNKNOWN` for people."""
@@ -68,6 +68,24 @@ def grouped(diagnosis: Outcome) -> list[Group]:
         long = {name: members for name, members in named.items() if len(members) > _SHORT}
         groups.append(Group(tuple(named), tuple(sorted(parts, reverse=True)), long))
     return sorted(groups, key=lambda group: -group.probability)
+
+
+def reported(diagnosis: Outcome) -> Set[str]:
+    """Causes that the verdict reports: effects of the model, and faults and noises."""
+    return {cause.id for cause in diagnosis.causes if cause.in_model or cause.kind != "effect"}
+
+
+def has_any(group: Group, ids: Set[str]) -> bool:
+    """Whether one of these causes is in the sets of a group."""
+    return any(not ids.isdisjoint(group.members.get(name, name.split(" or "))) for name in group.classes)
+
+
+def shown_groups(diagnosis: Outcome, most: int) -> list[Group]:
+    """The most probable groups; the first one with a reported cause is among them."""
+    every = [group for group in grouped(diagnosis) if group.probability >= LEAST]
+    chosen, ids = every[:most], reported(diagnosis)
+    own = next((group for group in every if has_any(group, ids)), None)
+    return chosen if own is None or own in chosen else [*chosen[:-1], own]
 
 
 def _class(leader: str, members: list[str]) -> tuple[str, tuple[str, ...]]:

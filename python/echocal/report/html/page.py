@@ -1,6 +1,7 @@
 """The page of a diagnosis: one file that needs nothing from any host."""
 
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +19,18 @@ from echocal.diagnose.results.explain import (
     rivals_of,
     without_a_cause,
 )
-from echocal.diagnose.results.followed import by_correlation
+from echocal.diagnose.results.followed import drawn_columns
 from echocal.model.document import text_of
 from echocal.outputs import replace_text
 from echocal.report.html.document import Drawn, drawn, rendered
 
 __all__ = ["report_page", "save_report"]
 
+_NEARLY_ALL = 99.0  # %, above which whole numbers do not tell shares apart
 _BESIDE = 3  # columns whose figures are shown, besides the time
 
 
-def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "") -> None:
+def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "", made_by: str = "") -> None:
     """Write a diagnosis as one HTML file.
 
     Parameters
@@ -37,16 +39,18 @@ def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "") -> Non
     path : path
     source : str
         Name of the table, for the title.
+    made_by : str
+        Command line that makes the page again.
 
     Raises
     ------
     UsageError
         If plotly or jinja2 is not installed, or the file cannot be written.
     """
-    replace_text(path, report_page(diagnosis, source))
+    replace_text(path, report_page(diagnosis, source, made_by))
 
 
-def report_page(diagnosis: Diagnosis, source: str = "") -> str:
+def report_page(diagnosis: Diagnosis, source: str = "", made_by: str = "") -> str:
     """A diagnosis as an HTML document that needs no other file and no network.
 
     Parameters
@@ -54,6 +58,8 @@ def report_page(diagnosis: Diagnosis, source: str = "") -> str:
     diagnosis : Diagnosis
     source : str
         Name of the table, for the title.
+    made_by : str
+        Command line that makes the page again.
 
     Returns
     -------
@@ -75,12 +81,13 @@ def report_page(diagnosis: Diagnosis, source: str = "") -> str:
     True
     """
     title = source or "diagnosis"
-    return rendered("page.html.j2", "diagnose", title, **_content(diagnosis, source))
+    return rendered("page.html.j2", "diagnose", title, made_by=made_by, **_content(diagnosis, source))
 
 
 def _content(diagnosis: Diagnosis, source: str) -> dict[str, Any]:
     return {
         "source": source,
+        "log": shlex.quote(source or "LOG.csv"),
         "verdict": diagnosis.verdict,
         "sentence": lead(diagnosis),
         "facts": _facts(diagnosis),
@@ -130,7 +137,8 @@ def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         if len(gain.ladder) > 1:
             facts.append(("error after", f"{1e3 * gain.rms_after_m:.2f} mm"))
             low, high = (100 * end for end in gain.variance_removed_interval_95)
-            share = f"{100 * gain.variance_removed:.0f} % ({low:.0f} to {high:.0f} %)"
+            digits = 2 if low > _NEARLY_ALL else 0
+            share = f"{100 * gain.variance_removed:.{digits}f} % ({low:.{digits}f} to {high:.{digits}f} %)"
             facts.append(("part of the mean square error that is removed", share))
     return facts
 
@@ -151,14 +159,19 @@ def _cause(cause: Any) -> dict[str, Any]:
 
 
 def _evidence(diagnosis: Diagnosis) -> list[Drawn]:
-    from echocal.report.html.figures import over_figure, time_figure
+    from echocal.report.html.errors import distance_figure, over_figure, time_figure, truth_figure
 
-    every = by_correlation(diagnosis)
+    every = drawn_columns(diagnosis, max(1, len(diagnosis.traces.against)))
     names = [name for name in every if name not in ("time", "row")]
     if "distance" in names:  # reading against truth
         names = ["distance", *(name for name in names if name != "distance")]
     figures = [drawn("Over time" if "time" in every else "Row by row", time_figure(diagnosis))]
     figures += [drawn(f"Over {spoken(name)}", over_figure(diagnosis, name)) for name in names[:_BESIDE]]
+    for title, figure in (
+        ("Distance over time", distance_figure(diagnosis)),
+        ("Reading against truth", truth_figure(diagnosis)),
+    ):
+        figures += [] if figure is None else [drawn(title, figure)]
     return figures
 
 

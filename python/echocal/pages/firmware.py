@@ -1,0 +1,147 @@
+"""The page of a firmware: what was proven, what it costs, and the forms among which it was chosen."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from echocal.errors import EchocalError
+from echocal.firmware import Firmware
+from echocal.model import Model
+from echocal.pages.considered import Considered
+from echocal.report.html.document import Drawn, drawn, rendered
+
+__all__ = ["firmware_page"]
+
+_ECHOES, _LINES = 300, 5
+_MM, _US = 1e3, 1e6
+_COLORS = ("#155a75", "#2a7f9e", "#8a8f94", "#c79a10", "#c8500a")
+
+
+def firmware_page(
+    made: Firmware, model: Model, forms: Sequence[Considered], assumed: Mapping[str, float] | None = None
+) -> str:
+    """A firmware as an HTML document that needs no other file and no network.
+
+    Parameters
+    ----------
+    made : Firmware
+    model : Model
+        The model that it follows.
+    forms : sequence of Considered
+        Forms that were tried.
+    assumed : mapping of str to float, optional
+        Values of conditions that the device does not measure.
+
+    Raises
+    ------
+    UsageError
+        If plotly or jinja2 is not installed.
+    """
+    report = made.report
+    name = report["provenance"]["target"]
+    return rendered(
+        "firmware.html.j2",
+        "firmware",
+        f"firmware for {name}",
+        report=report,
+        proven=f"{_MM * report['error_proven_m']:.4f}",
+        asked=f"{_MM * report['error_bound_m']:g}",
+        worst=_worst(report),
+        inputs=f"{report['inputs_checked']:,}",
+        facts=_facts(made),
+        forms=[_row(one, made) for one in forms],
+        why=_why(made, forms),
+        error=_error(made, model, dict(assumed or {})),
+        files=list(made.files),
+        header=next((t for n, t in made.files.items() if n.endswith("echocal_correction.h")), ""),
+    )
+
+
+def _facts(made: Firmware) -> list[tuple[str, str]]:
+    report = made.report
+    facts = [("target", str(report["target"])), ("largest error", f"{_MM * report['error_proven_m']:.4f} mm")]
+    for one in report["measured"]:
+        unit = "instructions" if one["cycles"] is None else "cycles"
+        facts.append((f"measured on {one['core']}", f"{one['flash_bytes']} bytes, {one[unit]} {unit}"))
+    if not report["measured"]:
+        flash, steps = made.ranked_by()
+        facts.append(("by the cost model", f"{flash} bytes, {steps} {_unit(made)}"))
+    return [*facts, ("tables", f"{report['table_bytes']} bytes")]
+
+
+def _unit(made: Firmware) -> str:
+    return "cycles" if made.report["target"] == "avr" else "instructions"
+
+
+def _worst(report: Mapping[str, Any]) -> str:
+    worst, axis = report["worst_input"], report["device"]["echo"]
+    humidity = f", relative humidity {worst['relative_humidity']:g}" if "relative_humidity" in worst else ""
+    return f"echo {worst[axis['name']] * axis['lsb'] * _US:g} us, {worst['temperature']:g} degC{humidity}"
+
+
+def _row(one: Considered, made: Firmware) -> dict[str, str]:
+    if one.made is None:
+        return {"form": one.form, "error": "", "cost": "", "outcome": one.reason}
+    flash, steps = one.made.ranked_by()
+    chosen = _is(one, made)
+    return {
+        "form": str(one.made.report["form"]["description"]),
+        "error": f"{_MM * one.made.report['error_proven_m']:.4f} mm",
+        "cost": f"{flash} bytes, {steps} {_unit(made)}",
+        "outcome": "chosen" if chosen else "meets the bound",
+    }
+
+
+def _is(one: Considered, made: Firmware) -> bool:
+    return one.made is not None and one.made.report["output_hash"] == made.report["output_hash"]
+
+
+def _why(made: Firmware, forms: Sequence[Considered]) -> str:
+    meet = sum(one.made is not None for one in forms)
+    if meet <= 1:
+        return "It is the only form that was tried and meets the bound."
+    least = "the fewest steps" if made.report["provenance"]["prefer"] == "speed" else "the least flash"
+    if forms[0].made is not None and _is(forms[0], made):
+        return f"Of {meet} forms that meet the bound it needs {least}, by the cost model of the search."
+    return f"The request names the form; of {meet} forms that meet the bound another one needs {least}."
+
+
+def _error(made: Firmware, model: Model, assumed: dict[str, float]) -> Drawn | None:
+    """Error of the function against the model, over the distance, at temperatures across the range."""
+    import plotly.graph_objects as go
+
+    from echocal.report.html.figures import styled
+
+    device, most = made.report["device"], made.report["maximum_distance_m"]
+    echo = np.unique(_codes(device["echo"], _ECHOES))
+    thermometer, *others = device["conditions"]
+    middle = {one["quantity"]: int(_codes(one, 3)[1]) for one in others}
+    figure = go.Figure()
+    try:
+        for code, color in zip(_codes(thermometer, _LINES), _COLORS, strict=True):
+            air = {one["quantity"]: one["zero"] + one["lsb"] * middle[one["quantity"]] for one in others}
+            celsius = thermometer["zero"] + thermometer["lsb"] * int(code)
+            true = model.distance(echo * device["echo"]["lsb"], temperature=celsius, **{**assumed, **air})
+            out = made.outputs(echo, int(code), *middle.values()) * device["output"]["lsb"]
+            inside = true <= most
+            figure.add_scatter(
+                x=[float(f"{value:.5g}") for value in true[inside]],
+                y=[float(f"{_MM * value:.5g}") for value in (out - true)[inside]],
+                name=f"{celsius:g} degC",
+                line={"color": color, "width": 1.5},
+                hovertemplate="%{x} m<br>%{y:.3f} mm",
+            )
+    except EchocalError:  # the model needs what neither the device nor the request gives
+        return None
+    bound = _MM * made.report["error_bound_m"]
+    for side in (-bound, bound):
+        figure.add_hline(y=side, line={"color": "#b03030", "dash": "dot", "width": 1})
+    figure.update_xaxes(title="distance [m]")
+    figure.update_yaxes(title="error [mm]", range=[-1.15 * bound, 1.15 * bound])
+    figure.update_layout(legend={"orientation": "h", "y": -0.2, "yanchor": "top"})
+    return drawn("Error against the model", styled(figure, 380))
+
+
+def _codes(axis: Mapping[str, Any], count: int) -> np.ndarray:
+    return np.linspace(axis["codes"]["minimum"], axis["codes"]["maximum"], count).round().astype(np.int64)

@@ -1,0 +1,69 @@
+"""A page as its readers have it: what it says, what it would fetch, and what a browser does with it."""
+
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+__all__ = ["CLEAN", "Text", "browsed"]
+
+CLEAN = {"said": [], "drawn": True, "wide": False, "asked": []}
+"""What a browser tells of a page that is in order."""
+
+_WATCH = """<script>
+const said = []; window.addEventListener("error", e => said.push(e.message));
+for (const kind of ["error", "warn"]) console[kind] = (...w) => said.push(w.join(" "));
+window.addEventListener("load", () => setTimeout(() => {
+  const drawn = document.querySelectorAll(".plotly-graph-div .main-svg").length > 0 &&
+    [...document.querySelectorAll(".plotly-graph-div")].every(d => d.querySelector(".main-svg"));
+  const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
+  const asked = performance.getEntriesByType("resource").filter(r => !r.name.startsWith("data:"));
+  document.title = JSON.stringify({said, drawn, wide, asked: asked.map(r => r.name)});
+}, 500));
+</script>"""
+
+
+class Text(HTMLParser):
+    """What a reader sees, and what the page would fetch."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self._parts: list[str] = []
+        self._hidden = ""
+        self.feed(page)
+        self.seen = re.sub(r"\s+", " ", " ".join(self._parts))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag in ("script", "style"):
+            self._hidden = tag
+        self.fetched += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data")]
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == self._hidden:
+            self._hidden = ""
+
+    def handle_data(self, data: str) -> None:
+        if not self._hidden:
+            self._parts.append(data)
+
+
+def browsed(page: str, folder: Path) -> dict[str, Any]:
+    """Show a page in a browser of 500 pixels: messages, whether all is drawn and fits, and requests."""
+    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("no Chromium")
+    file = folder / "page.html"
+    file.write_text(page.replace("<head>", f"<head>{_WATCH}", 1), encoding="utf-8")
+    command = [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
+    command += ["--dump-dom", f"--user-data-dir={folder / 'profile'}", "--window-size=500,900"]
+    command += ["--virtual-time-budget=20000", file.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=True)
+    (title,) = re.findall(r"<title>(\{.*?\})</title>", done.stdout)
+    told: dict[str, Any] = json.loads(title.replace("&quot;", '"'))
+    return told
