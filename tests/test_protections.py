@@ -1,4 +1,4 @@
-"""What a user's log says in other words or other units is read, or asked for with the option that mends it."""
+"""A log in other words or other units is read, or asked for with the option that mends it."""
 
 from collections.abc import Callable
 from pathlib import Path
