@@ -39,7 +39,8 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {},
         DataError,
         "no column holds an echo time or a distance reading; accepted: echo_us, echo_ms, echo_s, reading_m, "
-        'reading_cm, reading_mm, reading_inch. The table has: SR_U, battery. Say which it is: --column "',
+        "reading_cm, reading_mm, reading_inch, reading_ft. The table has: SR_U, battery. "
+        'Say which it is: --column "',
     ),
     "misspelled echo column": (
         {"time": ["2026-01-01"], "ehco_us": [5800.0]},

@@ -26,6 +26,8 @@ TABLE = {"echo_us": [11660.0, 11700.0, 11500.0], "temperature_C": [20.0, 18.5, 2
         ("distance_cm", 73.3, "reference_distance", 0.733),
         ("distance_mm", 1234.0, "reference_distance", 1.234),
         ("distance_inch", 10.0, "reference_distance", 0.254),
+        ("distance_ft", 10.0, "reference_distance", 3.048),
+        ("reading_ft", 10.0, "reading", 3.048),
         ("two_way_distance_cm", 73.3, "reference_distance", 0.3665),
         ("temperature_C", 21.5, "temperature", 21.5),
         ("temperature_K", 273.15, "temperature", 0.0),

@@ -216,7 +216,7 @@ def test_a_log_on_stdin(shell: Run, random: np.random.Generator, monkeypatch: py
     ("table", "message"),
     [
         ({"distance_cm": [100.0] * 3, "temperature_C": [20.0] * 3}, '--column "distance_cm=reading_cm"'),
-        ({"Range (ft)": [3.1] * 3, "temperature_C": [20.0] * 3}, "a unit that echocal does not convert"),
+        ({"Range (yd)": [3.1] * 3, "temperature_C": [20.0] * 3}, "a unit that echocal does not convert"),
         ({"level [m]": [1.2, 1.3, 1.25], "temperature_C": [20.0] * 3}, '--column "level [m]=reading_m"'),
     ],
 )

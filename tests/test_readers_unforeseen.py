@@ -62,7 +62,7 @@ GUESSED: dict[str, Lines] = {
     "names without units": lambda t: _timed(t, ISO, "{us:.1f},{c}", ["echo,t_dht"]),
 }  # fmt: skip
 REFUSED: dict[str, tuple[Lines, str]] = {
-    "feet": (lambda t: _timed(t, ISO, "{w},{m:.3f},{c}", ["Date,Range (ft),Temp (C)"]), "does not convert"),
+    "yards": (lambda t: _timed(t, ISO, "{w},{m:.3f},{c}", ["Date,Range (yd),Temp (C)"]), "does not convert"),
     "payloads": (lambda t: _timed(t, ISO, "{w},0a{us:.0f}ff", ["time,data"]), "No column has numbers"),
     "TOB1": (lambda t: ['"TOB1","roof","CR1000"', "x"], "convert it to TOA5 with CardConvert"),
     "thousands": (

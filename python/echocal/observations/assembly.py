@@ -299,6 +299,12 @@ class Assembly:
         """Which column may be the one, of those whose names say nothing: misspelled, alike, or the first."""
         others = self.plan.others
         reference = self.plan.assignments.get("reference_distance")
+        timed = [(n, p.request) for n, p in propose(self.table, found_in(self.table), {}).items()]
+        timed = [(n, request) for n, request in timed if n in others and request.startswith("echo_")]
+        timed = [(n, request) for n, request in timed if request != "echo_quality"]
+        if reference is not None and len(timed) == 1:
+            (name, request), *_ = timed
+            return f'Say which it is: --column "{name}={request}"; {INSPECT}'
         if reference is not None and not self._meant(echo):
             name = f"reading_{reference.unit_name}"
             column = reference.column

@@ -89,7 +89,7 @@ def unfit(table: pd.DataFrame, names: Sequence[str]) -> str:
             "reading",
             "echo",
         }:
-            return f"'{name}' has a unit that echocal does not convert: convert it to m, cm, mm or inch"
+            return f"'{name}' has a unit that echocal does not convert: convert it to m, cm, mm, inch or ft"
     for name in names:
         if _numbers(table[name]) is None:
             text = next((str(value) for value in table[name] if not is_empty(value)), "")

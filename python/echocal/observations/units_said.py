@@ -75,7 +75,7 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def has_foreign_unit(name: str) -> bool:
-    """Whether a name has something in brackets that is no unit of ours: ``Range (ft)``."""
+    """Whether a name has something in brackets that is no unit of ours: ``Range (yd)``."""
     bracket = _BRACKET.fullmatch(name)
     return bool(
         bracket and re.fullmatch(r"[A-Za-zµ°/%²³^-]{1,8}", bracket["unit"]) and not symbol_of(bracket["unit"])

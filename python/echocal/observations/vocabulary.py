@@ -21,7 +21,7 @@ __all__ = [
     "WORDS",
 ]
 
-LENGTH = ("m", "cm", "mm", "inch")
+LENGTH = ("m", "cm", "mm", "inch", "ft")
 TIME = ("us", "ms", "s")
 WORDS: dict[str, tuple[tuple[str, ...], set[str]]] = {
     "distance": (LENGTH, {

@@ -65,6 +65,7 @@ LENGTH: Units = {
     "cm": Unit(1, 100, words=("centimeter", "centimeters", "centimetres")),
     "mm": Unit(1, 1000, words=("millimeter", "millimeters", "millimetres")),
     "inch": Unit(25.4, 1000, words=("in", "inches")),
+    "ft": Unit(304.8, 1000, words=("foot", "feet")),
 }
 TWO_WAY_LENGTH: Units = {s: replace(unit, denominator=2 * unit.denominator) for s, unit in LENGTH.items()}
 TIME: Units = {
