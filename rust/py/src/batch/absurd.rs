@@ -10,10 +10,7 @@ use pyo3::exceptions::PyWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
-use super::arguments::Input;
-
-/// Lowest and highest value.
-pub type Range = (f64, f64);
+use super::arguments::{Input, Range};
 
 /// Of an input that may be anything.
 pub const ANY: Range = (f64::NEG_INFINITY, f64::INFINITY);

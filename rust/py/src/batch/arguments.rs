@@ -3,8 +3,10 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt};
 
-use super::absurd::Range;
 use crate::errors::raise;
+
+/// Lowest and highest value.
+pub type Range = (f64, f64);
 
 /// An input as given, and the value that it has when it is not.
 pub struct Input<'a, 'py> {

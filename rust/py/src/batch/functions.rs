@@ -4,8 +4,8 @@ use echocal_core::Quantity;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 
-use super::absurd::{ANY, Range, range_of};
-use super::arguments::{Input, Options, Threads};
+use super::absurd::{ANY, range_of};
+use super::arguments::{Input, Options, Range, Threads};
 use super::cache::{DEFAULT_LAW, Function, entry};
 use super::call::call;
 use super::documentation::{air, law, options};
