@@ -58,6 +58,31 @@ def test_quiet_weeks_of_the_snow_station_name_its_three_causes(
 
 @pytest.mark.slow
 @pytest.mark.statistical
+def test_growing_grass_is_no_drift_and_seldom_names_what_follows_the_season(
+    tmp_path: Path, random: np.random.Generator
+) -> None:
+    """A false name in 6 of 20 seasons: here at most in two of three."""
+    false = 0
+    for season in range(3):
+        (tmp_path / str(season)).mkdir()
+        diagnosis = echocal.diagnose(
+            drawn(tmp_path / str(season), random, "make_snow.py", "log"),
+            base="cramer",
+            constant_distance=True,
+            columns={"Q": "echo_quality"},
+            reading_speed="331.4",
+            until="2024-11-18",
+            hold_out_after="2024-11-04",
+        )
+        told = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
+        assert "drift" not in {cause.id for cause in diagnosis.causes if cause.kind == "effect"}
+        sure = {cause.id for cause in told if cause.probability >= 0.9 and not cause.doubt}
+        false += bool(sure - {"temperature_lag", "temperature_radiation", "echo_quality"})
+    assert false <= 2
+
+
+@pytest.mark.slow
+@pytest.mark.statistical
 def test_the_first_log_of_the_robot_is_unknown_against_its_velocity(
     tmp_path: Path, random: np.random.Generator
 ) -> None:

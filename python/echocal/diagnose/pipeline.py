@@ -35,6 +35,7 @@ from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.selection.joint import join
 from echocal.diagnose.selection.leverage import carried_by_few
 from echocal.diagnose.selection.select import Selection
+from echocal.diagnose.selection.within_days import unseen_within_days
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
@@ -142,6 +143,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             work.begin("validating claims")
             selection, rest = select_and_refute(case, ranking, shares, reduced)
             carried = carried_by_few(case, rest.kept, selection.best, selection.noise)
+            if any(found.cause == "slow_level" for found in offsets):
+                carried |= unseen_within_days(case, rest.kept, selection.best, selection.noise)
             selection = replace(selection, carried=carried)
             possible = shares.possible(settings.noises.considered)
             judge = judge_of(case, reduced.noises, possible, held, after, steps)

@@ -63,6 +63,8 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     level = _movement(case, best)
     offsets = level if case.offsets is None else level + case.offsets
     other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
+    other.found.variants[:] = [one for one in other.found.variants if one.cause != _DRIFT]
+    other.found.skipped[_DRIFT] = "slow_level takes its place: the level itself may have moved"
     span = float(time[-1] - time[0])
     movement = float(level[-1] - level[0])
     because = (

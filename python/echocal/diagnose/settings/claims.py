@@ -94,6 +94,18 @@ class ClaimSettings:
         "a standard deviation between parts up to this is an uncertainty of the size, not a doubt",
         "chosen by hand: sizes on real records vary by 0.1 from day to day",
     )
+    within_days: float = number(
+        3.0,
+        "standard uncertainties",
+        "where the level moves: beyond them a size is seen within days, or differs from that of all rows",
+        "convention",
+    )
+    within_days_apart: float = number(
+        0.5,
+        "of the size",
+        "and by more than this part of the size in the whole table",
+        "chosen by hand: a real size varies by some ten percent from day to day",
+    )
     steadiness_runs: int = number(
         5, "runs", "runs of rows whose sizes are compared, besides the stations", "as many as folds"
     )
