@@ -100,7 +100,7 @@ def test_a_quantity_that_is_needed_and_lacking_is_named_with_who_needs_it() -> N
 
 
 def test_a_fixed_speed_needs_no_thermometer() -> None:
-    assert echocal.Model("343").time_of_flight(34.3) == 0.2
+    assert echocal.Model("343").time_of_flight(34.3) == pytest.approx(0.2, rel=1e-15)
 
 
 def test_humidity_counts_once() -> None:
