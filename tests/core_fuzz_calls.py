@@ -137,10 +137,12 @@ def posterior(*given: Any) -> tuple[Any, ...]:
     return tuple((one.forms, one.prior, one.fit.log_evidence) for one in found.outcomes)
 
 
-def rank(hypotheses: Any, log_posterior: Any, variances: Any, competing: Any, prior: Any) -> tuple[Any, ...]:
+def rank(
+    hypotheses: Any, log_posterior: Any, covariances: Any, competing: Any, prior: Any
+) -> tuple[Any, ...]:
     """Rank hypotheses given as arguments of their forms."""
     given = [forms(one) for one in hypotheses]
-    found = _core.rank(given, log_posterior, variances, competing, _core.Prior(*prior))
+    found = _core.rank(given, log_posterior, covariances, competing, _core.Prior(*prior))
     return found.probability, found.sets
 
 
@@ -214,8 +216,8 @@ def evidence(function: Any, *arguments: Any) -> Callable[[], Call]:
 
 
 def ranking() -> list[Any]:
-    variances = [[0.1] * 4, [0.2]]
-    return [[FORMS, FORMS[:1]], column(-2.0, -1.0, rows=2), variances, 3, PRIOR]
+    covariances = [0.1 * np.eye(4), 0.2 * np.eye(1)]
+    return [[FORMS, FORMS[:1]], column(-2.0, -1.0, rows=2), covariances, 3, PRIOR]
 
 
 FORMS = [form(0, [1]), form(1, [2]), form(2, [3]), form(None, [4])]
@@ -273,9 +275,9 @@ CALLS: dict[str, Callable[[], Call]] = {
     "NoiseModel": lambda: Call(_core.NoiseModel, [1, 0.5, 0.1, 0.7, -1.0]),
     "Prior": lambda: Call(_core.Prior, [*PRIOR]),
     "Prior.no_cause": lambda: Call(_core.Prior(*PRIOR).no_cause, [True]),
-    "SearchOptions": lambda: Call(_core.SearchOptions, [25.0, 1.5]),
+    "SearchOptions": lambda: Call(_core.SearchOptions, [25.0, 1.5, 1e-3]),
     "fit_hypotheses": evidence(fit_hypotheses, [FORMS, FORMS[:1]], False),
-    "posterior": evidence(posterior, FORMS, PRIOR, [25.0, 1.5]),
+    "posterior": evidence(posterior, FORMS, PRIOR, [25.0, 1.5, 1e-3]),
     "rank": lambda: Call(rank, ranking()),
     "preferred_form": lambda: Call(_core.preferred_form, [[0.0, -1.0], [1, 2], 1.5]),
     "residual_variance": lambda: Call(_core.residual_variance, [products()[0].copy(), 50.0, 1.0, 1e-12, 3.0]),

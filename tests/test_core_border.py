@@ -99,7 +99,9 @@ def _fit(products: Any, forms: int = 3, **given: Any) -> Any:
 
 def _ranked(**given: Any) -> Any:
     arguments = dict(
-        zip(("hypotheses", "log_posterior", "variances", "competing", "prior"), calls.ranking(), strict=True)
+        zip(
+            ("hypotheses", "log_posterior", "covariances", "competing", "prior"), calls.ranking(), strict=True
+        )
     )
     return calls.rank(**{**arguments, **given})
 
@@ -283,10 +285,10 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         ValueError,
         "hypotheses has 2 rows, log_posterior has 3",
     ),
-    "variances of other columns": (
-        lambda: _ranked(variances=[[0.1] * 4, [0.1] * 2]),
+    "a covariance of other columns": (
+        lambda: _ranked(covariances=[np.eye(4), np.eye(2)]),
         ValueError,
-        "variances has 2 rows, free columns has 1",
+        "hypothesis 1 has 1 free columns, but its covariance is 2 by 2",
     ),
     "a log posterior that is no number": (
         lambda: _ranked(log_posterior=np.array([0.0, np.nan])),

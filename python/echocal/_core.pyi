@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final, overload
 
 import numpy as np
@@ -78,9 +78,9 @@ class Form:
     def __new__(
         cls,
         cause: int | None,
-        offsets: list[int],
-        free: list[int],
-        bounds: list[tuple[float, float]],
+        offsets: Sequence[int],
+        free: Sequence[int],
+        bounds: Sequence[tuple[float, float]],
         weight: float,
     ) -> Form: ...
     @property
@@ -105,7 +105,7 @@ class Prior:
 
 @final
 class SearchOptions:
-    def __new__(cls, pruning_log_odds: float, form_preference: float) -> SearchOptions: ...
+    def __new__(cls, pruning_log_odds: float, form_preference: float, unlisted: float) -> SearchOptions: ...
     @property
     def pruning_log_odds(self) -> float: ...
     @property
@@ -169,7 +169,7 @@ def posterior(
 def rank(
     hypotheses: list[list[Form]],
     log_posterior: NDArray[np.float64],
-    variances: list[list[float]],
+    covariances: list[NDArray[np.floating[Any]]],
     competing: int,
     prior: Prior,
 ) -> Ranking: ...

@@ -11,6 +11,7 @@ from echocal.diagnose.blas import one_thread
 from echocal.diagnose.experiment_design.members import members
 from echocal.diagnose.experiment_design.next_measurements import propose
 from echocal.diagnose.faults import find_faults
+from echocal.diagnose.garbage import no_cycle_search
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Stack
@@ -77,6 +78,7 @@ def run(reading: Reading, request: Request, work: Steps) -> Diagnosis:
 
 
 @one_thread()
+@no_cycle_search()
 def examined(reading: Reading, request: Request, work: Steps) -> Examined:
     """Diagnose a table, and keep the inference.
 

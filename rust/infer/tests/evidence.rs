@@ -82,6 +82,7 @@ fn options(pruning_log_odds: f64) -> SearchOptions {
     SearchOptions {
         pruning_log_odds,
         form_preference: 1.5,
+        unlisted: 0.0,
     }
 }
 

@@ -164,36 +164,47 @@ pub fn posterior<'py>(
 }
 
 /// Probabilities of hypotheses, most probable first, and of their sets of causes; `competing`: number
-/// of causes that compete; `variances`: of the coefficients of each hypothesis.
+/// of causes that compete; `covariances`: of the coefficients of each hypothesis.
 #[pyfunction]
 pub fn rank<'py>(
     py: Python<'py>,
     hypotheses: Hypotheses<'py>,
     log_posterior: Column<'py, f64>,
-    variances: Vec<Vec<f64>>,
+    covariances: Vec<Array<'py, f64, Ix2>>,
     competing: usize,
     prior: &CorePrior,
 ) -> PyResult<CoreRanking> {
     same_length_not_empty(&[
         ("hypotheses", hypotheses.len()),
         ("log_posterior", log_posterior.len()),
-        ("variances", variances.len()),
+        ("covariances", covariances.len()),
     ])?;
     if !log_posterior.iter().any(|log| log.is_finite()) {
         return Err(PyValueError::new_err(
             "no hypothesis has a finite log posterior",
         ));
     }
-    let each = hypotheses.iter().zip(variances).zip(log_posterior.iter());
+    let each = hypotheses
+        .iter()
+        .zip(&covariances)
+        .zip(log_posterior.iter());
     let mut ranked = Vec::with_capacity(hypotheses.len());
-    for (place, ((forms, variances), &log_posterior)) in each.enumerate() {
+    for (place, ((forms, covariance), &log_posterior)) in each.enumerate() {
         if log_posterior.is_nan() || log_posterior == f64::INFINITY {
             let message = format!("hypothesis {place} has a log posterior of {log_posterior}");
             return Err(PyValueError::new_err(message));
         }
         let variants = variants(forms, usize::MAX)?;
-        let free = variants.iter().map(|form| form.free.len()).sum();
-        same_length(&[("variances", variances.len()), ("free columns", free)])?;
+        let free: usize = variants.iter().map(|form| form.free.len()).sum();
+        if covariance.shape() != [free, free] {
+            let shape = covariance.shape();
+            let message = format!(
+                "hypothesis {place} has {free} free columns, but its covariance is {} by {}",
+                shape[0], shape[1]
+            );
+            return Err(PyValueError::new_err(message));
+        }
+        let variances = covariance.iter().step_by(free + 1).copied().collect();
         let known = variants.iter().filter(|form| !form.is_unexplained).count();
         if known > competing {
             let message = format!("hypothesis {place} has {known} causes, but {competing} compete");

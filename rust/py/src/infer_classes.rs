@@ -146,17 +146,21 @@ pub struct CoreSearchOptions {
     pruning_log_odds: f64,
     /// Log odds between forms of the same causes below which the one with more coefficients is taken.
     form_preference: f64,
+    /// Probability that the least probable hypotheses may share and still be left out.
+    unlisted: f64,
 }
 
 #[pymethods]
 impl CoreSearchOptions {
     #[new]
-    fn new(pruning_log_odds: f64, form_preference: f64) -> PyResult<Self> {
+    fn new(pruning_log_odds: f64, form_preference: f64, unlisted: f64) -> PyResult<Self> {
         not_negative("pruning_log_odds", pruning_log_odds)?;
         not_negative("form_preference", form_preference)?;
+        probability("unlisted", unlisted)?;
         Ok(Self {
             pruning_log_odds,
             form_preference,
+            unlisted,
         })
     }
 }
@@ -166,6 +170,7 @@ impl CoreSearchOptions {
         SearchOptions {
             pruning_log_odds: self.pruning_log_odds,
             form_preference: self.form_preference,
+            unlisted: self.unlisted,
         }
     }
 }

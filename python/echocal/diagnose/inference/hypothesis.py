@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate, pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,9 +119,10 @@ class Stack:
         return self.only(np.arange(len(self.noises)) == 0)
 
 
-@dataclass(frozen=True)
-class HypothesisFit:
+class HypothesisFit(NamedTuple):
     """A hypothesis after the data: docs/method.md, Eq. 16 and 17.
+
+    A named tuple, because a search makes thousands of them.
 
     Attributes
     ----------
@@ -155,7 +156,7 @@ class HypothesisFit:
             self.hypothesis, self.log_evidence + by, self.mean, self.covariance, self.noise, self.variance
         )
 
-    @cached_property
+    @property
     def log_posterior(self) -> float:
         """Up to the constant that normalizes: docs/method.md, Eq. 18."""
         prior = self.hypothesis.prior
@@ -165,7 +166,7 @@ class HypothesisFit:
 def form(variant: Variant, cause: int | None = 0) -> _core.Form:
     """Describe a variant to the core; an unexplained term has no cause."""
     offsets = [] if variant.offset is None else [variant.offset]
-    return _core.Form(cause, offsets, list(variant.free), list(variant.bounds), variant.weight)
+    return _core.Form(cause, offsets, variant.free, variant.bounds, variant.weight)
 
 
 def fit_hypothesis(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> HypothesisFit:

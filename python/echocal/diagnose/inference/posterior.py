@@ -36,15 +36,22 @@ class Inference:
     fits: list[HypothesisFit]
 
 
-def infer(case: Case) -> Inference:
-    """Fit every hypothesis that competes, on the rows that a fit may see."""
+def infer(case: Case, unlisted: float = 0.0) -> Inference:
+    """Fit every hypothesis that competes, on the rows that a fit may see.
+
+    The least probable ones, which share the probability `unlisted`, are left out.
+    """
     stack = case.stack(case.folds.fit)
-    fits, reduced = posterior(case.found, stack, case.settings, case.hypotheses)
+    fits, reduced = posterior(case.found, stack, case.settings, case.hypotheses, unlisted)
     return Inference(stack, reduced, fits)
 
 
 def posterior(
-    found: Candidates, stack: Stack, settings: Settings, known: dict[Key, Hypothesis] | None = None
+    found: Candidates,
+    stack: Stack,
+    settings: Settings,
+    known: dict[Key, Hypothesis] | None = None,
+    unlisted: float = 0.0,
 ) -> tuple[list[HypothesisFit], Stack]:
     """Fit no cause, each cause, each pair, larger sets greedily, and the best of all beside each term.
 
@@ -55,6 +62,8 @@ def posterior(
     settings : Settings
     known : dict, optional
         Hypotheses that were made of the same candidates before, by their forms and priors.
+    unlisted : float
+        Probability that the least probable hypotheses share, which are left out.
 
     Returns
     -------
@@ -73,7 +82,7 @@ def posterior(
         VARIANCE_FLOOR**2,
         forms,
         core_prior(settings.priors),
-        _core.SearchOptions(search.pruning_log_odds, search.form_preference),
+        _core.SearchOptions(search.pruning_log_odds, search.form_preference, unlisted),
     )
     known = {} if known is None else known
     fits = []

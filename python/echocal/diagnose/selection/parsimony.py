@@ -50,7 +50,7 @@ def probabilities(
     ranking = _core.rank(
         [[forms[id(variant)] for variant in fit.hypothesis.variants] for fit in fits],
         np.array([fit.log_posterior for fit in fits]),
-        [fit.covariance.diagonal().tolist() for fit in fits],
+        [fit.covariance for fit in fits],
         causes,
         core_prior(priors),
     )

@@ -109,7 +109,7 @@ def varied(fit: HypothesisFit, between: Mapping[str, NDArray[np.float64]]) -> Hy
     for variant, place in fit.hypothesis.placed:
         if variant.cause in between:
             more[place] = between[variant.cause] ** 2
-    return replace(fit, covariance=fit.covariance + np.diag(more)) if more.any() else fit
+    return fit._replace(covariance=fit.covariance + np.diag(more)) if more.any() else fit
 
 
 @dataclass(frozen=True)

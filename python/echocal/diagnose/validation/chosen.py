@@ -26,7 +26,7 @@ def chosen(case: Case, tried: Collection[FittedNoise]) -> tuple[Selection, Rest]
     tried : collection of FittedNoise
         Noises that compete.
     """
-    inference = infer(case)
+    inference = infer(case, case.settings.search.unlisted_in_folds)
     shares = infer_noises(case, inference.fits, inference.reduced, tried)
     ranking = rank(shares.fits, case.found.competing, case.settings)
     return select_and_refute(case, ranking, shares, inference.reduced, doubt=False)

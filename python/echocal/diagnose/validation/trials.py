@@ -1,7 +1,7 @@
 """Models on the folds: each is fitted once for each fold."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,4 +87,4 @@ def fit_with(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> 
     key = noise, blocks.tobytes(), hypothesis.key
     if key not in case.fits:
         case.fits[key] = fit_to_blocks(hypothesis, case.sums, noise, blocks)
-    return replace(case.fits[key], hypothesis=hypothesis)
+    return case.fits[key]._replace(hypothesis=hypothesis)

@@ -10,4 +10,6 @@ pub struct SearchOptions {
     /// 4.5, well below the 20 that count as "strong" in Kass & Raftery 1995,
     /// doi:10.1080/01621459.1995.10476572.
     pub form_preference: f64,
+    /// Probability that the least probable hypotheses may share and still be left out of what is found.
+    pub unlisted: f64,
 }

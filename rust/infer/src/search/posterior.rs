@@ -164,14 +164,15 @@ fn outcomes(of: &Candidates<'_>, mut found: Vec<Candidate>) -> Vec<Outcome> {
     let total = log_sum(found.iter().map(|c| c.score));
     found.retain(|c| c.score > total - NEGLIGIBLE || c.variants.is_empty());
     let mut before = 0.0;
-    let with_accuracy = found.into_iter().map(|candidate| {
+    let with_accuracy = found.into_iter().filter_map(|candidate| {
         let accuracy = if before < 1.0 - REMOTE {
             Accuracy::Full
         } else {
             Accuracy::Rough
         };
+        let listed = before < 1.0 - of.options.unlisted || candidate.variants.is_empty();
         before += (candidate.score - total).exp();
-        (candidate, accuracy)
+        listed.then_some((candidate, accuracy))
     });
     let all: Vec<_> = with_accuracy.collect();
     let mut outcomes = each_of(&all, of.threads, || {

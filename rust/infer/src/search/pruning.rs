@@ -98,6 +98,7 @@ mod tests {
             let options = SearchOptions {
                 pruning_log_odds,
                 form_preference: 1.5,
+                unlisted: 0.0,
             };
             lowest(sets, &options, leads)
         };

@@ -1,6 +1,6 @@
 """Noises in the posterior: every likely hypothesis on the mean, beside each noise."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -116,9 +116,11 @@ def infer_noises(
     there = [noise for noise in registry.nuisances() if not (noise.of_stations and case.at_levels)]
     nuisances = [_NuisancePrior.of(noise, case, reduced, settings) for noise in there]
     mixed = [noise.facts.id for noise in registry.fitted() if not noise.removes_nuisance]
-    for ids in order:
-        fitted = shares.fitted_of(ids)  # of these, some compete with the nuisance noises
-        shares.nuisances[ids] = _nuisances(best[ids], nuisances, sum(fitted.get(id_, 0.0) for id_ in mixed))
+    fitted = [shares.fitted_of(ids) for ids in order]  # of these, some compete with the nuisance noises
+    competing = np.array([sum(one.get(id_, 0.0) for id_ in mixed) for one in fitted])
+    shares.nuisances = dict(
+        zip(order, _nuisances([best[i] for i in order], nuisances, competing), strict=True)
+    )
     _doubt(shares, nuisances)
     return shares
 
@@ -254,18 +256,23 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
                 found[id_] *= factor
 
 
-def _nuisances(fit: HypothesisFit, nuisances: Collection[_NuisancePrior], mixed: float) -> dict[str, float]:
+def _nuisances(
+    fits: Sequence[HypothesisFit], nuisances: Collection[_NuisancePrior], mixed: NDArray[np.float64]
+) -> list[dict[str, float]]:
     """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26.
 
-    `mixed` is the probability of the fitted noises that compete with them.
+    `mixed` is the probability of the fitted noises that compete with them, beside each of `fits`.
     """
+    noise = np.array([fit.noise for fit in fits])
     found = {}
     for nuisance in nuisances:
         before, prior = nuisance.assumed, nuisance.prior
         if before in (0.0, 1.0):
             continue
-        share = float(fit.noise[nuisance.concerned].sum())
-        odds = share * (1 - before) / max((1 - share) * before, 1e-12)
+        share = noise[:, nuisance.concerned].sum(axis=1)
+        odds = share * (1 - before) / np.maximum((1 - share) * before, 1e-12)
         odds *= prior / (1 - prior)
-        found[nuisance.id] = odds / (1 + odds) * (1 - min(mixed, 1.0))
-    return found
+        found[nuisance.id] = (odds / (1 + odds) * (1 - np.minimum(mixed, 1.0))).tolist()
+    return [dict(zip(found, each, strict=True)) for each in zip(*found.values(), strict=True)] or [
+        {} for _ in fits
+    ]
