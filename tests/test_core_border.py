@@ -98,11 +98,8 @@ def _fit(products: Any, forms: int = 3, **given: Any) -> Any:
 
 
 def _ranked(**given: Any) -> Any:
-    arguments = dict(
-        zip(
-            ("hypotheses", "log_posterior", "covariances", "competing", "prior"), calls.ranking(), strict=True
-        )
-    )
+    names = ("hypotheses", "log_posterior", "covariances", "competing", "prior")
+    arguments = dict(zip(names, calls.ranking(), strict=True))
     return calls.rank(**{**arguments, **given})
 
 

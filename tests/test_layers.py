@@ -39,6 +39,7 @@ ROOMS_OF_DIAGNOSE = [
     "catalogue",
     "progress",
     "blas",
+    "garbage",
     "selection",
     "validation",
     "experiment_design",
