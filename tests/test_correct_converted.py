@@ -168,7 +168,7 @@ def test_spaces_short_rows_and_marks(tmp_path: Path) -> None:
     assert found["note"].to_pylist() == ["a, b", None, "c"]
     assert found["temperature_C"].to_pylist() == [20, 21, 22]
     (tmp_path / "in.csv").write_text("echo_us, temperature_C\n11660, 20\n11660, 21, 3\n")
-    with pytest.raises(echocal.DataError, match="Expected 2 fields in line 3, saw 3"):
+    with pytest.raises(echocal.DataError, match="1 of 2 rows have more, first row 2"):
         correct_files(tmp_path / "in.csv", tmp_path / "long.parquet", MODEL)
     assert not (tmp_path / "long.parquet").exists()
 

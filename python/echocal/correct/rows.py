@@ -73,6 +73,17 @@ class Rows:
     outside: Mapping[str, tuple[int, int, float]] = field(default_factory=dict)
     """Rows outside of the domain of a law; see `echocal.domain.counting`."""
 
+    def lost(self, where: NDArray[np.bool_], reason: str) -> "Rows":
+        """The same without some rows, for a reason that comes before all others."""
+        return replace(
+            self,
+            distance=np.where(where, np.nan, self.distance),
+            uncertainty=np.where(where, np.float32(np.nan), self.uncertainty),
+            codes=np.where(where, np.int16(len(self.reasons)), self.codes),
+            reasons=(*self.reasons, reason),
+            unusable=(*self.unusable, True),
+        )
+
     def cut(self, begin: int, end: int) -> "Rows":
         """Some of the rows."""
         if (begin, end) == (0, len(self.codes)):

@@ -10,7 +10,10 @@ import pandas as pd
 
 from echocal.observations.layout import Head, Layout
 
-__all__ = ["Found", "found_in", "keep", "pointed", "said_of"]
+__all__ = ["CORRUPT", "Found", "found_in", "keep", "pointed", "said_of"]
+
+CORRUPT = "corrupt line"
+"""Reason of a row with more fields than its header."""
 
 _KEY = "echocal"
 

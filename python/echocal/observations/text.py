@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
-from echocal.observations.found import Found, keep, pointed, said_of
+from echocal.observations.found import CORRUPT, Found, keep, pointed, said_of
 from echocal.observations.heading import SEPARATORS, find_head
 from echocal.observations.layout import Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
@@ -27,7 +27,6 @@ __all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read",
 
 _PART = 1 << 20  # characters that are searched at a time
 _FIRST = 200  # lines that are looked at for the header
-_BAD = "corrupt line"
 
 
 def head_of(path: Path, layout: Layout) -> Head:
@@ -189,7 +188,7 @@ class _Body:
                 if not fields:
                     continue
                 if len(fields) > self.width and any(text.strip() for text in fields[self.width :]):
-                    self.corrupt[count] = _BAD
+                    self.corrupt[count] = CORRUPT
                     fields = [""] * self.width
                 writer.writerow(fields[: self.width])
                 count += 1

@@ -21,7 +21,7 @@ from echocal.correct.text.parse import Lines, Parser
 from echocal.correct.text.write import header_with_results, with_empty, with_results
 from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
-from echocal.observations.found import Found
+from echocal.observations.found import CORRUPT, Found
 from echocal.observations.hints import completed
 from echocal.observations.part import Part
 from echocal.observations.plan import make
@@ -78,11 +78,12 @@ class Text:
         corrector = self.corrector
         columns = corrector.columns
         if corrector.by:
-            keys = self.parser.table(block, lines, [corrector.by])[corrector.by]
+            lines, table = self.parser.table(block, lines, [corrector.by])
+            keys = table[corrector.by]
             with self._lock:
                 corrector.prepare([label(value) for value in keys.unique().tolist()])
                 columns = corrector.columns
-        return lines, self.parser.table(block, lines, columns)
+        return self.parser.table(block, lines, columns)
 
     def tables(self) -> Iterator[pd.DataFrame]:
         """Needed columns of all rows, block by block."""
@@ -143,7 +144,14 @@ def correct_text(
 
 
 def check_whole(text: Text, tally: Tally) -> None:
-    """Refuse a file whose columns, taken as a whole, have no value or are in another unit."""
+    """Refuse a file whose rows do not fit its header, or whose columns have no value or another unit."""
+    corrupt, width = tally.unusable.get(CORRUPT, 0), len(text.head.names)
+    if 2 * corrupt >= max(tally.rows, 1):
+        message = (
+            f"{text.path} cannot be read as rows of {width} fields like its header: {corrupt} of "
+            f"{tally.rows} rows have more, first row {tally.first[CORRUPT]}"
+        )
+        raise DataError(message)
     if tally.doubtful(text.job):
         whole = pd.concat(list(text.tables()), ignore_index=True)
         text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)

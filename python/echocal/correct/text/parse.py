@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 
 from echocal.correct.text.blocks import Block
-from echocal.errors import DataError
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
+from echocal.observations.found import CORRUPT
 from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
@@ -41,9 +41,12 @@ class Lines:
     last : str
         What ends the last one.
     records : list of (str, str), or None
-        Each row, or blank line, without and with its end; where the lines are not plain.
+        Each row, or blank line, as it is written, and its end; where the lines are not plain.
     rows : ndarray of int, or None
         Places of the rows among them; None where all are rows.
+    corrupt : frozenset of int
+        Numbers of the rows with more fields than the header. Such a row is written as one quoted field, with
+        the other fields empty.
     """
 
     texts: Any = None
@@ -51,6 +54,7 @@ class Lines:
     last: str = "\n"
     records: list[tuple[str, str]] | None = None
     rows: Any = None
+    corrupt: frozenset[int] = frozenset()
 
 
 class Parser:
@@ -85,28 +89,22 @@ class Parser:
         plain = self._plain(block.data) if has_arrow() else None
         return self._records(block) if plain is None else plain
 
-    def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
-        """Some columns of the rows.
+    def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
+        """Some columns of the rows, and the lines with what was found in them.
 
-        Raises
-        ------
-        DataError
-            If a row has more fields than the header.
+        Where a row is corrupt, the column `CORRUPT` says which.
         """
         if lines.records is None:
             found = self._fast(block.data, len(lines.texts), columns)
             if found is not None:
-                return found
+                return lines, found
             lines = self._records(block)
-        return self._careful(block, lines, columns)
+        return lines, self._careful(lines, columns)
 
     def fields(self, block: Block, lines: Lines) -> Any:
         """Every field of the rows as the text that it is, an Arrow table; null where a row has too few.
 
-        Raises
-        ------
-        DataError
-            If a row has more fields than the header.
+        A corrupt row has none.
         """
         pa = arrow("Parquet")
         if lines.records is None:
@@ -116,7 +114,7 @@ class Parser:
             lines = self._records(block)
         width = len(self._head.names)
         columns: list[list[str | None]] = [[] for _ in range(width)]
-        for row in self._rows(block, lines):
+        for row in self._rows(lines):
             for column, text in zip(columns, [*row, *[None] * (width - len(row))], strict=True):
                 column.append(text)
         arrays = [pa.array(column, pa.string()) for column in columns]
@@ -230,36 +228,52 @@ class Parser:
         text = io.StringIO(block.data.decode(), newline="")
         records: list[tuple[str, str]] = []
         rows: list[int] = []
+        corrupt: list[int] = []
         for record, held in marks.records(text, block.first):
             ended = "".join(held)
+            line = ended.rstrip("\r\n")
+            end = ended[len(line) :]
             if record:
+                fitted = self._fitted(line)
+                if fitted is None:
+                    corrupt.append(len(rows))
+                    fitted = '"' + line.replace('"', '""') + '"' + head.separator * (len(head.names) - 1)
+                line = fitted
                 rows.append(len(records))
-            records.append((ended.rstrip("\r\n"), ended))
-        return Lines(records=records, rows=rows)
+            records.append((line, end))
+        return Lines(records=records, rows=rows, corrupt=frozenset(corrupt))
 
-    def _careful(self, block: Block, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
+    def _fitted(self, line: str) -> str | None:
+        """A row's line, without empty fields beyond the header's; None where such a field has a value."""
+        width, separator = len(self._head.names), self._head.separator
+        if line.count(separator) < width:
+            return line
+        fields = self._fields(line)
+        if any(text.strip() for text in fields[width:]):
+            return None
+        for _ in fields[width:]:
+            line = line[: line.rindex(separator)]
+        return line
+
+    def _fields(self, line: str) -> list[str]:
+        return next(csv.reader(line.splitlines(keepends=True), **self._dialect))
+
+    def _careful(self, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
         places = [int(self._place[name]) for name in columns]
         fields: list[list[str]] = [[] for _ in columns]
-        for row in self._rows(block, lines):
+        for row in self._rows(lines):
             for column, place in zip(fields, places, strict=True):
                 column.append(row[place] if place < len(row) else "")
         found = {name: self._column(own, name) for name, own in zip(columns, fields, strict=True)}
+        if lines.corrupt:
+            found[CORRUPT] = np.isin(np.arange(len(lines.rows)), list(lines.corrupt))
         return pd.DataFrame(found, index=range(len(lines.rows)))
 
-    def _rows(self, block: Block, lines: Lines) -> Iterator[list[str]]:
-        """Fields of each row; fewer than in the header where a row is short."""
+    def _rows(self, lines: Lines) -> Iterator[list[str]]:
+        """Fields of each row; fewer than in the header where a row is short, none where it is corrupt."""
         assert lines.records is not None
-        width = len(self._head.names)
-        for place in lines.rows:
-            row = next(csv.reader(lines.records[place][0].splitlines(keepends=True), **self._dialect))
-            if len(row) > width:
-                line = block.first + sum(held.count("\n") for _, held in lines.records[:place])
-                message = (
-                    f"{self._path} cannot be read as rows of {width} fields like its header: "
-                    f"Expected {width} fields in line {line}, saw {len(row)}"
-                )
-                raise DataError(message)
-            yield row
+        for number, place in enumerate(lines.rows):
+            yield [] if number in lines.corrupt else self._fields(lines.records[place][0])
 
     @property
     def _dialect(self) -> dict[str, Any]:

@@ -34,8 +34,8 @@ def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> byte
         made = _suffixes(rows, separator, decimal)
         places = {place: number for number, place in enumerate(lines.rows)}
         return "".join(
-            f"{text}{separator}{made[places[place]]}{ended[len(text) :]}" if place in places else ended
-            for place, (text, ended) in enumerate(lines.records)
+            f"{text}{separator}{made[places[place]]}{end}" if place in places else text + end
+            for place, (text, end) in enumerate(lines.records)
         ).encode()
     pa = arrow()
     distance, uncertainty = (_texts(own, decimal) for own in _numbers(rows))
