@@ -150,7 +150,8 @@ class Parser:
 
     def _plain(self, data: bytes) -> Lines | None:
         """The lines, if each is a row, all end alike, and marks enclose whole fields."""
-        if self._head.comments and (data.startswith(b"#") or b"\n#" in data):
+        # one byte is found many times faster than two
+        if self._head.comments and b"#" in data and (data.startswith(b"#") or b"\n#" in data):
             return None
         if any(line in data for line in self._repeated):
             return None
