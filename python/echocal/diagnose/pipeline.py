@@ -42,6 +42,7 @@ from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
 from echocal.diagnose.validation.remainder import remainder
 from echocal.diagnose.validation.smooth import smooth_correction
+from echocal.diagnose.validation.unconfirmed import unconfirmed
 from echocal.diagnose.validation.validate import validate
 from echocal.errors import DataError, DomainWarning
 from echocal.observations.checks import still_refused
@@ -157,6 +158,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             level_steps.append(step)
             work.level_steps = len(level_steps)
 
+        doubts = unconfirmed(case, validation, judge, selection.noise)
+        selection = replace(selection, unconfirmed=doubts)
         smooth = smooth_correction(case, validation, judge, selection.noise)
         left = remainder(case, ranking, validation, smooth, selection.noise)
 

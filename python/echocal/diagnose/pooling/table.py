@@ -104,7 +104,7 @@ class TableInference:
             case.found.skipped,
             examined.reduced,
             examined.shares.fits,
-            examined.selection.doubts,
+            examined.selection.doubts_of_size,
             threshold_of(settings.claims.few_rows, examined.ranking, examined.shares),
             settings,
         )

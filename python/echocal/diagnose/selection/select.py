@@ -51,6 +51,8 @@ class Selection:
         Standard deviation of the sizes of claims between parts of the table, in prior standard deviations.
     carried : mapping of str to str
         Claims that a few rows carry, each with a sentence on these rows.
+    unconfirmed : mapping of str to str
+        Claims that the rows which judge the model do not show beside the others, each with a sentence.
     """
 
     best: HypothesisFit
@@ -65,10 +67,16 @@ class Selection:
     later: Mapping[str, str] = field(default_factory=dict)
     between: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     carried: Mapping[str, str] = field(default_factory=dict)
+    unconfirmed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def doubts(self) -> dict[str, str]:
         """Why a claim is not named, whatever its probability is."""
+        return {**self.unconfirmed, **self.doubts_of_size}
+
+    @property
+    def doubts_of_size(self) -> dict[str, str]:
+        """Those that speak against a claim; a table that is too small to show it does not."""
         return {**self.later, **self.implausible, **self.varying, **self.carried}
 
 

@@ -106,6 +106,12 @@ class ClaimSettings:
         "and by more than this part of the size in the whole table",
         "chosen by hand: a real size varies by some ten percent from day to day",
     )
+    confirmed: float = number(
+        3.0,
+        "log score",
+        "a cause beside others is named if the rows that judge the model are more probable with it by this",
+        "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572)",
+    )
     steadiness_runs: int = number(
         5, "runs", "runs of rows whose sizes are compared, besides the stations", "as many as folds"
     )

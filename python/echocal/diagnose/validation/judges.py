@@ -55,6 +55,9 @@ class Judge(Protocol):
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""
 
+    def compared(self, trials: Trials, one: HeldOut, other: HeldOut) -> Score:
+        """Log density of these rows with one such model, less that with another one."""
+
     def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         """Errors of a model that is a function of the blocks that it is fitted on."""
 
@@ -140,6 +143,10 @@ class Nested:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""
         return trials.of(rest.hypothesis, rest.kept)
 
+    def compared(self, trials: Trials, one: HeldOut, other: HeldOut) -> Score:
+        """Log density of these rows with one such model, less that with another one."""
+        return trials.score(one, other)
+
     def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         """Errors of a model that is a function of the blocks that it is fitted on."""
         return measure(self.case.table, self.case.folds, fitted)
@@ -223,6 +230,10 @@ class HeldOutRows:
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
         """Errors of a model with some causes, whose sizes are fitted without these rows."""
         return self.extended(trials.fitted(rest.hypothesis, rest.kept))
+
+    def compared(self, trials: Trials, one: HeldOut, other: HeldOut) -> Score:
+        """Log density of these rows with one such model, less that with another one."""
+        return self.score(one, other, trials.noise)
 
     def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         """Errors of a model that is a function of the blocks that it is fitted on."""
