@@ -21,8 +21,10 @@ class Truth:
     seconds: np.ndarray
     start: datetime
 
-    def times(self, form: str = "%Y-%m-%d %H:%M:%S") -> list[str]:
-        return [(self.start + timedelta(seconds=float(s))).strftime(form) for s in self.seconds]
+    def times(self, form: str = "%Y-%m-%d %H:%M:%S", ahead: int = 0) -> list[str]:
+        """Times of a clock that is some hours ahead of UTC."""
+        start = self.start + timedelta(hours=ahead)
+        return [(start + timedelta(seconds=float(s))).strftime(form) for s in self.seconds]
 
     @property
     def rows(self) -> list[tuple[float, float, float]]:
@@ -226,7 +228,7 @@ def hobo(t: Truth) -> Made:
     ]
     lines = [
         f"{n},{w},{c},{d * 100:.2f},3.55"
-        for n, (w, (d, c, _)) in enumerate(zip(t.times("%m/%d/%y %I:%M:%S %p"), t.rows, strict=True), 1)
+        for n, (w, (d, c, _)) in enumerate(zip(t.times("%m/%d/%y %I:%M:%S %p", -5), t.rows, strict=True), 1)
     ]
     return Made("snow3.csv", ("\ufeff" + "\n".join(head + lines) + "\n").encode())
 

@@ -77,8 +77,15 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {**ECHO, "humidity_percent": [143.0, 144.0, 150.0]},
         {},
         DataError,
-        "column 'humidity_percent' has a median of 144, outside 0 .. 100; an error code? "
-        '--missing "humidity_percent=144"',
+        "column 'humidity_percent' has a median of 144, outside 0 .. 100; values in another unit, or in "
+        'tenths, must be converted before; without it: --column "humidity_percent=ignore"',
+    ),
+    "an error code throughout": (
+        {**ECHO, "humidity_percent": [143.0, 143.0, 150.0]},
+        {},
+        DataError,
+        "column 'humidity_percent' has a median of 143, outside 0 .. 100; an error code? "
+        '--missing "humidity_percent=143"',
     ),
     "humidity as a fraction": (
         {**ECHO, "humidity_percent": [0.43, 0.44, 0.5]},
@@ -234,7 +241,7 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {**ECHO, "time": ["2024-05-31"] * 3},
         {"time_zone": "Mars/Olympus"},
         UsageError,
-        "unknown time zone 'Mars/Olympus'; IANA names are like",
+        "unknown time zone 'Mars/Olympus'; IANA names are like UTC or Europe/Copenhagen, offsets like +02:00",
     ),
     "an order that is no position": (
         {**ECHO, "order": ["first", "2", "3"]},

@@ -7,11 +7,12 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
+import click
 import typer
 
 from echocal.errors import UsageError
 
-__all__ = ["KNOWN", "Options", "added", "from_stdin"]
+__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin"]
 
 KNOWN = {
     "column", "missing", "trust", "at", "reading-speed", "time-zone", "time-format", "skip-lines", "decimal",
@@ -22,6 +23,7 @@ KNOWN = {
 
 _PAIRS = ("column", "missing", "at")
 _KEY = "echocal.options"
+_FILE = "echocal.options.file"
 
 
 def _take(context: typer.Context, path: Path | None) -> Path | None:
@@ -29,6 +31,7 @@ def _take(context: typer.Context, path: Path | None) -> Path | None:
     if path is not None and not context.resilient_parsing:
         values = _read(path)
         context.meta[_KEY] = values
+        context.meta[_FILE] = path
         context.default_map = {**(context.default_map or {}), **values}
     return path
 
@@ -43,6 +46,12 @@ Options: TypeAlias = Annotated[
         help="Options of the log, as `echocal inspect LOG -o FILE.toml` writes them; a flag wins.",
     ),
 ]
+
+
+def file_in_use() -> Path | None:
+    """The file of options that the running command reads."""
+    context = click.get_current_context(silent=True)
+    return None if context is None else context.meta.get(_FILE)
 
 
 def added(

@@ -10,6 +10,7 @@ from typing import Annotated, TypeAlias
 import typer
 
 from echocal.cli._made_by import Recognize
+from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
@@ -69,6 +70,7 @@ def check_outputs(
     """
     if folder is not None:
         _refuse_folder(folder)
+    inputs = [*inputs, file_in_use()]
     files = [(o, Path(o.path)) for o in outputs if o.path is not None and str(o.path) != "-"]
     for _, file in files:
         refuse_name(file)

@@ -130,6 +130,11 @@ def command(
     options = options_of(
         column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
     )
+    named = [("-o", out), ("--json", json)]
+    for option, path in named if state is not None else []:
+        if path not in {None, "-"} and Path(str(path)).resolve() == Path(str(state)).resolve():
+            message = f"{option} and --state both name {path}; choose two names"
+            raise UsageError(message)
     with ExitStack() as at_end:
         kept = State(state)
         at_end.callback(kept.close)

@@ -15,7 +15,7 @@ from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.model.folder import label
-from echocal.observations.found import CORRUPT
+from echocal.observations.found import NOT_READ
 from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
 from echocal.observations.numbers import Missing
@@ -167,8 +167,8 @@ class Corrector:
     ) -> tuple[Rows, list[Part]]:
         """Correct a part of a table, and return its own rows, without those of its neighbors."""
         rows, parts = self._all(table, context, whole, slice(*own))
-        if CORRUPT in table:
-            rows = rows.lost(table[CORRUPT].eq(True).to_numpy(), CORRUPT)
+        for reason in table[NOT_READ].dropna().unique() if NOT_READ in table else ():
+            rows = rows.lost(table[NOT_READ].eq(reason).to_numpy(), reason)
         return rows.cut(*own), parts
 
     def _all(

@@ -154,7 +154,8 @@ def refuse_corrected(names: Collection[str]) -> None:
     """Raise `DataError` for a table that has a column which a correction appends."""
     taken = [name for name in RESULTS if name in names]
     if taken:
-        message = f"the table already has a column '{taken[0]}': it was corrected before; rename or remove it"
+        before = "it was corrected before" if RESULTS[0] in taken else "a correction adds one of that name"
+        message = f"the table already has a column '{taken[0]}': {before}; rename or remove it"
         raise DataError(message)
 
 

@@ -33,7 +33,7 @@ class _Parameter(_Entry):
 
 class _Effect(_Entry):
     id: str
-    parameters: dict[str, _Parameter] = {}
+    parameters: dict[str, _Parameter]
 
 
 class _Shape(_Entry):
@@ -54,7 +54,7 @@ class _File(_Entry):
     schema_: str = Field(alias="schema")
     law: str
     air: dict[str, float] = {}
-    effects: list[_Effect] = []
+    effects: list[_Effect]
     covariance: list[list[float]] | None = None
     shape: _Shape | None = None
     columns: dict[str, str] = {}
@@ -101,7 +101,7 @@ def _parse(path: Path, text: str | None) -> dict[str, Any]:
         message = f"cannot be the name of a file: {error}"
         raise ModelError(message) from None
     try:
-        document = json.loads(text, parse_constant=refuse)
+        document = json.loads(text, parse_constant=refuse, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
         message = f"is not JSON: line {error.lineno}, column {error.colno}: {error.msg}"
         raise ModelError(message) from None
@@ -114,6 +114,16 @@ def _parse(path: Path, text: str | None) -> dict[str, Any]:
         message = f"is no model: expected an object of schema {SCHEMA}"
         raise ModelError(message)
     return document
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object each of whose names occurs once."""
+    names = [name for name, _ in pairs]
+    repeated = next((name for name in names if names.count(name) > 1), None)
+    if repeated is not None:
+        message = f"has '{repeated}' twice in one object; keep the one that is meant"
+        raise ModelError(message)
+    return dict(pairs)
 
 
 def _check_schema(document: dict[str, Any]) -> None:
@@ -145,6 +155,7 @@ def _arguments(file: _File) -> dict[str, Any]:
         raise ModelError(message)
     for effect in file.effects:
         _check_units(effect)
+        _check_sizes(effect)
     if file.shape is not None and file.smooth is not None:
         raise ModelError("has a shape and a smooth correction; a model has one of them at most")
     return {
@@ -172,6 +183,18 @@ def _check_units(effect: _Effect) -> None:
         if parameter.unit not in {None, expected}:
             message = f"{effect.id}.{name} is in '{parameter.unit}'; expected '{expected}'"
             raise ModelError(message)
+
+
+def _check_sizes(effect: _Effect) -> None:
+    """Refuse an effect without any of its sizes, which would do nothing."""
+    sizes = [parameter for parameter in find_effect(effect.id).parameters if parameter.role == "size"]
+    if sizes and not any(parameter.name in effect.parameters for parameter in sizes):
+        first = sizes[0]
+        message = (
+            f"effect '{effect.id}' has no parameter '{first.name}', so it would change nothing; "
+            f'give it: {{"{first.name}": {{"value": ..., "unit": "{first.unit}"}}}}'
+        )
+        raise ModelError(message)
 
 
 def _uncertainties(file: _File) -> dict[str, float | None]:

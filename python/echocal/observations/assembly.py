@@ -16,6 +16,7 @@ from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
 from echocal.observations.found import found_in
+from echocal.observations.hints import role_of
 from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
@@ -87,6 +88,10 @@ class Assembly:
         source = self.plan.assignments[quantity]
         if source.name == "time":
             given = self.table[source.column]
+            zone = clock.zone_of(source.column, self.time_zone)
+            if zone != self.time_zone:
+                self.notes.append(f"the times are those of UTC{zone}, as the name '{source.column}' says")
+                self.time_zone = zone
             self.time, outside = clock.instants(given, source.column, self.time_zone, self.time_format)
             unset = np.zeros(len(outside), dtype=np.bool_) if self.part else odd_times.not_set(self.time)
             self.time = np.where(unset, np.datetime64("NaT"), self.time)
@@ -324,7 +329,10 @@ class Assembly:
         told = unfit(self.table, [name for name, _ in alike]) if not likely else ""
         if told:
             return f"{told}; {INSPECT}"
-        first = likely[0] if likely else f"{alike[0][0] if alike else others[0]}=reading_m"
+        like = alike[0][0] if alike else next((name for name in others if role_of(name) == "reading"), "")
+        if not likely and like and (told := unfit(self.table, [like])):
+            return f"{told}; {INSPECT}"
+        first = likely[0] if likely else f"{like or others[0]}=reading_m"
         return f'Say which it is: --column "{first}"; {INSPECT}'
 
     def _meant(self, forms: Collection[Form]) -> str | None:

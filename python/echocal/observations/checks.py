@@ -30,6 +30,7 @@ __all__ = [
 __all__ += ["refuse_without_values", "si_unit", "still_refused", "suspected_codes"]
 
 CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
+_REPEATED = 0.5  # of the rows: a value that is no measurement
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -140,10 +141,14 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
         return  # unusual, and no other unit makes it usual
     if not others:
         low, high = (unit.from_si(bound) for bound in form.physical)
-        message = (
-            f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; "
+        code = median in CODES or bool(np.mean(known == median) > _REPEATED)
+        advice = (
             f'an error code? --missing "{column}={median:g}"'
+            if code
+            else f"values in another unit, or in tenths, must be converted before; without it: "
+            f'--column "{column}=ignore"'
         )
+        message = f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
         raise DataError(message)
     said = {assignment.name: unit.to_si(median), **others}
     symbol = si_unit(form.quantity)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from datetime import tzinfo
+import re
+from datetime import timedelta, timezone, tzinfo
 from typing import Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
@@ -15,9 +16,12 @@ from echocal.observations.dates import as_iso, by_format
 from echocal.observations.fields import fields, row, shown
 from echocal.observations.numbers import NO_NUMBER
 
-__all__ = ["YEARS", "Instants", "elapsed", "hour_angle", "instants"]
+__all__ = ["YEARS", "Instants", "elapsed", "hour_angle", "instants", "zone_of"]
 
 Instants = NDArray[np.datetime64]
+
+_OFFSET = r"(?P<sign>[+-])(?P<hours>\d{1,2})(?::?(?P<minutes>\d\d))?"
+_SAID = re.compile(rf"(?:GMT|UTC)\s*{_OFFSET}(?!\d)", re.IGNORECASE)
 
 _HOUR = 3600.0
 _AUTUMN = 30 * 86400.0  # s: two clock changes are further apart
@@ -36,7 +40,7 @@ def instants(
     Parameters
     ----------
     time_zone : str
-        IANA name of the time zone for times without an offset.
+        IANA name of the time zone for times without an offset, or an offset: ``+02:00``.
     time_format : str, optional
         How times are written; default: ISO 8601, or seen in the column.
 
@@ -70,6 +74,20 @@ def instants(
     return np.array(times.dt.tz_convert("UTC").dt.tz_localize(None), dtype="datetime64[ns]"), outside
 
 
+def zone_of(column: str, time_zone: str) -> str:
+    """Offset from UTC that the name of a column of times says, where the user says no other zone.
+
+    Examples
+    --------
+    >>> zone_of("Date Time, GMT+02:00", "UTC"), zone_of("Zeit (UTC-3)", "UTC"), zone_of("time", "UTC")
+    ('+02:00', '-03:00', 'UTC')
+    """
+    said = _SAID.search(column)
+    if time_zone != "UTC" or said is None:
+        return time_zone
+    return f"{said['sign']}{int(said['hours']):02d}:{said['minutes'] or '00'}"
+
+
 def elapsed(times: Instants, start: object = None) -> NDArray[np.float64]:
     """Seconds since the earliest time, or since a given instant in UTC; NaN where there is none."""
     if not isinstance(start, np.datetime64):
@@ -95,10 +113,16 @@ def hour_angle(times: Instants, time_zone: str) -> NDArray[np.float64]:
 
 
 def _zone(name: str) -> tzinfo:
+    if isinstance(name, str) and (offset := re.fullmatch(_OFFSET, name.strip())):
+        ahead = timedelta(hours=int(offset["hours"]), minutes=int(offset["minutes"] or 0))
+        if ahead <= timedelta(hours=14):
+            return timezone(ahead if offset["sign"] == "+" else -ahead)
     try:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, TypeError, ValueError, OSError):
-        message = f"unknown time zone '{name}'; IANA names are like UTC or Europe/Copenhagen"
+        message = (
+            f"unknown time zone '{name}'; IANA names are like UTC or Europe/Copenhagen, offsets like +02:00"
+        )
         raise UsageError(message) from None
 
 

@@ -10,12 +10,18 @@ import pandas as pd
 
 from echocal.observations.layout import Head, Layout
 
-__all__ = ["CORRUPT", "Found", "found_in", "keep", "pointed", "said_of"]
+__all__ = ["CORRUPT", "CUT", "NOT_READ", "Found", "found_in", "keep", "pointed", "said_of"]
 
 CORRUPT = "corrupt line"
 """Reason of a row with more fields than its header."""
 
+CUT = "cut line"
+"""Reason of the last row of a text that ends within a line: its last number may be cut."""
+
 _KEY = "echocal"
+
+NOT_READ = "\0not read"
+"""Column beside those of a text: why a row is not read."""
 
 
 @dataclass(frozen=True)

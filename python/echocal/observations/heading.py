@@ -5,10 +5,11 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
+from echocal.errors import DataError
 from echocal.observations.layout import Head
 from echocal.observations.units_said import is_unit_row
 
-__all__ = ["SEPARATORS", "fields_of", "find_head", "is_value"]
+__all__ = ["SEPARATORS", "fields_of", "find_head", "is_value", "too_long"]
 
 SEPARATORS = ",;\t|"
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,']*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -28,7 +29,19 @@ def is_value(text: str) -> bool:
 
 def fields_of(line: str, separator: str) -> list[str]:
     """Fields of a line."""
-    return next(csv.reader([line.replace(_NUL, "")], delimiter=separator, skipinitialspace=True), [])
+    try:
+        return next(csv.reader([line.replace(_NUL, "")], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:
+        raise too_long(line) from None
+
+
+def too_long(line: str) -> DataError:
+    """An error for a line that is no row of a table."""
+    message = (
+        f"a line of {len(line):,} characters ('{line[:40]}...') has a field of more than "
+        f"{csv.field_size_limit():,} characters, which no table of measurements has; remove it"
+    )
+    return DataError(message)
 
 
 def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:

@@ -17,6 +17,7 @@ from echocal.observations.layout import Layout
 from echocal.observations.names import EXTRA, IGNORE
 from echocal.observations.proposals import Proposal, codes_in, propose
 from echocal.observations.reading import read_observations
+from echocal.observations.sensors import note_of, sensors_in
 from echocal.observations.source import load
 from echocal.observations.table import Observations
 from echocal.observations.units_said import split_unit
@@ -26,22 +27,6 @@ __all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
 _BINS = 10
 _JUMP = 5.0  # usual steps
 _SHOWN = 5
-_SENSORS = (
-    "sensor",
-    "sensor_id",
-    "device",
-    "device_id",
-    "dev_eui",
-    "deveui",
-    "node",
-    "unit",
-    "id",
-    "mac",
-    "host",
-    "station_id",
-    "serial",
-    "sn",
-)
 
 
 @dataclass(frozen=True)
@@ -184,14 +169,18 @@ def inspect_log(
     all_codes = {**codes, **missing}
     requests = {name: p.request for name, p in proposals.items() if p.request and p.reason != "its name"}
     observations, refusal = _read(table, requests, all_codes, how)
-    notes = [*found.notes, *(observations.notes if observations is not None else ())]
+    said = {*found.notes, note_of(table, set(columns))}  # of sensors there is a line
+    notes = [
+        *found.notes,
+        *(n for n in (() if observations is None else observations.notes) if n not in said),
+    ]
     facts = [_facts(table[n], proposals[str(n)], found.units, codes.get(str(n), [])) for n in table.columns]
     return Inspection(
         found.kind or "a table",
         len(table),
         facts,
         None if observations is None else _clock(observations),
-        _sensors(table),
+        sensors_in(table),
         list(dict.fromkeys(note for note in notes if not note.startswith("read by name and unit"))),
         None if observations is None else int(observations.usable.sum()),
         refusal,
@@ -258,13 +247,3 @@ def _span(seconds: float) -> str:
         if seconds >= 2 * size:
             return f"{seconds / size:.1f} {unit}"
     return f"{seconds:.3g} s"
-
-
-def _sensors(table: pd.DataFrame) -> dict[str, int]:
-    """Columns called as ids of sensors are, with few different values."""
-    found = {}
-    for name in table.columns:
-        count = int(table[name].nunique())
-        if str(name).strip().lower().replace(" ", "_") in _SENSORS and 1 < count <= max(len(table) // 5, 1):
-            found[str(name)] = count
-    return found

@@ -150,8 +150,10 @@ def _hint(texts: pd.Series[Any]) -> str:
     if grouped is not None:
         plain = grouped[0].replace(grouped[1], "")
         return f"'{grouped[0]}' has separators of thousands: write such numbers without, as {plain}"
-    if _is_number(texts.iloc[0].replace(",", ".", 1)):
+    if "," in texts.iloc[0] and _is_number(texts.iloc[0].replace(",", ".", 1)):
         return "a decimal comma? pass --decimal ,"
+    if _is_number(texts.iloc[0]):
+        return "write plain digits with a decimal point, as 2945.7"
     return f'if it means "no value": --missing "{shown(texts.iloc[0])}"'
 
 

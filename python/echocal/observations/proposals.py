@@ -79,6 +79,8 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
             held.add(_quantity(request))
     if not {"reading", "echo_time"} & held:
         _by_values(table, found, proposals, held)
+    if not {"reading", "echo_time"} & held:
+        _reference_as_reading(table, proposals, given)
     return proposals
 
 
@@ -153,6 +155,19 @@ def _by_values(table: pd.DataFrame, found: Found, proposals: dict[str, Proposal]
                 "temperature_C", "values as usual for a temperature in degC", guess=True
             )
             held.add("temperature")
+
+
+def _reference_as_reading(
+    table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]
+) -> None:
+    """The only distance of a log without an echo, as what the sensor reads."""
+    distances = [name for name, p in proposals.items() if _quantity(p.request or "") == "reference_distance"]
+    if len(distances) != 1 or distances[0] in given or _numbers(table[distances[0]]) is None:
+        return
+    (name,) = distances
+    request = f"reading_{proposals[name].request.rpartition('_')[2]}"
+    if request in NAMES:
+        proposals[name] = Proposal(request, "the only distance, and the log has no echo", guess=True)
 
 
 def _counts(numbers: Column) -> bool:

@@ -105,6 +105,7 @@ def read_observations(
     from echocal.observations.found import found_in
     from echocal.observations.hints import completed
     from echocal.observations.numbers import Missing
+    from echocal.observations.sensors import note_of
     from echocal.observations.source import load
     from echocal.observations.text import Layout
 
@@ -123,7 +124,8 @@ def read_observations(
     requests, said = completed(list(table.columns), plan.read_columns(columns), found, sparse)
     planned = plan.make(list(table.columns), requests, trust)
     assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
-    assembly.notes += [*found.notes, *said]
+    several = note_of(table, set(plan.read_columns(columns)))
+    assembly.notes += [*found.notes, *said, *([several] if several else [])]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
     if stated:

@@ -3,7 +3,6 @@
 import csv
 import gzip
 import io
-import re
 import warnings
 import zlib
 from collections.abc import Iterator
@@ -17,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
-from echocal.observations.found import CORRUPT, Found, keep, pointed, said_of
-from echocal.observations.heading import SEPARATORS, find_head
+from echocal.observations.found import CORRUPT, CUT, Found, keep, pointed, said_of
+from echocal.observations.heading import SEPARATORS, fields_of, find_head
 from echocal.observations.layout import Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
@@ -26,6 +25,7 @@ from echocal.observations.quotes import Marks
 __all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read", "resolved", "settled"]
 
 _PART = 1 << 20  # characters that are searched at a time
+_TAIL = 1 << 14  # bytes at the end that are looked at
 _FIRST = 200  # lines that are looked at for the header
 
 
@@ -86,6 +86,8 @@ def read(path: Path, layout: Layout, verbatim: bool) -> pd.DataFrame:
             "a quotation mark may be the cause; remove those that are not needed"
         )
         raise DataError(message)
+    if len(table) and body.is_cut():
+        body.corrupt.setdefault(len(table) - 1, CUT)
     table.columns = pd.Index(names)
     # a separator at the end of each line makes a column without name and values
     ends = [n for n in names if n.startswith("Unnamed") and table[n].isin(["", float("nan")]).all()]
@@ -120,6 +122,22 @@ class _Body:
             marks = Marks(str(self.path), head.separator, self.width, head.is_no_row)
             return marks.rows(file, head.start + 1)
 
+    def is_cut(self) -> bool:
+        """Whether the last line lacks its end and fields that the line before has."""
+        if is_zipped(self.path):
+            return False  # a cut archive cannot be unpacked
+        with self.path.open("rb") as file:
+            file.seek(0, io.SEEK_END)
+            file.seek(max(file.tell() - _TAIL, 0))
+            data = file.read()
+        try:
+            text = data.decode(self.layout.encoding, errors="ignore")
+        except LookupError:
+            return False
+        *_, before, last = ["", "", *text.split("\n")]
+        counts = [len(fields_of(line.rstrip("\r"), self.head.separator)) for line in (before, last)]
+        return bool(last.strip()) and counts[0] == self.width > counts[1]
+
     def texts(self) -> pd.DataFrame:
         """Every field as the text that it is."""
         return self._parsed(dtype=str, keep_default_na=False)
@@ -150,14 +168,26 @@ class _Body:
         except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
             sound = self._sound()
             if sound is None:
-                reason = str(error).strip().splitlines()[-1].removeprefix("Error tokenizing data. C error: ")
-                start = self.head.start
-                reason = re.sub(r"(?<=in line )\d+", lambda line: str(int(line[0]) + start), reason)
-                message = (
-                    f"{self.path} cannot be read as rows of {self.width} fields like its header: {reason}"
-                )
-                raise DataError(message) from None
+                raise DataError(self._too_many(str(error))) from None
             return self._frame(sound, **options)
+
+    def _too_many(self, error: str) -> str:
+        """Say that rows have more fields than the header."""
+        of_header = f"{self.path} cannot be read as rows of {self.width} fields like its header"
+        with below(self.path, self.layout, self.head.start) as file:
+            for number, line in enumerate(file, self.head.start + 1):
+                if self.head.is_no_row(line.rstrip("\r\n")):
+                    continue
+                fields = fields_of(line, self.head.separator)
+                if len(fields) > self.width:
+                    decimal = (
+                        "; if its commas are decimal signs, quote such numbers, or write points"
+                        if self.head.separator == "," and len(fields) <= 2 * self.width
+                        else ""
+                    )
+                    saw = f"Expected {self.width} fields in line {number}, saw {len(fields)}"
+                    return f"{of_header}: {saw}{decimal}"
+        return f"{of_header}: {error.strip().splitlines()[-1]}"
 
     def _frame(self, lines: TextIO, **options: Any) -> pd.DataFrame:
         with warnings.catch_warnings():
@@ -184,7 +214,7 @@ class _Body:
         writer = csv.writer(sound, delimiter=self.head.separator, lineterminator="\n")
         count = 0
         with self._lines() as lines:
-            for fields in csv.reader(lines, delimiter=self.head.separator, skipinitialspace=True):
+            for fields in _fields(lines, self.head.separator):
                 if not fields:
                     continue
                 if len(fields) > self.width and any(text.strip() for text in fields[self.width :]):
@@ -196,6 +226,21 @@ class _Body:
             return None
         sound.seek(0)
         return sound
+
+
+def _fields(lines: TextIO, separator: str) -> Iterator[list[str]]:
+    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+    while True:
+        try:
+            yield next(reader)
+        except StopIteration:
+            return
+        except csv.Error:
+            message = (
+                f"line {reader.line_num} has a field of more than {csv.field_size_limit():,} characters, "
+                "which no table of measurements has; remove it"
+            )
+            raise DataError(message) from None
 
 
 def _first_lines(path: Path, layout: Layout) -> tuple[int, str, list[str]]:
@@ -210,7 +255,11 @@ def _first_lines(path: Path, layout: Layout) -> tuple[int, str, list[str]]:
         message = f"{path} has no header" + (f" after {skip} skipped lines" if skip else "")
         raise DataError(message)
     if "\0" in lines[0]:
-        message = f"{path} is not text: its first line has NUL bytes"
+        wide = {0: "utf-16-be", 1: "utf-16-le"}.get(lines[0].find("\0"), "utf-16")
+        message = (
+            f"{path} is not text: its first line has NUL bytes; a binary file, or name the encoding: "
+            f"--encoding {wide}"
+        )
         raise DataError(message)
     return skip, before, [line.rstrip("\r\n") for line in lines]
 

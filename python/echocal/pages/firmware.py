@@ -33,10 +33,6 @@ def firmware_page(
     assumed : mapping of str to float, optional
         Values of conditions that the device does not measure.
 
-    Raises
-    ------
-    UsageError
-        If plotly or jinja2 is not installed.
     """
     report = made.report
     name = report["provenance"]["target"]

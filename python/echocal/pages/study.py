@@ -21,10 +21,6 @@ def study_page(study: Study) -> str:
     ----------
     study : Study
 
-    Raises
-    ------
-    UsageError
-        If plotly or jinja2 is not installed.
     """
     groups = dict.fromkeys(finding.claim.group for finding in study.findings)
     return rendered(

@@ -52,7 +52,16 @@ class Text:
         requests = completed(names, job.requests, Found(units=self.head.units))[0]
         job = replace(job, layout=layout, requests=requests)
         self.path, self.job = path, job
-        self.corrector = Corrector(names, job, key)
+        try:
+            self.corrector = Corrector(names, job, key)
+        except DataError as error:
+            if not str(error).startswith("no column holds an echo"):
+                raise
+            message = (
+                f"{error}. If echocal diagnose reads the log, it has another shape; a table of it: "
+                f"echocal inspect {path} --write table.csv"
+            )
+            raise DataError(message) from None
         self.parser = Parser(path, self.head, job.layout, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
         size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))

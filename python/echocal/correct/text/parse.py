@@ -7,7 +7,7 @@ import csv
 import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,8 @@ import pandas as pd
 
 from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
-from echocal.observations.found import CORRUPT
+from echocal.observations.found import CORRUPT, CUT, NOT_READ
+from echocal.observations.heading import too_long
 from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
@@ -44,9 +45,9 @@ class Lines:
         Each row, or blank line, as it is written, and its end; where the lines are not plain.
     rows : ndarray of int, or None
         Places of the rows among them; None where all are rows.
-    corrupt : frozenset of int
-        Numbers of the rows with more fields than the header. Such a row is written as one quoted field, with
-        the other fields empty.
+    corrupt : dict of int to str
+        Reasons by the numbers of rows that are not read. One with more fields than the header is written as
+        one quoted field, with the other fields empty.
     """
 
     texts: Any = None
@@ -54,7 +55,7 @@ class Lines:
     last: str = "\n"
     records: list[tuple[str, str]] | None = None
     rows: Any = None
-    corrupt: frozenset[int] = frozenset()
+    corrupt: dict[int, str] = field(default_factory=dict)
 
 
 class Parser:
@@ -92,7 +93,7 @@ class Parser:
     def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
         """Some columns of the rows, and the lines with what was found in them.
 
-        Where a row is corrupt, the column `CORRUPT` says which.
+        Where rows are not read, the column `NOT_READ` has the reasons.
         """
         if lines.records is None:
             found = self._fast(block.data, len(lines.texts), columns)
@@ -229,27 +230,33 @@ class Parser:
         text = io.StringIO(block.data.decode(), newline="")
         records: list[tuple[str, str]] = []
         rows: list[int] = []
-        corrupt: list[int] = []
+        corrupt: dict[int, str] = {}
+        complete = True
         for record, held in marks.records(text, block.first):
             ended = "".join(held)
             line = ended.rstrip("\r\n")
             end = ended[len(line) :]
             if record:
                 fitted = self._fitted(line)
+                if not end and complete and fitted is not None and len(fitted) > len(line):
+                    corrupt[len(rows)] = CUT
+                complete = fitted == line
                 if fitted is None:
-                    corrupt.append(len(rows))
+                    corrupt[len(rows)] = CORRUPT
                     fitted = '"' + line.replace('"', '""') + '"' + head.separator * (len(head.names) - 1)
                 line = fitted
                 rows.append(len(records))
             records.append((line, end))
-        return Lines(records=records, rows=rows, corrupt=frozenset(corrupt))
+        return Lines(records=records, rows=rows, corrupt=corrupt)
 
     def _fitted(self, line: str) -> str | None:
-        """A row's line, without empty fields beyond the header's; None where such a field has a value."""
+        """A row's line with as many fields as the header; None where one beyond these has a value."""
         width, separator = len(self._head.names), self._head.separator
-        if line.count(separator) < width:
+        if line.count(separator) == width - 1 and '"' not in line:
             return line
         fields = self._fields(line)
+        if len(fields) < width:
+            return line + separator * (width - len(fields))
         if any(text.strip() for text in fields[width:]):
             return None
         for _ in fields[width:]:
@@ -257,7 +264,10 @@ class Parser:
         return line
 
     def _fields(self, line: str) -> list[str]:
-        return next(csv.reader(line.splitlines(keepends=True), **self._dialect))
+        try:
+            return next(csv.reader(line.splitlines(keepends=True), **self._dialect))
+        except csv.Error:
+            raise too_long(line) from None
 
     def _careful(self, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
         places = [int(self._place[name]) for name in columns]
@@ -267,7 +277,7 @@ class Parser:
                 column.append(row[place] if place < len(row) else "")
         found = {name: self._column(own, name) for name, own in zip(columns, fields, strict=True)}
         if lines.corrupt:
-            found[CORRUPT] = np.isin(np.arange(len(lines.rows)), list(lines.corrupt))
+            found[NOT_READ] = [lines.corrupt.get(number) for number in range(len(lines.rows))]
         return pd.DataFrame(found, index=range(len(lines.rows)))
 
     def _rows(self, lines: Lines) -> Iterator[list[str]]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.ratio import divided, factor_of
+from echocal.diagnose.faults.common.ratio import divided, factor_of, multiplied_reference
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -31,6 +31,9 @@ _UNITS = {
     0.3048: "feet where m are meant",
     1 / 0.3048: "m where feet are meant",
 }
+
+_USUAL = 20.0
+"""Farthest target of a sensor in air [m]; catalogues end at 15 m."""
 
 _LEAST = min(abs(float(np.log(factor))) for factor in _UNITS)
 
@@ -80,16 +83,30 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"readings are {found.ratio:.4g} times the reference distance (median of all rows), as if one of the "
         f"columns were in another unit: {_UNITS[found.value]}"
     )
+    of_reference = _reference_is_wrong(view)
     return Finding(
         FACTS,
         found.log_bayes,
-        f"{because}; the rest of the diagnosis divides them by {found.value:.4g}",
+        f"{because}; the rest of the diagnosis "
+        + (
+            f"multiplies the reference distances by {found.value:.4g}, because no echo comes back from there"
+            if of_reference
+            else f"divides them by {found.value:.4g}"
+        ),
         (
             Parameter("factor", found.value, 0.0, "1"),
             Parameter("rows", float(view.observations.usable.sum()), 0.0, "1"),
         ),
         np.ones(len(view), dtype=bool),
-        divided(view, found.value, "reading_m"),
+        multiplied_reference(view, found.value) if of_reference else divided(view, found.value, "reading_m"),
+    )
+
+
+def _reference_is_wrong(view: View) -> bool:
+    """Whether the readings can be and the reference distances cannot; where none can, the user is asked."""
+    assert view.reference is not None  # there is a ratio to it
+    return bool(view.observations.usable.any()) and bool(
+        0.0 < np.nanmedian(view.indication) <= _USUAL < np.nanmedian(view.reference)
     )
 
 

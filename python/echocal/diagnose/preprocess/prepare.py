@@ -69,6 +69,14 @@ def prepare(
         )
         raise DataError(message)
     conditions = {name: some(column, rows) for name, column in observations.conditions.items()}
+    air = (column for name, column in conditions.items() if name not in {"elapsed_time", "hour_angle"})
+    same = (indication, *air, *(() if reference is None else (some(reference, rows),)))
+    if not any(np.ptp(column) > 0 for column in same):
+        message = (
+            f"all {len(rows)} usable rows have the same values, so they are one measurement: a diagnosis "
+            "needs other distances, temperatures or readings"
+        )
+        raise DataError(message)
     elapsed = conditions.get("elapsed_time")
     steps = np.empty(0, dtype=np.int64)
     if reference is None:

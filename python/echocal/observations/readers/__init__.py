@@ -20,7 +20,9 @@ from echocal.observations.readers import (
     literals,
     long_tables,
     maxbotix,
+    messages,
     mqtt_lines,
+    nmea,
     ros,
     serial_lines,
     spreadsheet,
@@ -30,7 +32,18 @@ from echocal.observations.readers import (
 
 __all__ = ["format_of", "read", "tidy"]
 
-_FORMATS = (json_records, literals, maxbotix, esphome, mqtt_lines, line_protocol, serial_lines, white_space)
+_FORMATS = (
+    nmea,
+    json_records,
+    literals,
+    maxbotix,
+    esphome,
+    mqtt_lines,
+    messages,
+    line_protocol,
+    serial_lines,
+    white_space,
+)
 _STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step)
 _FIRST = 200
 

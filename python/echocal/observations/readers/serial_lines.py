@@ -58,7 +58,8 @@ def pairs_of(text: str) -> list[tuple[str, str, str]]:
     """Names, values and units in a line."""
     found = []
     for match in _PAIR.finditer(text):
-        name = _LEVEL.sub("", " ".join(match["name"].strip(" -,;|").split()))
+        words = match["name"] if "[" in match["name"] else match["name"].rpartition("]")[2]
+        name = _LEVEL.sub("", " ".join(words.strip(" -,;|").split()))
         if name and not re.fullmatch(r"https?|\d*", name):
             found.append((name, match["value"], match["unit"] or ""))
     return found

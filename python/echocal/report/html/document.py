@@ -5,8 +5,6 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
-from echocal.errors import UsageError
-
 __all__ = ["Drawn", "drawn", "rendered"]
 
 _CONFIG = {"displaylogo": False, "responsive": True, "scrollZoom": False}
@@ -40,12 +38,7 @@ def rendered(template: str, command: str, title: str, **content: Any) -> str:
     **content
         What the template shows.
 
-    Raises
-    ------
-    UsageError
-        If plotly or jinja2 is not installed.
     """
-    _require()
     from jinja2 import Environment, FunctionLoader, StrictUndefined
     from plotly.offline import get_plotlyjs
 
@@ -58,14 +51,3 @@ def rendered(template: str, command: str, title: str, **content: Any) -> str:
     )
     common = {"command": command, "title": title, "version": version("echocal")}
     return environment.get_template(template).render(script=get_plotlyjs(), **common, **content)
-
-
-def _require() -> None:
-    """Raise `UsageError` where plotly or jinja2 is not installed."""
-    try:
-        import jinja2
-        import plotly  # noqa: F401
-    except ImportError:
-        message = "a report needs plotly and jinja2: pip install 'echocal[report]'"
-        raise UsageError(message) from None
-    assert jinja2

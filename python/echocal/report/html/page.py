@@ -45,7 +45,7 @@ def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "", made_b
     Raises
     ------
     UsageError
-        If plotly or jinja2 is not installed, or the file cannot be written.
+        If the file cannot be written.
     """
     replace_text(path, report_page(diagnosis, source, made_by))
 
@@ -65,10 +65,6 @@ def report_page(diagnosis: Diagnosis, source: str = "", made_by: str = "") -> st
     -------
     str
 
-    Raises
-    ------
-    UsageError
-        If plotly or jinja2 is not installed.
 
     Examples
     --------

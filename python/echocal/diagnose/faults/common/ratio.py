@@ -9,7 +9,10 @@ from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.observations import Observations
 
-__all__ = ["Factor", "divided", "factor_of"]
+__all__ = ["FARTHEST", "Factor", "divided", "factor_of", "multiplied_reference"]
+
+FARTHEST = 100.0
+"""Distance that no echo in air comes back from [m]."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Obs
     reading = None if observations.reading is None else observations.reading / factor
     unusable = observations.unusable.astype(object)
     names = {observations.source_names.get(name, name) for name in ("reading", "echo_time")} | {column}
-    sane: NDArray[np.bool_] = (view.indication / factor > 0) & (view.indication / factor <= 100.0)
+    sane: NDArray[np.bool_] = (view.indication / factor > 0) & (view.indication / factor <= FARTHEST)
     sane &= np.not_equal(factor, 1.0)
     for name in names:
         unusable[sane & (unusable == f"{name} out of range")] = ""
@@ -64,3 +67,14 @@ def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Obs
         reading=reading,
         unusable=unusable.astype(str),
     )
+
+
+def multiplied_reference(view: View, factor: float) -> Observations:
+    """Multiply reference distances; rows that were out of range only by the factor come back."""
+    observations = view.observations
+    assert observations.reference_distance is not None  # there is a ratio to it
+    reference = observations.reference_distance * factor
+    unusable = observations.unusable.astype(object)
+    name = observations.source_names.get("reference_distance", "reference_distance")
+    unusable[(unusable == f"{name} out of range") & (reference > 0) & (reference <= FARTHEST)] = ""
+    return replace(observations, reference_distance=reference, unusable=unusable.astype(str))
