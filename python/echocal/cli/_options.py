@@ -4,10 +4,10 @@ import atexit
 import sys
 import tempfile
 import tomllib
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
-import click
 import typer
 
 from echocal.errors import UsageError
@@ -23,15 +23,15 @@ KNOWN = {
 
 _PAIRS = ("column", "missing", "at")
 _KEY = "echocal.options"
-_FILE = "echocal.options.file"
+_file: ContextVar[Path | None] = ContextVar("file of options", default=None)
 
 
 def _take(context: typer.Context, path: Path | None) -> Path | None:
     """Make the values of the file the defaults of the command."""
+    _file.set(path)
     if path is not None and not context.resilient_parsing:
         values = _read(path)
         context.meta[_KEY] = values
-        context.meta[_FILE] = path
         context.default_map = {**(context.default_map or {}), **values}
     return path
 
@@ -50,8 +50,7 @@ Options: TypeAlias = Annotated[
 
 def file_in_use() -> Path | None:
     """The file of options that the running command reads."""
-    context = click.get_current_context(silent=True)
-    return None if context is None else context.meta.get(_FILE)
+    return _file.get()
 
 
 def added(

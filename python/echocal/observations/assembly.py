@@ -16,7 +16,6 @@ from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
 from echocal.observations.found import found_in
-from echocal.observations.hints import role_of
 from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
@@ -329,10 +328,12 @@ class Assembly:
         told = unfit(self.table, [name for name, _ in alike]) if not likely else ""
         if told:
             return f"{told}; {INSPECT}"
-        like = alike[0][0] if alike else next((name for name in others if role_of(name) == "reading"), "")
-        if not likely and like and (told := unfit(self.table, [like])):
+        if likely:
+            return f'Say which it is: --column "{likely[0]}"; {INSPECT}'
+        like = alike[0][0] if alike else others[0]
+        if told := unfit(self.table, [like]):
             return f"{told}; {INSPECT}"
-        first = likely[0] if likely else f"{like or others[0]}=reading_m"
+        first = f"{like}=reading_m"
         return f'Say which it is: --column "{first}"; {INSPECT}'
 
     def _meant(self, forms: Collection[Form]) -> str | None:

@@ -66,8 +66,8 @@ class Fleet:
     >>> from echocal.watch import Fleet, Reference, State, WatchSettings
     >>> device = echocal.Model("linear")
     >>> fleet = Fleet(lambda id_: device, None, Reference(distance=1.0), WatchSettings(), State(None))
-    >>> row = {"reading_m": 1.001, "temperature_C": 20.0}
-    >>> corrected, events = fleet.take([{"time_s": 600 * i, **row} for i in range(600)])
+    >>> rows = [{"time_s": 600 * i, "reading_m": 1.001, "temperature_C": 20.0 + i % 2} for i in range(600)]
+    >>> corrected, events = fleet.take(rows)
     >>> corrected[1]["corrected_distance_m"], [event.kind for event in events]
     (1.001, ['learned', 'verdict'])
     """

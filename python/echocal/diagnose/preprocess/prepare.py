@@ -19,6 +19,8 @@ from echocal.observations import Observations
 
 __all__ = ["prepare"]
 
+_ROUNDING = 1e-12  # of a value: what arithmetic leaves between equal rows
+
 
 def prepare(
     observations: Observations,
@@ -71,7 +73,7 @@ def prepare(
     conditions = {name: some(column, rows) for name, column in observations.conditions.items()}
     air = (column for name, column in conditions.items() if name not in {"elapsed_time", "hour_angle"})
     same = (indication, *air, *(() if reference is None else (some(reference, rows),)))
-    if not any(np.ptp(column) > 0 for column in same):
+    if all(np.ptp(column) <= _ROUNDING * np.abs(column).max() for column in same):
         message = (
             f"all {len(rows)} usable rows have the same values, so they are one measurement: a diagnosis "
             "needs other distances, temperatures or readings"
