@@ -43,6 +43,19 @@ def test_what_is_loaded_is_what_was_saved(saved: Path) -> None:
     assert model.standard_uncertainties == {"temperature_offset.offset": 0.2, "fixed_delay.delay": 8e-7}
 
 
+def test_whatever_sorts_the_names_moves_no_row_of_the_covariance(tmp_path: Path) -> None:
+    """JSON objects have no order; `jq -S` sorts the names."""
+    effects = {"fixed_speed": {"weight": 1.0, "speed": 343.2}, "zero_error": {"offset": 1e-3}}
+    covariance = np.diag([0.0, 0.08**2, 1e-8])
+    model = echocal.Model("linear", effects, covariance=covariance)
+    model.save(tmp_path / "model.json")
+    ordered = json.loads((tmp_path / "model.json").read_text())
+    (tmp_path / "sorted.json").write_text(json.dumps(ordered, sort_keys=True))
+    found = echocal.Model.load(tmp_path / "sorted.json")
+    assert found == model
+    np.testing.assert_array_equal(found.covariance, covariance)
+
+
 def test_the_file_is_the_published_schema(saved: Path) -> None:
     document = json.loads(saved.read_text())
     assert list(document) == ["schema", "law", "air", "effects", "covariance", "hash", "data"]

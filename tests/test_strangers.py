@@ -223,3 +223,18 @@ def test_references_in_another_unit_are_repaired_and_readings_are_not(random: np
     assert found.rows["used"] == 200
     (delay,) = found.model.effects["fixed_delay"].values()
     assert delay == pytest.approx(40e-6, abs=3e-6)
+
+
+def test_a_diagnosed_speed_corrects_a_file(random: np.random.Generator, tmp_path: Path) -> None:
+    """Its two parameters have a covariance."""
+    own = table(random, 200)
+    reading = own["echo_us"] * 0.5e-6 * 343.0
+    own = own.assign(reading_m=reading.round(4)).drop(columns="echo_us")
+    found = echocal.diagnose(own, base="cramer")
+    assert found.model.effects["fixed_speed"]["speed"] == pytest.approx(343.0, abs=0.5)
+    own.to_csv(tmp_path / "log.csv", index=False)
+    assert echocal.correct_files(tmp_path / "log.csv", tmp_path / "out.csv", found.model).unusable == 0
+    corrected = pd.read_csv(tmp_path / "out.csv")
+    error = corrected["corrected_distance_m"] - corrected["distance_m"]
+    assert np.sqrt(np.mean(error**2)) < 2e-3
+    assert (corrected["distance_standard_uncertainty_m"] > 0).all()

@@ -3,6 +3,7 @@
 import json
 import re
 import reprlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
@@ -198,11 +199,22 @@ def _check_sizes(effect: _Effect) -> None:
 
 
 def _uncertainties(file: _File) -> dict[str, float | None]:
+    """Standard uncertainties, in the order of the rows of the covariance.
+
+    The parameters of an effect have the order of the registry: the names of a JSON object have none, and
+    whatever sorts them must not move the rows.
+    """
     return {
-        f"{effect.id}.{name}": parameter.standard_uncertainty
+        f"{effect.id}.{name}": effect.parameters[name].standard_uncertainty
         for effect in file.effects
-        for name, parameter in effect.parameters.items()
+        for name in sorted(effect.parameters, key=_order_of(effect.id))
     }
+
+
+def _order_of(id_: str) -> Callable[[str], int]:
+    """Position of each parameter of an effect; unknown ones last, which the model refuses."""
+    names = [parameter.name for parameter in find_effect(id_).parameters]
+    return lambda name: names.index(name) if name in names else len(names)
 
 
 def _covariance(file: _File) -> Any:

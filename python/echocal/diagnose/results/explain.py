@@ -21,6 +21,8 @@ __all__ = [
 ]
 
 _SHOWN = 6  # causes named in one proposal
+_EVEN = 0.5  # a member of a class that is less probable alone is no headline
+_ONE_OF = "one of "
 _OUTSIDE = "an effect outside the catalogue"
 _NO_SHIFT = "no cause that shifts the readings"
 _ACTS_ON = {"gross": "whole columns of the table", "row": "single rows", "noise": "the noise"}
@@ -56,6 +58,8 @@ def lead(diagnosis: Outcome) -> str:
     named = [c for c in named if c.id not in listed_only()]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
     shifting = f"the cause{'s' * (len(effects) > 1)} {enumerated(effects)}" if effects else _NO_SHIFT
+    if len(effects) == 1 and effects[0].startswith(_ONE_OF):
+        (shifting,) = effects
     said, also = [f"The data name {shifting}"], "also " if effects else ""
     for kind, what in _ACTS_ON.items():
         if ids := [cause.id for cause in named if cause.kind == kind]:
@@ -123,6 +127,8 @@ def _class(cause: Cause) -> str:
     rivals = rivals_of(cause)
     if not rivals:
         return cause.id
+    if len(rivals) > 1 and cause.probability_alone is not None and cause.probability_alone < _EVEN:
+        return f"{_ONE_OF}{1 + len(rivals)} similar causes ({cause.id} in the model)"
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} similar causes'})"
 
 
