@@ -238,3 +238,46 @@ def test_a_diagnosed_speed_corrects_a_file(random: np.random.Generator, tmp_path
     error = corrected["corrected_distance_m"] - corrected["distance_m"]
     assert np.sqrt(np.mean(error**2)) < 2e-3
     assert (corrected["distance_standard_uncertainty_m"] > 0).all()
+
+
+def test_a_model_remembers_the_speed_of_the_firmware(
+    cli: Cli, random: np.random.Generator, tmp_path: Path
+) -> None:
+    """Without it, readings that 343 m/s made would be taken for those of the law: up to 0.1 m wrong."""
+    own = table(random, 200)
+    readings = own.assign(reading_m=(own["echo_us"] * 0.5e-6 * 343.0).round(4)).drop(columns="echo_us")
+    readings.to_csv(tmp_path / "log.csv", index=False)
+    asked = (
+        "diagnose",
+        "log.csv",
+        "--base",
+        "cramer",
+        "--reading-speed",
+        "343",
+        "--save-model",
+        "model.json",
+    )
+    assert cli(*asked)[0] == 0
+    code, said = cli("correct", "log.csv", "--model", "model.json", "-o", "out.csv")
+    assert code == 0
+    assert "made with the speed '343', as in the diagnosis of the model" in said
+    found = pd.read_csv(tmp_path / "out.csv")
+    error = found["corrected_distance_m"] - found["distance_m"]
+    assert np.sqrt(np.mean(error**2)) < 2e-3
+    assert cli("verify", "log.csv", "--model", "model.json", "--maximum-permissible-error-mm", "8")[0] == 0
+
+
+def test_a_requirement_in_millimeters_is_told(random: np.random.Generator) -> None:
+    observations = read_observations(table(random))
+    with pytest.warns(echocal.DataWarning, match="10 mm are 0.01"):
+        echocal.verify(observations, maximum_permissible_error=10)
+
+
+def test_arguments_of_a_calibration_that_cannot_be(random: np.random.Generator) -> None:
+    observations = read_observations(table(random))
+    for wrong, said in (
+        ({"loss": "huber", "loss_scale": -1.0}, "loss_scale must be finite and above 0, but is -1"),
+        ({"standard_uncertainty": -1.0}, "wants one positive number or 40 of them; got -1"),
+    ):
+        with pytest.raises(echocal.UsageError, match=said):
+            echocal.calibrate(observations, echocal.Model("cramer"), fit=["fixed_delay.delay"], **wrong)

@@ -1,5 +1,6 @@
 """Verification: whether every error of indication is within the maximum permissible error."""
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.at import sentences
@@ -20,6 +21,9 @@ from echocal.shown import Shown
 from echocal.sweep import Range, sweep
 
 __all__ = ["Verification", "verify", "verify_model"]
+
+
+_LARGE = 1.0  # m: no requirement on a sensor in air
 
 
 @dataclass(frozen=True, repr=False)
@@ -218,6 +222,12 @@ def _judge(
     if not isinstance(bound, Real) or not 0 < float(bound) < np.inf:
         message = f"the maximum permissible error must be a positive length [m], got {bound!r}"
         raise UsageError(message)
+    if float(bound) > _LARGE:
+        message = (
+            f"the maximum permissible error is {float(bound):g} m, which nearly every reading keeps; it is a "
+            f"length in meters: {float(bound):g} mm are {float(bound) * 1e-3:g}"
+        )
+        warnings.warn(message, DataWarning, stacklevel=3)
     if np.isnan(errors).any():
         row = int(np.flatnonzero(np.isnan(errors))[0])
         message = (

@@ -100,6 +100,9 @@ def calibrate(
     if loss not in LOSSES:
         message = f"unknown loss '{loss}'; known: {', '.join(LOSSES)}"
         raise UsageError(message)
+    if loss_scale is not None and not 0.0 < loss_scale < np.inf:
+        message = f"loss_scale must be finite and above 0, but is {loss_scale:g}"
+        raise UsageError(message)
     parameters = _bounded(form.parameters, bounds or {})
     used = observations.usable
     sigma = _sigma(standard_uncertainty, len(observations))
@@ -171,7 +174,8 @@ def _sigma(given: ArrayLike | None, rows: int) -> Column | None:
         return None
     sigma: NDArray[np.float64] = np.asarray(given, dtype=np.float64)
     if sigma.shape not in ((), (rows,)) or not np.all(sigma > 0.0):
-        message = f"standard_uncertainty wants one positive number or {rows} of them; got shape {sigma.shape}"
+        got = f"{float(sigma):g}" if sigma.ndim == 0 else f"shape {sigma.shape}"
+        message = f"standard_uncertainty wants one positive number or {rows} of them; got {got}"
         raise UsageError(message)
     return np.broadcast_to(sigma, (rows,))
 

@@ -51,7 +51,12 @@ def command(
             metavar="[DATA ...]", help="Further tables, of this instrument or of others of its kind."
         ),
     ] = None,
-    base: Annotated[str, typer.Option(help="Law, expression, fixed speed in m/s, or model file.")] = "linear",
+    base: Annotated[
+        str,
+        typer.Option(
+            help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file."
+        ),
+    ] = "linear",
     column: Columns = None,
     reference_distance: Annotated[
         float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")

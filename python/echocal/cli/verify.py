@@ -34,6 +34,7 @@ from echocal.cli._tables import (
 from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
+from echocal.model.indicated_speed import speed_of
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
 
@@ -89,7 +90,7 @@ def command(
             found = verify_model(Model.load(subject), maximum_permissible_error=bound, **ranges)
         else:
             correction = None if model is None else Model.load(model)
-            speed = reading_speed or (correction.law if correction else None)
+            speed = speed_of(correction, reading_speed) if correction else reading_speed
             layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding, "sheet": sheet}
             when = {"time_zone": time_zone, "time_format": time_format}
             how = options_of(column, missing, trust, at, reading_speed=speed, **layout, **when)

@@ -15,6 +15,7 @@ from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.model.folder import label
+from echocal.model.indicated_speed import speed_of
 from echocal.observations.found import NOT_READ
 from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
@@ -219,7 +220,15 @@ class Corrector:
             return key
         own = self._needed[key]
         bare = bool(model.effects)
-        return model.law, own.columns, own.assumed, own.remembers, tuple(model.columns.items()), bare
+        return (
+            model.law,
+            speed_of(model),
+            own.columns,
+            own.assumed,
+            own.remembers,
+            tuple(model.columns.items()),
+            bare,
+        )
 
     def _of_models(
         self, sizes: list[tuple[str, int]], table: pd.DataFrame, context: Context, whole: bool, counted: slice
@@ -254,7 +263,12 @@ class Corrector:
         ]
         readings = {"reading"} & {*self._read(key)} and "echo_time" not in self._read(key)
         if readings and self._job.reading.reading_speed is None:
-            if not model.effects and model.shape is None:
+            if (speed := speed_of(model)) != model.law:
+                said.append(
+                    f"the readings are taken to be made with the speed '{speed}', as in the diagnosis of the "
+                    "model; if the firmware used another: --reading-speed 343"
+                )
+            elif not model.effects and model.shape is None:
                 said.append(
                     f"the readings are taken to be made with the law '{model.law}' itself, and the model "
                     "has no effect: the distances are the readings again; if the firmware used a fixed "

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from echocal import _core
 from echocal.correct.marks import context_of, rules_of
 from echocal.model import Model
+from echocal.model.indicated_speed import speed_of
 from echocal.observations.marks import MARKS
 from echocal.observations.names import IGNORE
 from echocal.observations.plan import EVERYTHING, make
@@ -72,7 +73,7 @@ def needed(
     reads = {
         *_ECHOES,
         *model.reads,
-        *_law_reads(reading_speed or model.law),
+        *_law_reads(speed_of(model, reading_speed)),
         *(_SOURCES.get(r.quantity, r.quantity) for r in rules),
     }
     around = context_of(model) if rules else 0

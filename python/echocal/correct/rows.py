@@ -14,6 +14,7 @@ from echocal.correct.needed import Needed, is_derived, trusted
 from echocal.correct.uncertainty import Uncertainties, standard_uncertainty
 from echocal.errors import DataWarning
 from echocal.model import Model
+from echocal.model.indicated_speed import speed_of
 from echocal.observations import Observations
 from echocal.observations.assembly import Assembly
 from echocal.observations.at import conditions_at, sentences
@@ -221,7 +222,7 @@ def _observed(
         assembly.notes += sentences(stated)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)  # the notes say the same
-        return assembly.observations(reading.reading_speed or model.law), assembly
+        return assembly.observations(speed_of(model, reading.reading_speed)), assembly
 
 
 class _Status:

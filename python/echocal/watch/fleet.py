@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.model.indicated_speed import speed_of
 from echocal.observations import Observations
 from echocal.watch import verdict
 from echocal.watch.events import Event
@@ -105,9 +106,10 @@ class Fleet:
         blank = np.full(len(rows), np.nan)
         found = _Found(unread, blank, blank.copy(), blank.copy())
         numbers = self._numbers(ids)
-        for law in dict.fromkeys(s.model.law for id_ in ids if (s := self._sensors[id_])):
-            places = [p for p, id_ in enumerate(ids) if (s := self._sensors[id_]) and s.model.law == law]
-            blocks, reasons = self._reader(law).read([rows[p] for p in places])
+        speeds = [speed_of(s.model) if (s := self._sensors[id_]) else None for id_ in ids]
+        for speed in dict.fromkeys(one for one in speeds if one is not None):
+            places = [p for p, own in enumerate(speeds) if own == speed]
+            blocks, reasons = self._reader(speed).read([rows[p] for p in places])
             for place, why in zip(places, reasons, strict=True):
                 found.status[place] = why
             for block in blocks:
@@ -289,13 +291,13 @@ class Fleet:
             found.append(0 if sensor is None else sensor.rows)
         return found
 
-    def _reader(self, law: str) -> Reader:
-        if law not in self._readers:
+    def _reader(self, speed: str) -> Reader:
+        if speed not in self._readers:
             ignored = [name for name in (self.by, self.reference.target, "topic") if name]
             own = {name: value for name, value in self.options.items() if value not in (None, "")}
-            own["reading_speed"] = own.get("reading_speed") or law
-            self._readers[law] = Reader(own.pop("columns", None), ignored=ignored, **own)
-        return self._readers[law]
+            own["reading_speed"] = own.get("reading_speed") or speed
+            self._readers[speed] = Reader(own.pop("columns", None), ignored=ignored, **own)
+        return self._readers[speed]
 
     def _check(self, rows: Sequence[Row]) -> None:
         """Refuse, on the first rows, what no test is possible with."""

@@ -66,6 +66,8 @@ def report(
     fates = Fates.of(case.table, judge.held)
     causes = _causes(case, ranking, selection, validation, joint, word)
     origin = {**validation.model.provenance, **_origin(causes, word)}
+    if observations.reading_speed:
+        origin["reading_speed"] = observations.reading_speed
     validation = replace(validation, model=validation.model.with_provenance(origin))
     return Diagnosis(
         verdict=word,
