@@ -281,3 +281,16 @@ def test_arguments_of_a_calibration_that_cannot_be(random: np.random.Generator) 
     ):
         with pytest.raises(echocal.UsageError, match=said):
             echocal.calibrate(observations, echocal.Model("cramer"), fit=["fixed_delay.delay"], **wrong)
+
+
+def test_a_report_without_a_known_distance_claims_no_error(
+    cli: Cli, random: np.random.Generator, tmp_path: Path
+) -> None:
+    table(random, 200).to_csv(tmp_path / "known.csv", index=False)
+    own = table(random, 200)
+    echo = 2e6 * 1.5 / echocal.speed_of_sound(own["temperature_C"]) + random.normal(0, 3, 200)
+    own.assign(echo_us=echo).drop(columns="distance_m").to_csv(tmp_path / "level.csv", index=False)
+    assert cli("diagnose", "known.csv", "--report", "known.html")[0] == 0
+    assert cli("diagnose", "level.csv", "--constant-distance", "--report", "level.html")[0] == 0
+    assert "<span>error before</span>" in (tmp_path / "known.html").read_text()
+    assert "<span>scatter around the level before</span>" in (tmp_path / "level.html").read_text()

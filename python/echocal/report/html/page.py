@@ -129,9 +129,11 @@ def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     facts = [("rows used", f"{rows['used']} of {rows['total']}"), ("base", str(base))]
     gain = diagnosis.gain
     if gain is not None:
-        facts.append(("error before", f"{1e3 * gain.rms_before_m:.2f} mm"))
+        # a constant error does not show where nobody knows the distance
+        what = "error" if "distance" in diagnosis.traces.against else "scatter around the level"
+        facts.append((f"{what} before", f"{1e3 * gain.rms_before_m:.2f} mm"))
         if len(gain.ladder) > 1:
-            facts.append(("error after", f"{1e3 * gain.rms_after_m:.2f} mm"))
+            facts.append((f"{what} after", f"{1e3 * gain.rms_after_m:.2f} mm"))
             low, high = (100 * end for end in gain.variance_removed_interval_95)
             digits = 2 if low > _NEARLY_ALL else 0
             share = f"{100 * gain.variance_removed:.{digits}f} % ({low:.{digits}f} to {high:.{digits}f} %)"
