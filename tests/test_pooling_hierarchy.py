@@ -33,7 +33,8 @@ def by_sums(tables: Likelihoods, between: float, low: float = -np.inf) -> float:
         product = product * own
     total = 0.0
     for width in WIDTHS:
-        prior = norm.pdf(SIZES, scale=width) * (low <= SIZES) / norm.sf(low, scale=width)
+        inside = np.where(low == SIZES, 0.5, low < SIZES)  # half of the cell at the bound
+        prior = norm.pdf(SIZES, scale=width) * inside / norm.sf(low, scale=width)
         total += float(product @ prior) * step / len(WIDTHS)
     return float(np.log(total))
 
