@@ -294,3 +294,41 @@ def test_a_report_without_a_known_distance_claims_no_error(
     assert cli("diagnose", "level.csv", "--constant-distance", "--report", "level.html")[0] == 0
     assert "<span>error before</span>" in (tmp_path / "known.html").read_text()
     assert "<span>scatter around the level before</span>" in (tmp_path / "level.html").read_text()
+
+
+def test_a_line_that_is_being_written_waits_for_its_end(
+    cli: Cli, random: np.random.Generator, tmp_path: Path
+) -> None:
+    text = table(random).drop(columns="distance_m").to_csv(index=False)
+    half = len(text) // 2
+    watch = ("watch", "log.csv", "--once", "--law", "linear", "--correct-only", "-o", "out.csv")
+    (tmp_path / "log.csv").write_text(text[:half])
+    code, said = cli(*watch, "--state", "state.db")
+    assert code == 0
+    assert "ends within a line" in said
+    with (tmp_path / "log.csv").open("a") as file:
+        file.write(text[half:])
+    assert cli(*watch, "--state", "state.db")[0] == 0
+    found = pd.read_csv(tmp_path / "out.csv")
+    assert found["echo_us"].tolist() == pd.read_csv(tmp_path / "log.csv")["echo_us"].tolist()
+    assert found["corrected_distance_m"].notna().all()
+
+
+def test_007_and_7_are_two_sensors(cli: Cli, random: np.random.Generator, tmp_path: Path) -> None:
+    ids = ("007", "7", "8")
+    both = pd.concat([table(random, 60).assign(sensor_id=name) for name in ids])
+    both.to_csv(tmp_path / "log.csv", index=False)
+    assert cli("diagnose", "log.csv", "--by", "sensor_id", "-o", "found.csv", "--models", "models")[0] == 0
+    assert pd.read_csv(tmp_path / "found.csv", dtype=str)["sensor"].tolist() == sorted(ids)
+    assert sorted(file.stem for file in (tmp_path / "models").glob("[0-9]*.json")) == sorted(ids)
+
+
+def test_what_a_fleet_has_not_is_told(cli: Cli, random: np.random.Generator, tmp_path: Path) -> None:
+    own = table(random, 60).assign(sensor_id=[str(10**n) for n in (0, 20, 1)] * 20)
+    own.to_csv(tmp_path / "log.csv", index=False)
+    fleet = ("diagnose", "log.csv", "--by", "sensor_id", "-o", "found.csv")
+    code, said = cli(*fleet, "--report", "report.html")
+    assert code == 2
+    assert "--report is for one table, and this is a fleet" in said
+    assert cli(*fleet)[0] == 0
+    assert len(pd.read_csv(tmp_path / "found.csv", dtype=str)) == 3

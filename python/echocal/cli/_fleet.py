@@ -21,6 +21,7 @@ _INSTEAD = {
     "--save-model": "give --models DIR, one file for each sensor",
     "--with-shape": "an unexplained term belongs to its table: diagnose this sensor alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this sensor alone",
+    "--report": "-o FILE tells the verdict of each sensor; diagnose a sensor alone for its report",
     "--rows": "diagnose a sensor alone for its rows",
     "--can-vary": "diagnose a sensor alone for its next measurements",
 }

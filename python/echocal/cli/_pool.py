@@ -24,6 +24,7 @@ _INSTEAD = {
     "--save-model": "give --models DIR",
     "--with-shape": "an unexplained term belongs to its table: diagnose this table alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this table alone",
+    "--report": "diagnose each table alone for its report",
     "--rows": "diagnose each table alone for its rows",
     "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
     "--can-vary": "diagnose one table for its next measurements",

@@ -3,6 +3,7 @@
 from typing import Any
 
 from echocal.fleet.polar import polars
+from echocal.model.folder import WHOLE
 
 __all__ = ["label"]
 
@@ -24,5 +25,5 @@ def label(name: str, kind: Any) -> Any:
         number = pl.when(whole).then(column.cast(pl.Int64, strict=False).cast(pl.String))
         text = number.otherwise(column.cast(pl.String))
         return pl.when(column.is_nan()).then(None).otherwise(text)
-    text = column.cast(pl.String).str.strip_chars()
+    text = column.cast(pl.String).str.strip_chars().str.replace(WHOLE, "$1")
     return pl.when(text == "").then(None).otherwise(text)

@@ -5,7 +5,7 @@ import json
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -140,13 +140,13 @@ def diagnose_fleet(
     begun = time.perf_counter()
     given = [inputs] if isinstance(inputs, str | Path) else list(inputs)
     files = files_of([Path(one).absolute() for one in given] if is_elsewhere(engine) else given)
-    layout = layout or Layout()
+    layout = replace(layout or Layout(), text_column=by or "")
     index = indexed(files.sources, by, kind, layout)
     folders = {"models": _folder(models), "results": _folder(results)}
     asked = {
         **_request(base, request, settings, seed),
         "reading": _reading(reading),
-        "layout": {"skip_lines": layout.skip_lines, "decimal": layout.decimal, "encoding": layout.encoding},
+        "layout": asdict(layout),
         "by": by,
         "kind": kind,
         "models": folders["models"],

@@ -65,7 +65,8 @@ def opened(path: Path, layout: Layout) -> Opened:
         lazy = _tried(path, lambda: pl.scan_parquet(str(path), hive_partitioning=False, glob=False))
         schema = _tried(path, lazy.collect_schema)
         return Opened(path, lazy, schema)
-    frame = pl.from_pandas(load(path, layout))
+    whole = load(path, layout)
+    frame = _tried(path, lambda: pl.from_pandas(whole))
     return Opened(path, frame.lazy(), frame.schema)
 
 
@@ -73,7 +74,7 @@ def _tried(path: Path, work: Any) -> Any:
     pl = polars()
     try:
         return work()
-    except (OSError, pl.exceptions.PolarsError) as error:
+    except (OSError, OverflowError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
         message = f"{path} cannot be read: {reason}"
         raise DataError(message) from None

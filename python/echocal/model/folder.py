@@ -15,11 +15,14 @@ from typing import Any
 from echocal.errors import DataError, ModelError
 from echocal.model.composition import Model
 
-__all__ = ["INDEX", "ModelFolder", "file_name", "label"]
+__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "label"]
 
 INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
 _UNSAFE = re.compile(r"[^\w.-]+")
+
+WHOLE = r"^(-?(?:0|[1-9][0-9]*))\.0+$"
+"""Text of a whole number with a fraction, as tables with gaps write ids."""
 
 
 def file_name(key: str) -> str:
@@ -38,8 +41,8 @@ def label(value: Any) -> str:
 
     Examples
     --------
-    >>> label(7.0), label(" a "), label(None)
-    ('7', 'a', '')
+    >>> label(7.0), label("7.0"), label("007"), label(" a "), label(None)
+    ('7', '7', '007', 'a', '')
     """
     try:
         absent = value is None or bool(value != value)  # not a number, not a time
@@ -49,7 +52,7 @@ def label(value: Any) -> str:
         return ""
     if isinstance(value, float) and value.is_integer():
         return str(int(value))
-    return str(value).strip()
+    return re.sub(WHOLE, r"\1", str(value).strip())
 
 
 class ModelFolder:

@@ -28,6 +28,8 @@ class Layout:
     decimal: str | None = None
     """Decimal separator; None: seen in the file."""
     encoding: str = _DEFAULT
+    text_column: str = ""
+    """Column whose fields stay as they are: ids, of which 7 and 007 are two."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:

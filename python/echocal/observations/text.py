@@ -145,12 +145,14 @@ class _Body:
     def values(self) -> pd.DataFrame:
         """Numbers where all fields of a column are, else text."""
         decimal = self.head.decimal
-        table = self._parsed(decimal=decimal)
+        kept = self.layout.text_column
+        labels = {n: str for n, name in enumerate(self.head.names) if kept and name.strip() == kept}
+        table = self._parsed(decimal=decimal, dtype=labels)
         # integers in a column with empty fields became floats, and the long ones were rounded
         wide = [
             n for n in range(self.width) if table[n].dtype == np.float64 and (table[n].abs() >= EXACT).any()
         ]
-        texts = self._parsed(dtype=dict.fromkeys(wide, str)) if wide else table
+        texts = self._parsed(dtype={**labels, **dict.fromkeys(wide, str)}) if wide else table
         for n in wide:
             table[n] = texts[n].str.replace(decimal, ".", regex=False)
         if decimal == ",":

@@ -132,6 +132,7 @@ class Files:
             message = f"{path} cannot be watched; endings of growing files: {', '.join(_TEXTS)}"
             raise UsageError(message)
         self.path, self.state, self.poll, self.once = path, state, poll, once
+        self._unfinished: dict[Path, None] = {}
         self.reading: tuple[str, dict[str, Any]] | None = None
 
     def batches(self) -> Iterator[Batch]:
@@ -143,6 +144,14 @@ class Files:
                     idle = False
                     yield batch
             if idle and self.once:
+                if self._unfinished:
+                    yield (
+                        [],
+                        [
+                            f"{file} ends within a line, which is read when it is whole"
+                            for file in self._unfinished
+                        ],
+                    )
                 return
             if idle:
                 yield [], []
@@ -179,7 +188,7 @@ class Files:
             parser = Parser(separator, at["header"])
             with file.open("rb") as stream:
                 stream.seek(at["byte"])
-                while lines := self._lines(stream):
+                while lines := self._lines(stream, file):
                     batch = _rows(parser, lines)
                     at = {
                         "byte": at["byte"] + sum(map(len, lines)),
@@ -192,11 +201,14 @@ class Files:
             message = f"{file} cannot be read: {error.strerror or error}"
             raise DataError(message) from None
 
-    def _lines(self, stream: IO[bytes]) -> list[bytes]:
+    def _lines(self, stream: IO[bytes], file: Path) -> list[bytes]:
         lines = []
         for _ in range(_MOST):
             line = stream.readline()
-            if not line or (not line.endswith(b"\n") and not self.once):
+            if not line:
+                break
+            if not line.endswith(b"\n") and (not self.once or self.state.path is not None):
+                self._unfinished[file] = None
                 break  # a line that is still being written is read when it is whole
             lines.append(line)
         return lines

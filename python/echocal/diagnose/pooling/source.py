@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from echocal.errors import DataError, UsageError
+from echocal.model.folder import label as label_of
 from echocal.observations import Observations
 from echocal.observations.plan import read_columns
 
@@ -108,14 +109,14 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     if isinstance(table, Observations):
         message = "by= divides a file or a table; Observations have no such column"
         raise UsageError(message)
-    layout = Layout(how.get("skip_lines", 0), how.get("decimal"), how.get("encoding", "utf-8-sig"))
+    layout = Layout(how.get("skip_lines", 0), how.get("decimal"), how.get("encoding", "utf-8-sig"), by)
     whole = load(table, layout, sheet=how.get("sheet"))
     if by not in whole.columns:
         message = (
             f"there is no column '{by}' to divide the table by; it has {', '.join(map(str, whole.columns))}"
         )
         raise DataError(message)
-    labels = [_label(value) for value in whole[by].tolist()]
+    labels = [label_of(value) for value in whole[by].tolist()]
     if not any(labels):
         message = f"column '{by}' is empty in every row, so it cannot divide the table"
         raise DataError(message)
@@ -128,12 +129,3 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     columns = {**read_columns(how.get("columns")), by: "ignore"}
     used = {"skip_lines": 0, "decimal": None, "encoding": "utf-8-sig", "sheet": None}
     return Sources(parts, {**how, "columns": columns, **used}, sum(not label for label in labels), by)
-
-
-def _label(value: Any) -> str:
-    """A label as text; empty where there is none. Whole numbers have no fraction."""
-    if value is None or value != value:  # not a number, not a time
-        return ""
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return str(value).strip()
