@@ -321,6 +321,10 @@ def test_007_and_7_are_two_sensors(cli: Cli, random: np.random.Generator, tmp_pa
     assert cli("diagnose", "log.csv", "--by", "sensor_id", "-o", "found.csv", "--models", "models")[0] == 0
     assert pd.read_csv(tmp_path / "found.csv", dtype=str)["sensor"].tolist() == sorted(ids)
     assert sorted(file.stem for file in (tmp_path / "models").glob("[0-9]*.json")) == sorted(ids)
+    assert cli("correct", "log.csv", "--models", "models", "--by", "sensor_id", "-o", "out.csv")[0] == 0
+    found = pd.read_csv(tmp_path / "out.csv")
+    assert found["status"].isna().all()
+    assert np.abs(found["corrected_distance_m"] - found["distance_m"]).max() < 5e-3
 
 
 def test_what_a_fleet_has_not_is_told(cli: Cli, random: np.random.Generator, tmp_path: Path) -> None:
