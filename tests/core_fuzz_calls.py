@@ -101,7 +101,7 @@ def layout() -> list[Any]:
     """First rows, blocks, cells, distance; block and group of each cell, series of each; correlations."""
     blocks = guard(np.repeat(np.arange(2, dtype=np.uint32), ROWS // 2))
     places, series = [(0, 0), (0, 1), (1, 2), (1, 3)], column(2.0, 2.0, rows=2)
-    return [starts(), blocks, groups(), column(), places, series, [None, 0.5, (0.6, 0.3)], True]
+    return [starts(), blocks, groups(), column(), places, series, [None, 0.5, (0.6, 0.3, False)], True]
 
 
 def sums() -> _core.Sums:

@@ -9,11 +9,11 @@ import echocal
 ROWS = 24_000  # more than a short table
 
 
-def log(noise: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]:
-    """A field log of a sensor that answers 40 us late."""
+def log(noise: np.ndarray, random: np.random.Generator, power: float = 0.5) -> dict[str, np.ndarray]:
+    """A field log of a sensor that answers 40 us late; the noise grows with a power of the distance."""
     temperature = 15 + 8 * np.sin(np.arange(ROWS) * 2 * np.pi / 288) + random.normal(0, 1, ROWS)
     distance = random.uniform(0.3, 4.0, ROWS)
-    echo = 2 * (distance + noise * np.sqrt(distance / 2)) / echocal.speed_of_sound(temperature, law="linear")
+    echo = 2 * (distance + noise * (distance / 2) ** power) / echocal.speed_of_sound(temperature, law="linear")
     return {
         "echo_us": 1e6 * echo + 40.0,
         "temperature_C": temperature,
@@ -51,3 +51,14 @@ def test_convection_is_identified_by_its_growth_with_distance(random: np.random.
     assert values["growth"] == pytest.approx(1.1, rel=0.5)  # 1.5^2 / 2 over 1.03^2
     assert "farther" in found.because
     assert "noise_growth" not in {c.id for c in diagnosis.causes}
+
+
+@pytest.mark.statistical
+def test_air_that_is_alike_along_the_path_is_noise_and_no_effect(random: np.random.Generator) -> None:
+    """Its error is in proportion to the distance; without a noise like that, effects of the air were named."""
+    diagnosis = echocal.diagnose(log(1.5e-3 * remembering(ROWS, 0.8, random), random, power=1.0))
+    assert {c.id for c in diagnosis.causes if c.kind == "effect"} == {diagnosis.causes[0].id}
+    assert diagnosis.causes[0].id in {"fixed_delay", "zero_error"}
+    (found,) = (c for c in diagnosis.causes if c.id == "correlated_noise")
+    assert "farther" in found.because
+    assert diagnosis.noise["autoregression"] == pytest.approx(0.8, abs=0.01)

@@ -58,18 +58,21 @@ def test_a_random_error_per_station_is_its_covariance(random: np.random.Generato
     assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])
 
 
-@pytest.mark.parametrize("convection", CONVECTIONS[::6])
+@pytest.mark.parametrize("convection", [*CONVECTIONS[:20:6], *CONVECTIONS[20::5]])
 def test_convection_is_its_covariance(convection: Convection, random: np.random.Generator) -> None:
-    """White noise, cells that stay for some rows and grow with the distance, and an error per station."""
+    """White noise, air that stays for some rows and errs more over a longer path, and an error per station."""
     groups = np.repeat(np.arange(4), 15)
     columns, distance = random.normal(size=(3, 60)), random.uniform(0.2, 4.0, 60)
     columns[0] = 1.0
-    noise = Noise(0.0, convection.rho, 0.3, 1.0, convection.growth)
+    noise = Noise(0.0, convection.rho, 0.3, 1.0, convection.growth, convection.whole_path)
     whitened = sums(columns, groups, flat_level=False, distance=distance).whiten(noise)
-    cells = (
-        convection.growth * toeplitz(convection.rho ** np.arange(60)) * np.sqrt(np.outer(distance, distance))
+    together = np.outer(distance, distance)
+    white = 1 / (1 + convection.growth) if convection.whole_path else 1.0
+    air = toeplitz(convection.rho ** np.arange(60)) * (
+        together if convection.whole_path else np.sqrt(together)
     )
-    covariance = np.eye(60) + (cells + 0.3) * (groups[:, None] == groups[None, :])
+    alike = groups[:, None] == groups[None, :]
+    covariance = white * np.eye(60) + (white * convection.growth * air + 0.3) * alike
     expected = columns @ np.linalg.solve(covariance, columns.T)
     np.testing.assert_allclose(whitened.products, expected, rtol=1e-9, atol=1e-9)
     assert whitened.log_weight == pytest.approx(-0.5 * np.linalg.slogdet(covariance)[1])

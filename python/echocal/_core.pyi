@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 _Column = NDArray[np.float64]
-_Correlation = float | tuple[float, float] | None
+_Correlation = float | tuple[float, float, bool] | None
 
 @final
 class Model:

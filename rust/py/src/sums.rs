@@ -2,7 +2,7 @@
 
 use echocal_core::batch::available_threads;
 use echocal_infer::noise::{
-    Autoregression, Convection, MovingAverage, NoiseCorrelation, NoiseModel, TableSums, White,
+    Autoregression, Convection, MovingAverage, NoiseCorrelation, NoiseModel, Path, TableSums, White,
 };
 use echocal_infer::solve::{Fitted, fit_blocks};
 use numpy::prelude::*;
@@ -54,10 +54,11 @@ impl CoreNoiseModel {
     }
 }
 
-/// A moving-average coefficient, or autoregression and growth of a convection; None is white.
+/// A moving-average coefficient; or of a convection autoregression, growth, and whether the air is alike along
+/// the whole path; None is white.
 #[derive(FromPyObject)]
 pub enum GivenCorrelation {
-    Convection((f64, f64)),
+    Convection((f64, f64, bool)),
     MovingAverage(f64),
 }
 
@@ -65,10 +66,11 @@ pub enum GivenCorrelation {
 pub fn correlation(given: Option<GivenCorrelation>) -> PyResult<NoiseCorrelation> {
     Ok(match given {
         None => NoiseCorrelation::White(White),
-        Some(GivenCorrelation::Convection((rho, growth))) => {
+        Some(GivenCorrelation::Convection((rho, growth, whole))) => {
             coefficient("the autoregression of a convection", rho)?;
             not_negative("the growth of a convection", growth)?;
-            NoiseCorrelation::Convection(Convection { rho, growth })
+            let path = if whole { Path::Whole } else { Path::Cells };
+            NoiseCorrelation::Convection(Convection { rho, growth, path })
         }
         Some(GivenCorrelation::MovingAverage(theta)) => {
             coefficient("a moving average", theta)?;

@@ -119,8 +119,9 @@ class Prospect:
     def _of_mean(self, n: int, distance: Matrix) -> Matrix:
         """Variance of the mean of `n` successive rows with autocorrelated noise, at some distances."""
         rho, theta, lags = self.noise.rho, self.noise.moving_average, np.arange(1, n)
-        cells = self.variance * self.noise.growth * distance
-        first = self.variance / self.noise.first_weight + cells
+        white = self.variance * self.noise.white_part
+        cells = white * self.noise.growth * distance ** (2 if self.noise.whole_path else 1)
+        first = white / self.noise.first_weight + cells
         if rho == theta:
             return first / n
         alone = self.variance * (rho - theta) * (1 - rho * theta) / (1 - rho**2)

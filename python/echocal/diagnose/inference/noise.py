@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from typing import NamedTuple
 
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
@@ -22,11 +23,14 @@ class Convection(NamedTuple):
     rho : float
         Autoregressive coefficient of the autocorrelated part.
     growth : float
-        Variance of the autocorrelated part over that of the white one, per distance [1/m].
+        Variance of the autocorrelated part over that of the white one, at one meter.
+    whole_path : bool
+        Whether the air is alike along the whole path: the variance grows with the square of the distance.
     """
 
     rho: float
     growth: float
+    whole_path: bool = False
 
 
 NoiseCorrelation = float | Convection | None
@@ -49,7 +53,9 @@ class Noise:
     prior : float
         Probability before the data.
     growth : float
-        Where not 0, the noise is that of a `Convection` [1/m].
+        Where not 0, the noise is that of a `Convection`; its growth at one meter.
+    whole_path : bool
+        Whether that convection is alike along the whole path.
     """
 
     moving_average: float
@@ -57,13 +63,21 @@ class Noise:
     station_ratio: float
     prior: float
     growth: float = 0.0
+    whole_path: bool = False
 
     @property
     def correlation(self) -> NoiseCorrelation:
         """What a pass over the rows must sum for it."""
         if self.rho == 0.0:
             return WHITE
-        return Convection(self.rho, self.growth) if self.growth else self.moving_average
+        if self.growth:
+            return Convection(self.rho, self.growth, self.whole_path)
+        return self.moving_average
+
+    @property
+    def white_part(self) -> float:
+        """Variance of the white part of a convection, in units of the noise; see `Convection` of the core."""
+        return 1.0 / (1.0 + self.growth) if self.whole_path else 1.0
 
     @property
     def first_weight(self) -> float:
@@ -80,8 +94,9 @@ class Noise:
 
 def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
     """List the convections considered, where rows are at different distances."""
-    growths = settings.convection_growths
-    return tuple(Convection(rho, growth) for rho in settings.convection_rhos for growth in growths)
+    cells = product(settings.convection_rhos, settings.convection_growths)
+    whole = product(settings.whole_path_rhos, settings.whole_path_growths)
+    return (*(Convection(*one) for one in cells), *(Convection(*one, whole_path=True) for one in whole))
 
 
 @lru_cache(maxsize=8)
@@ -110,10 +125,10 @@ def noises(
     alike = [(m, r) for m, rhos in settings.autoregressions for r in rhos if r]
     correlated = 1.0 - settings.white
     half = correlated / 2 if convections else correlated
-    rows = [(0.0, 0.0, 0.0, settings.white), *((m, r, 0.0, half / len(alike)) for m, r in alike)]
-    rows += [(0.0, c.rho, c.growth, half / len(all_convections(settings))) for c in convections]
+    rows = [(0.0, 0.0, 0.0, False, settings.white), *((m, r, 0.0, False, half / len(alike)) for m, r in alike)]
+    rows += [(0.0, *c, half / len(all_convections(settings))) for c in convections]
     grid = settings.level_ratios if levels else settings.station_ratios
     none = settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
-    return tuple(Noise(m, r, s, p * q, growth) for m, r, growth, p in rows for s, q in each)
+    return tuple(Noise(m, r, s, p * q, *growth) for m, r, *growth, p in rows for s, q in each)

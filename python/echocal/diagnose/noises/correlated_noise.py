@@ -32,15 +32,16 @@ FACTS = CauseFacts(
         ),
         Quantity(
             "growth",
-            "1/m",
-            "autocorrelated variance over the rest, where it grows with distance",
+            "1",
+            "autocorrelated variance over the rest at one meter, where it grows with distance",
             (0.0, None),
-            "one of 0.1, 0.3, 1 and 3, where rows are at several distances",
+            "0.1 to 3, or with air that is alike along the whole path 0.3 to 100; rows at several distances",
         ),
     ),
     check="repeat the rows in a random order",
     prior=0.05,
-    formula="e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d",
+    formula="e_i = autoregression e_(i-1) + white noise; with growth: the variance of e grows by growth d, "
+    "or by growth d^2 where the air is alike along the whole path",
 )
 
 

@@ -50,6 +50,18 @@ class NoiseModelSettings:
         "ratio of the variances of the autocorrelated and the white part, per meter of distance",
         "Andreeva and Durgin 2005 give the law; the values are chosen by hand",
     )
+    whole_path_rhos: tuple[float, ...] = number(
+        (0.6, 0.8, 0.9),
+        "1 per row",
+        "the same of air that is alike along the whole path",
+        "argument: a thermometer follows what is slower; slower air can hardly be told from an error of scale",
+    )
+    whole_path_growths: tuple[float, ...] = number(
+        (0.3, 1.0, 3.0, 10.0, 100.0),
+        "1",
+        "and its ratio of variances at one meter; it grows with the square of the distance",
+        "chosen by hand",
+    )
     white: float = number(
         0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
     )

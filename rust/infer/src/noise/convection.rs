@@ -3,7 +3,8 @@
 //! The delays of cells that know nothing of each other add up, and so do their variances: that of the
 //! travel time grows in proportion to the path, until caustics bend it upward (Andreeva & Durgin 2005,
 //! <https://doi.org/10.1080/17455030500284170>). A cell stays for some rows: white noise beside a
-//! first-order autoregression whose variance is proportional to the distance of the row. With another
+//! first-order autoregression whose variance is proportional to the distance of the row. Air that is warmer along
+//! the whole path adds to the delay in proportion to the path, and its variance in proportion to the square. With another
 //! distance in every row no lag-1 products whiten that; Kalman's filter (1960,
 //! <https://doi.org/10.1115/1.3662552>) does, with the same gains for all columns.
 
@@ -17,13 +18,48 @@ use crate::gram::{
 use crate::parallel::in_spans;
 use echocal_core::batch::{BLOCK, Line};
 
+/// How the variance of the autocorrelated part depends on the distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Many cells, independent of each other: in proportion to the distance.
+    Cells,
+    /// Air that is alike along the whole path: in proportion to the square of the distance.
+    Whole,
+}
+
 /// White noise, and an autocorrelated part that grows with the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convection {
     /// Autoregressive coefficient of the autocorrelated part.
     pub rho: f64,
-    /// Variance of the autocorrelated part over that of the white one, per distance \[1/m\].
+    /// Variance of the autocorrelated part over that of the white one, at one meter.
     pub growth: f64,
+    /// How it depends on the distance.
+    pub path: Path,
+}
+
+impl Convection {
+    /// Variance of the white part, in units of the noise: of the white part itself; with air that is alike along
+    /// the whole path, of both parts at one meter, because the white one may be next to nothing.
+    fn white(self) -> f64 {
+        match self.path {
+            Path::Cells => 1.0,
+            Path::Whole => 1.0 / (1.0 + self.growth),
+        }
+    }
+
+    /// Variance of the autocorrelated part at one meter, in the same units.
+    fn shared(self) -> f64 {
+        self.growth * self.white()
+    }
+
+    /// Standard deviation of the autocorrelated part at a distance \[m\] over that at one meter.
+    fn at(self, distance: f64) -> f64 {
+        match self.path {
+            Path::Cells => distance.max(0.0).sqrt(),
+            Path::Whole => distance.max(0.0),
+        }
+    }
 }
 
 /// Kalman's filter for an autocorrelated part of variance 1 at a distance of one meter.
@@ -35,24 +71,24 @@ struct Filter {
 }
 
 impl Filter {
-    const fn new(of: Convection) -> Self {
+    fn new(of: Convection) -> Self {
         Self {
             of,
-            variance: of.growth,
+            variance: of.shared(),
         }
     }
 
     /// The step of the next row, at its distance \[m\]: it whitens docs/method.md, Eq. 4.
     fn step(&mut self, begins: bool, distance: f64) -> FilterStep {
-        let Convection { rho, growth } = self.of;
-        let root = distance.max(0.0).sqrt();
+        let (rho, shared) = (self.of.rho, self.of.shared());
+        let root = self.of.at(distance);
         if begins {
-            self.variance = growth;
+            self.variance = shared;
         }
-        let whole = 1.0 + root * root * self.variance;
+        let whole = self.of.white() + root * root * self.variance;
         let gain = self.variance * root / whole;
         self.variance =
-            rho * rho * (1.0 - gain * root) * self.variance + (1.0 - rho * rho) * growth;
+            rho * rho * (1.0 - gain * root) * self.variance + (1.0 - rho * rho) * shared;
         let known = if begins { 0.0 } else { 1.0 };
         FilterStep {
             from: known * root,
@@ -68,7 +104,8 @@ impl Correlation for Convection {
     const FACTS: CorrelationFacts = CorrelationFacts {
         id: "convection",
         sentence: "Warm cells drift through the path of the echo; their variance grows with the distance.",
-        covariance: "of lag k in units of the white noise: growth sqrt(d_i d_j) rho^k, and 1 more at lag 0",
+        covariance: "of lag k in units of the white noise: growth sqrt(d_i d_j) rho^k, and 1 more at lag 0; where \
+                     the air is alike along the whole path: (growth d_i d_j rho^k + [k = 0]) / (1 + growth)",
         source: "Andreeva & Durgin 2005, doi:10.1080/17455030500284170; Kalman 1960, doi:10.1115/1.3662552",
     };
 
@@ -121,15 +158,19 @@ impl Correlation for Convection {
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, f64)> {
-        [(0.8, 0.7), (0.97, 3.0)]
-            .map(|(rho, growth)| (Self { rho, growth }, 0.0))
-            .into()
+        [
+            (0.8, 0.7, Path::Cells),
+            (0.97, 3.0, Path::Cells),
+            (0.8, 2.0, Path::Whole),
+        ]
+        .map(|(rho, growth, path)| (Self { rho, growth, path }, 0.0))
+        .into()
     }
 
     #[cfg(test)]
     fn covariance(self, _rho: f64, lag: usize, [one, other]: [f64; 2]) -> f64 {
-        let shared = self.growth * (one * other).sqrt() * self.rho.powi(lag as i32);
-        shared + f64::from(u8::from(lag == 0))
+        let shared = self.shared() * self.at(one) * self.at(other) * self.rho.powi(lag as i32);
+        shared + self.white() * f64::from(u8::from(lag == 0))
     }
 }
 

@@ -10,6 +10,7 @@ mod shared_error;
 mod slips;
 mod whiten;
 
+pub use convection::Path;
 pub use correlation::{Autoregression, Correlation, CorrelationFacts};
 pub use density::NoiseDensity;
 pub use slips::{CycleSlips, SlipMixture};

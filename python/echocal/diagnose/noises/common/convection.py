@@ -52,7 +52,7 @@ def _beside(case: Case, one: HypothesisFit, usual: Noise, behind: float) -> set[
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     left, order = case.left(one, rows), case.sums.order.at(rows)
     every = all_convections(case.settings.noise_models)
-    noises = (Noise(0.0, each.rho, usual.station_ratio, 1.0, each.growth) for each in every)
+    noises = (Noise(0.0, each.rho, usual.station_ratio, 1.0, *each[1:]) for each in every)
     logs = [log_likelihood(left, order, noise) for noise in noises]
     least = max(log_likelihood(left, order, usual), *logs) - behind
     return {each for each, log in zip(every, logs, strict=True) if log > least}
