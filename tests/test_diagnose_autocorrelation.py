@@ -13,7 +13,8 @@ def log(noise: np.ndarray, random: np.random.Generator, power: float = 0.5) -> d
     """A field log of a sensor that answers 40 us late; the noise grows with a power of the distance."""
     temperature = 15 + 8 * np.sin(np.arange(ROWS) * 2 * np.pi / 288) + random.normal(0, 1, ROWS)
     distance = random.uniform(0.3, 4.0, ROWS)
-    echo = 2 * (distance + noise * (distance / 2) ** power) / echocal.speed_of_sound(temperature, law="linear")
+    true = distance + noise * (distance / 2) ** power
+    echo = 2 * true / echocal.speed_of_sound(temperature, law="linear")
     return {
         "echo_us": 1e6 * echo + 40.0,
         "temperature_C": temperature,
@@ -55,7 +56,7 @@ def test_convection_is_identified_by_its_growth_with_distance(random: np.random.
 
 @pytest.mark.statistical
 def test_air_that_is_alike_along_the_path_is_noise_and_no_effect(random: np.random.Generator) -> None:
-    """Its error is in proportion to the distance; without a noise like that, effects of the air were named."""
+    """Its error is in proportion to the distance; without such a noise, effects of the air were named."""
     diagnosis = echocal.diagnose(log(1.5e-3 * remembering(ROWS, 0.8, random), random, power=1.0))
     assert {c.id for c in diagnosis.causes if c.kind == "effect"} == {diagnosis.causes[0].id}
     assert diagnosis.causes[0].id in {"fixed_delay", "zero_error"}

@@ -60,7 +60,7 @@ def test_a_random_error_per_station_is_its_covariance(random: np.random.Generato
 
 @pytest.mark.parametrize("convection", [*CONVECTIONS[:20:6], *CONVECTIONS[20::5]])
 def test_convection_is_its_covariance(convection: Convection, random: np.random.Generator) -> None:
-    """White noise, air that stays for some rows and errs more over a longer path, and an error per station."""
+    """White noise, air that stays for some rows and errs more on a longer path, an error per station."""
     groups = np.repeat(np.arange(4), 15)
     columns, distance = random.normal(size=(3, 60)), random.uniform(0.2, 4.0, 60)
     columns[0] = 1.0

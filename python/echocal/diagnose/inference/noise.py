@@ -125,7 +125,8 @@ def noises(
     alike = [(m, r) for m, rhos in settings.autoregressions for r in rhos if r]
     correlated = 1.0 - settings.white
     half = correlated / 2 if convections else correlated
-    rows = [(0.0, 0.0, 0.0, False, settings.white), *((m, r, 0.0, False, half / len(alike)) for m, r in alike)]
+    rows = [(0.0, 0.0, 0.0, False, settings.white)]
+    rows += [(m, r, 0.0, False, half / len(alike)) for m, r in alike]
     rows += [(0.0, *c, half / len(all_convections(settings))) for c in convections]
     grid = settings.level_ratios if levels else settings.station_ratios
     none = settings.no_station_error

@@ -54,7 +54,7 @@ class NoiseModelSettings:
         (0.6, 0.8, 0.9),
         "1 per row",
         "the same of air that is alike along the whole path",
-        "argument: a thermometer follows what is slower; slower air can hardly be told from an error of scale",
+        "argument: a thermometer follows what is slower; slower air looks like an error of scale",
     )
     whole_path_growths: tuple[float, ...] = number(
         (0.3, 1.0, 3.0, 10.0, 100.0),
