@@ -21,6 +21,7 @@ from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.offsets import without_offsets
 from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
 from echocal.diagnose.noises.common.rows_off import without_rows_off
+from echocal.diagnose.noises.common.scattered_rows import without_scattered_rows
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
@@ -140,6 +141,9 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
                 tried = tuple(noise for noise in tried if noise is not off.noise)
                 shares = infer_noises(case, inference.fits, inference.reduced, tried)
                 offsets.append(off.finding)
+            elif (less := without_scattered_rows(case, inference, shares)) is not None:
+                case, inference = _with_convection(*less)
+                shares = infer_noises(case, inference.fits, inference.reduced, tried)
             reduced = inference.reduced
             ranking = rank(shares.fits, case.found.competing, settings)
 

@@ -141,7 +141,7 @@ class Columns:
         cells: Labels,
         places: tuple[Labels, Labels],
         series: Column,
-        correlations: Sequence[float | tuple[float, float] | None],
+        correlations: Sequence[float | tuple[float, float, bool] | None],
     ) -> _core.Sums:
         """Lag-0 and lag-1 products, see `Sums`; settles the columns."""
         self._core.settle()

@@ -53,7 +53,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     )
     parameters = (Parameter("rows", float(count), 0.0, "1"),)
     rules = (far_rule(view, FACTS.id, -1, settings, own.least),)
-    evidence, repaired = count_evidence(view, count, settings), view.without(rows, FACTS.id)
+    evidence, repaired = count_evidence(view, rows, settings), view.without(rows, FACTS.id)
     return Finding(FACTS, evidence, because, parameters, rows, repaired, rules=rules)
 
 

@@ -56,7 +56,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{view.indication[worst]:.3f} m, where {view.expected[worst]:.3f} m is expected); left out"
     )
     parameters = (Parameter("rows", float(count), 0.0, "1"), Parameter("twice", float(twice), 0.0, "1"))
-    evidence = count_evidence(view, count, settings) + own.each_twice * twice
+    evidence = count_evidence(view, rows, settings) + own.each_twice * twice
     rules, repaired = (far_rule(view, FACTS.id, 1, settings),), view.without(rows, FACTS.id)
     return Finding(FACTS, min(evidence, settings.cap), because, parameters, rows, repaired, rules=rules)
 

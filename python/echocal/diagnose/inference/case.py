@@ -46,6 +46,8 @@ class Case:
     offsets : ndarray, shape (n,), or None
         Offsets of placements or of the level that a noise explains [m]. The residual is without them, the
         table is not.
+    remarks : tuple of str
+        Sentences for the user on what was done to the residual.
     """
 
     table: Table
@@ -61,6 +63,7 @@ class Case:
     fits: dict[tuple[Any, ...], HypothesisFit] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
+    remarks: tuple[str, ...] = ()
 
     @cached_property
     def table_without_offsets(self) -> Table:

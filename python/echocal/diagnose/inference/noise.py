@@ -132,4 +132,4 @@ def noises(
     none = settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
-    return tuple(Noise(m, r, s, p * q, *growth) for m, r, *growth, p in rows for s, q in each)
+    return tuple(Noise(m, r, s, p * q, growth, whole) for m, r, growth, whole, p in rows for s, q in each)

@@ -30,6 +30,18 @@ class Outliers:
 
     usual: float = threshold(0.02, "1", "part of the rows of a table with such a fault; judgement")
     most: float = threshold(0.3, "1", "largest part of the rows that such a fault affects; judgement")
+    odd: float = threshold(
+        0.05,
+        "1",
+        "part of the tables with rows that are far off for a reason outside the catalogue; judgement",
+    )
+    very_far: float = threshold(4.0, "1", "times the limit: beyond it an echo is another one; judgement")
+    odd_very_far: float = threshold(0.25, "1", "part of such odd rows that are very far off; judgement")
+    tail: float = threshold(
+        0.5,
+        "1",
+        "of that limit: rows between the two, on both sides, say how heavy the tails are; judgement",
+    )
     moved_rows: float = threshold(50, "1", "rows on each side of a moment when the sensor moved; judgement")
     moved_distances: float = threshold(10, "1", "fewest distances of these rows; judgement")
     moved_distances_per_row: float = threshold(

@@ -18,6 +18,7 @@ class NoiseSettings(CauseSettings):
     harmless, negligible : float
     sets, segments, segment_rows : float
     considered, worth, subtracted : float
+    scattered_part, scattered_apart, scattered_gain : float
     autocorrelated, convection_behind : float
     matters, split : float
     """
@@ -46,6 +47,19 @@ class NoiseSettings(CauseSettings):
         0.5,
         "1",
         "probability from which on what a noise adds to each row is subtracted: more likely than not",
+    )
+    scattered_part: float = threshold(
+        0.15,
+        "1",
+        "largest part of rows that scatter far more than the others; more are no exception; judgement",
+    )
+    scattered_apart: float = threshold(
+        3.0, "1", "least standard deviation of such rows over that of the others; judgement"
+    )
+    scattered_gain: float = threshold(
+        10.0,
+        "1",
+        "least gain in log likelihood over normal noise, less the cost of both parameters; judgement",
     )
     autocorrelated: float = threshold(
         0.1, "1", "probability of autocorrelation from which on convection is tried; judgement"

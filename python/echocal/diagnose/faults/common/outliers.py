@@ -67,8 +67,25 @@ def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: Outliers) -
     return False
 
 
-def count_evidence(view: View, count: int, settings: FaultSettings) -> float:
-    """Log Bayes factor of a fault that hits some percent of the rows against heavy tails alone."""
-    total = int(view.good.sum())
-    chance, usual = 0.5 * chance_far(view, settings.far), settings.outliers.usual * total + 0.5
-    return float(min(count * np.log(max(usual, 1.0) / chance) - (usual - chance), settings.cap))
+def count_evidence(view: View, rows: NDArray[np.bool_], settings: FaultSettings) -> float:
+    """Log Bayes factor of a fault that hits some percent of the rows, against heavy tails and odd rows.
+
+    Tails have two sides, and more rows that are somewhat less far off. Rows that are odd for a reason
+    outside the catalogue are on this side by chance, and seldom very far off.
+    """
+    own, count, total = settings.outliers, int(rows.sum()), int(view.good.sum())
+    off = _over_the_limit(view, settings)
+    tail = min(int((view.good & (side * off > own.tail) & (side * off <= 1.0)).sum()) for side in (-1, 1))
+    chance = max(0.5 * chance_far(view, settings.far), tail)
+    usual = max(own.usual * total + 0.5, chance)
+    against_tails = min(count * np.log(max(usual, 1.0) / chance) - (usual - chance), settings.cap)
+    very_far = int((np.abs(off[rows]) > own.very_far).sum())
+    odd = np.log(own.odd) + count * np.log(0.5) + very_far * np.log(own.odd_very_far)
+    return float(against_tails - np.logaddexp(np.log(1.0 - own.odd), odd + against_tails))
+
+
+def _over_the_limit(view: View, settings: FaultSettings) -> NDArray[np.float64]:
+    """Deviation of each row, in units of that of a far row."""
+    with np.errstate(invalid="ignore"):
+        limit = np.maximum(settings.far.deviations * view.scatter, settings.far.part * np.abs(view.expected))
+        return np.asarray(view.deviation / limit)

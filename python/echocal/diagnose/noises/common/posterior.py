@@ -17,7 +17,7 @@ from echocal.diagnose.noises.common.trace import Likelihood, Trace
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noises import NoiseSettings
 
-__all__ = ["NoisePosterior", "Traced", "infer_noises"]
+__all__ = ["NoisePosterior", "Traced", "infer_noises", "sampled"]
 
 Ids = tuple[str, ...]
 
@@ -101,7 +101,7 @@ def infer_noises(
     chosen += [ids for ids in [()] if ids not in chosen]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
-    traced = Traced.of(case, _sample(case, settings))
+    traced = Traced.of(case, sampled(case, settings))
     for ids in chosen:
         trace = traced.left_by(best[ids], reduced.likeliest(best[ids])[0])
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
@@ -133,7 +133,7 @@ def _with_nothing(case: Case, fits: list[HypothesisFit], reduced: Stack) -> list
     return [*fits, fit_hypothesis(Hypothesis((), prior), reduced)]
 
 
-def _sample(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
+def sampled(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
     """Rows that fits may see, in segments where there are many."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     count, length = settings.segments, settings.segment_rows
