@@ -90,7 +90,7 @@ class Diagnosis(Shown, Outcome):
         >>> import numpy as np
         >>> import echocal
         >>> reading = 1.008 + 1e-3 * np.sin(np.arange(40.0) ** 2)
-        >>> reading[3] = 1.9
+        >>> reading[[3, 17, 30]] = 1.9, 1.7, 2.3
         >>> table = {"reading_m": reading, "temperature_C": np.full(40, 20.0)}
         >>> found = echocal.diagnose(table, reference_distance=1.0).row_table()
         >>> found["fate"].iloc[2:4].tolist()
