@@ -411,6 +411,35 @@ def error(
     where: ArrayLike | None = None,
     n_threads: int | None = None,
 ) -> Any: ...
+
+@final
+class PlainRows:
+    @property
+    def ends(self) -> NDArray[np.uint32]: ...
+    @property
+    def columns(self) -> list[NDArray[np.float64]]: ...
+    @property
+    def ended(self) -> bool: ...
+
+def plain_rows(
+    data: bytes,
+    separator: int,
+    width: int,
+    places: Sequence[int],
+    missing: Sequence[bytes],
+    comment: int | None,
+    end: bytes,
+) -> PlainRows | None: ...
+def with_results(
+    data: bytes,
+    ends: NDArray[np.uint32],
+    between: int,
+    separator: int,
+    distance: NDArray[np.float64],
+    uncertainty: NDArray[np.float32],
+    codes: NDArray[np.int16],
+    tails: Sequence[bytes],
+) -> bytes | None: ...
 @overload
 def absorption(
     temperature: float,

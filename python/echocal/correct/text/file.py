@@ -74,18 +74,25 @@ class Text:
 
     def checked(self, block: Block) -> Lines:
         """Lines of a block, if it is text."""
+        self._refuse_other(block)
+        return self.parser.lines(block)
+
+    def _refuse_other(self, block: Block) -> None:
         try:
             if not block.data.isascii():
                 block.data.decode()
         except UnicodeError:
             raise DataError(no_text(self.path, self.job.layout)) from None
-        return self.parser.lines(block)
 
     def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
         """Lines of a block, and the columns that the models of its rows read."""
-        lines = self.checked(block)
         corrector = self.corrector
         columns = corrector.columns
+        if not corrector.by:
+            self._refuse_other(block)
+            if (plain := self.parser.plain(block, columns)) is not None:
+                return plain
+        lines = self.checked(block)
         if corrector.by:
             lines, table = self.parser.table(block, lines, [corrector.by])
             keys = table[corrector.by]

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal import _core
 from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.found import CORRUPT, CUT, NOT_READ
@@ -36,7 +37,8 @@ class Lines:
     Attributes
     ----------
     texts : Any
-        Arrow array of the lines without their ends, blank ones too; None where they are in `records`.
+        Arrow array of the lines without their ends, blank ones too; None where they are in `records` or in
+        `data`.
     end : str
         What ends each line.
     last : str
@@ -45,6 +47,9 @@ class Lines:
         Each row, or blank line, as it is written, and its end; where the lines are not plain.
     rows : ndarray of int, or None
         Places of the rows among them; None where all are rows.
+    data : bytes
+        The whole block, where `ends` says where its lines end.
+    ends : ndarray of uint32, or None
     corrupt : dict of int to str
         Reasons by the numbers of rows that are not read. One with more fields than the header is written as
         one quoted field, with the other fields empty.
@@ -55,6 +60,8 @@ class Lines:
     last: str = "\n"
     records: list[tuple[str, str]] | None = None
     rows: Any = None
+    data: bytes = b""
+    ends: Any = None
     corrupt: dict[int, str] = field(default_factory=dict)
 
 
@@ -82,6 +89,7 @@ class Parser:
     ) -> None:
         self._path, self._head, self._layout, self._kinds = path, head, layout, kinds
         self._absent = absent
+        self._missing = [text.encode() for text in sorted(EMPTY | (absent or frozenset()))]
         self._repeated = [line.encode() for line in head.repeated]
         self._place = {name: str(place) for place, name in enumerate(head.names)}
 
@@ -89,6 +97,35 @@ class Parser:
         """The lines of a block, without a look into them."""
         plain = self._plain(block.data) if has_arrow() else None
         return self._records(block) if plain is None else plain
+
+    def plain(self, block: Block, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame] | None:
+        """Lines and some columns in one pass, if all rows are plain, and the columns numbers.
+
+        The others are read with more care: by `lines` and `table`.
+        """
+        head, data = self._head, block.data
+        if self._absent is None or not columns or head.decimal != "." or not head.separator.isascii():
+            return None
+        if any(self._kinds.get(name, "number") != "number" for name in columns):
+            return None
+        if any(line in data for line in self._repeated):
+            return None
+        end = b"\r\n" if b"\r" in data else b"\n"
+        found = _core.plain_rows(
+            data,
+            ord(head.separator),
+            len(head.names),
+            [int(self._place[name]) for name in columns],
+            self._missing,
+            ord("#") if head.comments else None,
+            end,
+        )
+        if found is None:
+            return None
+        ended = end.decode()
+        lines = Lines(end=ended, last=ended if found.ended else "", data=data, ends=found.ends)
+        table = pd.DataFrame(dict(zip(columns, found.columns, strict=True)), copy=False)
+        return lines, table
 
     def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
         """Some columns of the rows, and the lines with what was found in them.
@@ -109,7 +146,7 @@ class Parser:
         """
         pa = arrow("Parquet")
         if lines.records is None:
-            found = self._fast_fields(block.data, len(lines.texts))
+            found = self._fast_fields(block.data, len(lines.texts if lines.ends is None else lines.ends))
             if found is not None:
                 return found
             lines = self._records(block)

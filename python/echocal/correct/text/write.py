@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from echocal import _core
 from echocal.correct.results import RESULTS
 from echocal.correct.rows import Rows
 from echocal.correct.text.parse import Lines
@@ -31,20 +32,36 @@ def with_empty(lines: Sequence[str], separator: str) -> str:
 def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> bytes:
     """The lines of a block, each row with its results."""
     if lines.records is not None:
-        made = _suffixes(rows, separator, decimal)
+        suffixes = _suffixes(rows, separator, decimal)
         places = {place: number for number, place in enumerate(lines.rows)}
         return "".join(
-            f"{text}{separator}{made[places[place]]}{end}" if place in places else text + end
+            f"{text}{separator}{suffixes[places[place]]}{end}" if place in places else text + end
             for place, (text, end) in enumerate(lines.records)
         ).encode()
+    status = [text.encode() for text in _statuses(rows, separator)]
+    if lines.ends is not None:
+        tails = [separator.encode() + text + lines.end.encode() for text in status]
+        given = rows.distance, rows.uncertainty, rows.codes
+        between = len(lines.end)
+        made = _core.with_results(lines.data, lines.ends, between, ord(separator), *given, tails)
+        if made is not None:
+            return made if lines.last else made[:-between]
     pa = arrow()
+    texts = _lines(lines) if lines.texts is None else lines.texts
     distance, uncertainty = (_texts(own, decimal) for own in _numbers(rows))
-    status = [(text + lines.end).encode() for text in _statuses(rows, separator)]
+    status = [text + lines.end.encode() for text in status]
     taken = pa.array(status, pa.binary()).take(pa.array(rows.codes)) if rows.codes.any() else status[0]
     cut = separator.encode()
-    joined = pa.compute.binary_join_element_wise(lines.texts, distance, uncertainty, taken, cut)
+    joined = pa.compute.binary_join_element_wise(texts, distance, uncertainty, taken, cut)
     data = b"".join(_bytes(part) for part in (joined.chunks if hasattr(joined, "chunks") else [joined]))
     return data if lines.last else data[: -len(lines.end)]
+
+
+def _lines(lines: Lines) -> Any:
+    """The lines of a block without their ends, as Arrow has them."""
+    ends = lines.ends.tolist()
+    begins = [0, *(end + len(lines.end) for end in ends)]
+    return arrow().array([lines.data[begin:end] for begin, end in zip(begins, ends, strict=False)], "binary")
 
 
 def _suffixes(rows: Rows, separator: str, decimal: str) -> list[str]:
