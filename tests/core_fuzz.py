@@ -55,9 +55,8 @@ def wrong(value: Any, chance: random.Random) -> Iterator[tuple[str, Any]]:
         case float():
             each = [0.0, -1.0, 1e308, -1e308, 5e-324, float("nan"), float("inf"), -float("inf"), 10**400]
             yield from ((str(one)[:9], one) for one in (*each, 1j, "1"))
-        case str():
-            each = ["", "\0", "é", "\ud800", "9" * 4000, "nan", "1e999", "cramer|linear", "-331*T", "x:y"]
-            yield from ((ascii(one)[:9], one) for one in (*each, b"cramer", 7))
+        case str() | bytes():
+            yield from wrong_texts(value)
         case list() | tuple():
             yield from wrong_lists(list(value), chance)
         case dict():
@@ -69,6 +68,14 @@ def wrong(value: Any, chance: random.Random) -> Iterator[tuple[str, Any]]:
                     yield f"{key}: {name}", {**value, key: one}
         case _:
             yield from [("0", 0), ("text", "x"), ("an array", np.ones(3)), ("a list", [1.0])]
+
+
+def wrong_texts(value: str | bytes) -> Iterator[tuple[str, Any]]:
+    each: list[Any] = ["", "\0", "é", "\ud800", "9" * 4000, "nan", "1e999", "cramer|linear", "-331*T", "x:y"]
+    each += [b"", b"\0", b"\xff", b"9" * 4000, 7]
+    if isinstance(value, bytes):
+        each += [value[:-1], value + b"\r", value * 3, bytearray(value)]
+    yield from ((ascii(one)[:12], one) for one in each)
 
 
 def wrong_arrays(array: np.ndarray) -> Iterator[tuple[str, Any]]:
@@ -100,9 +107,10 @@ def wrong_arrays(array: np.ndarray) -> Iterator[tuple[str, Any]]:
             yield other, np.zeros(array.shape, other) if timely else array.astype(other)
     extremes: list[Any] = [0]
     if kind.kind in "iu":
-        extremes += [1, array.size, 1 << 23, np.iinfo(kind).max, np.iinfo(kind).min]
+        least, most = np.iinfo(kind).min, np.iinfo(kind).max
+        extremes += [one for one in (1, array.size, 1 << 23, most, least) if one <= most]
     if kind.kind == "f":
-        extremes += [np.nan, np.inf, -np.inf, 1e308, 5e-324, -1.0]
+        extremes += [np.nan, np.inf, -np.inf, np.finfo(kind).max, np.finfo(kind).smallest_subnormal, -1.0]
     for extreme in extremes:
         yield f"all {extreme}", guard(np.full(array.shape, extreme, kind))
         some = array.copy()

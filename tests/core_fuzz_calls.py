@@ -92,6 +92,14 @@ def starts() -> Any:
     return guard(np.arange(ROWS) % 12 == 0)
 
 
+def ends() -> Any:
+    return guard(2 * np.arange(ROWS, dtype=np.uint32) + 1)
+
+
+def codes() -> Any:
+    return guard(np.zeros(ROWS, np.int16))
+
+
 def slips() -> list[Any]:
     labels = [guard(np.arange(ROWS) // 12) for _ in range(2)]
     return [column(), column(), *labels, [0.0, 1.0], 4.0, 1.0, column(), 0.1]
@@ -285,6 +293,12 @@ CALLS: dict[str, Callable[[], Call]] = {
     "legendre_values": lambda: Call(_core.legendre_values, [column(), 0.5, 3.0, [1.0, 1.0]]),
     "wave_values": lambda: Call(_core.wave_values, [column(), 24.0, [1.0, 1.0]]),
     "spread": lambda: Call(_core.spread, [column()]),
+    "plain_rows": lambda: Call(_core.plain_rows, [b"1,2\n3,4\n", 44, 2, [0], [b""], 35, b"\n"]),
+    "with_results": lambda: Call(
+        _core.with_results,
+        [b"1\n" * ROWS, ends(), 1, 44, column(), column().astype(np.float32), codes(), [b"\n"]],
+        columns=(1, 4, 5, 6),
+    ),
     "log_density": lambda: Call(_core.log_density, [column(), 4.0]),
     "slips": lambda: Call(_core.slips, slips(), columns=(0, 1, 2, 3, 7)),
     "whitened": lambda: Call(
@@ -293,7 +307,7 @@ CALLS: dict[str, Callable[[], Call]] = {
 }
 
 
-RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Ranking", "SlipFit"}
+RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Ranking", "SlipFit", "PlainRows"}
 """Classes that come from other calls alone."""
 
 

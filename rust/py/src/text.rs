@@ -88,7 +88,7 @@ pub fn with_results<'py>(
             );
             return Err(PyValueError::new_err(message));
         }
-        begin = end as usize + between;
+        begin = (end as usize).saturating_add(between);
     }
     let places = codes
         .iter()

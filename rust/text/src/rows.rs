@@ -37,6 +37,9 @@ pub struct PlainRows {
 #[must_use]
 pub fn plain_rows(data: &[u8], layout: &Layout<'_>) -> Option<PlainRows> {
     u32::try_from(data.len()).ok()?;
+    if !(1..=data.len() + 1).contains(&layout.width) {
+        return None; // more fields than bytes
+    }
     let mut wanted = vec![None; layout.width];
     for (column, &place) in layout.places.iter().enumerate() {
         wanted[place] = Some(column);

@@ -50,7 +50,7 @@ pub fn with_results(
         out.push(separator);
         write_uncertainty(&mut out, uncertainty)?;
         out.extend_from_slice(&results.tails[usize::try_from(code).ok()?]);
-        begin = end as usize + between;
+        begin = (end as usize).saturating_add(between);
     }
     Some(out)
 }
@@ -106,6 +106,7 @@ fn write_integer(out: &mut Vec<u8>, mut value: u64) {
     out.extend_from_slice(&digits[first..]);
 }
 
+/// A number as it is; of two decimals that are equally near, the even one.
 fn write_uncertainty(out: &mut Vec<u8>, value: f32) -> Option<()> {
     if value.is_nan() {
         return Some(());
@@ -114,11 +115,16 @@ fn write_uncertainty(out: &mut Vec<u8>, value: f32) -> Option<()> {
     if size >= MOST {
         return None;
     }
-    if size != 0.0 && size < SMALL {
-        write!(out, "{value:e}").ok()
+    let mut buffer = zmij::Buffer::new();
+    let digits = buffer.format_finite(value);
+    if !digits.contains('e') {
+        out.extend_from_slice(digits.strip_suffix(".0").unwrap_or(digits).as_bytes());
+    } else if size < SMALL {
+        write!(out, "{value:e}").ok()?;
     } else {
-        write!(out, "{value}").ok()
+        write!(out, "{value}").ok()?;
     }
+    Some(())
 }
 
 #[cfg(test)]

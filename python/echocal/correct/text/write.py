@@ -31,6 +31,11 @@ def with_empty(lines: Sequence[str], separator: str) -> str:
 
 def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> bytes:
     """The lines of a block, each row with its results."""
+    if lines.ends is not None:
+        made = _by_core(lines, rows, separator)
+        if made is not None:
+            return made if lines.last else made[: -len(lines.end)]
+        lines = _apart(lines)  # a number is too large for the core
     if lines.records is not None:
         suffixes = _suffixes(rows, separator, decimal)
         places = {place: number for number, place in enumerate(lines.rows)}
@@ -38,30 +43,30 @@ def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> byte
             f"{text}{separator}{suffixes[places[place]]}{end}" if place in places else text + end
             for place, (text, end) in enumerate(lines.records)
         ).encode()
-    status = [text.encode() for text in _statuses(rows, separator)]
-    if lines.ends is not None:
-        tails = [separator.encode() + text + lines.end.encode() for text in status]
-        given = rows.distance, rows.uncertainty, rows.codes
-        between = len(lines.end)
-        made = _core.with_results(lines.data, lines.ends, between, ord(separator), *given, tails)
-        if made is not None:
-            return made if lines.last else made[:-between]
     pa = arrow()
-    texts = _lines(lines) if lines.texts is None else lines.texts
     distance, uncertainty = (_texts(own, decimal) for own in _numbers(rows))
-    status = [text + lines.end.encode() for text in status]
+    status = [(text + lines.end).encode() for text in _statuses(rows, separator)]
     taken = pa.array(status, pa.binary()).take(pa.array(rows.codes)) if rows.codes.any() else status[0]
     cut = separator.encode()
-    joined = pa.compute.binary_join_element_wise(texts, distance, uncertainty, taken, cut)
+    joined = pa.compute.binary_join_element_wise(lines.texts, distance, uncertainty, taken, cut)
     data = b"".join(_bytes(part) for part in (joined.chunks if hasattr(joined, "chunks") else [joined]))
     return data if lines.last else data[: -len(lines.end)]
 
 
-def _lines(lines: Lines) -> Any:
-    """The lines of a block without their ends, as Arrow has them."""
-    ends = lines.ends.tolist()
+def _by_core(lines: Lines, rows: Rows, separator: str) -> bytes | None:
+    """The same for plain lines; None if a number is too large."""
+    tails = [f"{separator}{text}{lines.end}".encode() for text in _statuses(rows, separator)]
+    results = rows.distance, rows.uncertainty, rows.codes, tails
+    return _core.with_results(lines.data, lines.ends, len(lines.end), ord(separator), *results)
+
+
+def _apart(lines: Lines) -> Lines:
+    """Plain lines one by one."""
+    ends = [*lines.ends.tolist()]
     begins = [0, *(end + len(lines.end) for end in ends)]
-    return arrow().array([lines.data[begin:end] for begin, end in zip(begins, ends, strict=False)], "binary")
+    texts = [lines.data[begin:end].decode() for begin, end in zip(begins, ends, strict=False)]
+    records = [(text, lines.end) for text in texts[:-1]] + [(text, lines.last) for text in texts[-1:]]
+    return Lines(records=records, rows=range(len(records)))
 
 
 def _suffixes(rows: Rows, separator: str, decimal: str) -> list[str]:
