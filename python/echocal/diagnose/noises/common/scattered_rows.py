@@ -20,6 +20,7 @@ Labels = NDArray[np.int64]
 
 _ROUNDS = 2  # the second one beside the causes that are probable after the first
 _STEPS = 50  # of the EM algorithm
+_SAME = 0.1  # of the usual scatter: with smaller changes, a second comparison would be the first one
 _START = 0.05, 5.0  # part of the rows that scatter more, and how much more
 _MAD_TO_SD = 1.4826  # of a normal distribution
 
@@ -100,11 +101,10 @@ def without_scattered_rows(
     likely = (max(one.values(), default=0.0) for one in shares.fitted.values())
     if max(likely, default=0.0) >= settings.subtracted:
         return None
-    fits, none, other = shares.fits, np.zeros(len(case.table)), None
-    off = none
+    fits, off, other = shares.fits, np.zeros(len(case.table)), None
     for _ in range(_ROUNDS):
         found = _exceptions(other or case, fits, inference, off, settings)
-        if found is None:
+        if found is None or np.abs(found[1] - off).max() < _SAME * found[0].usual:
             break
         scattered, off = found
         offsets = off if case.offsets is None else off + case.offsets
