@@ -117,3 +117,36 @@ def test_a_distance_of_a_thousand_kilometers(
         with monkeypatch.context() as patch:
             patch.setattr(Parser, "plain", lambda *_: None)
             assert plain == corrected(data, tmp_path, "careful", MODEL)
+
+
+def test_keys_and_times_beside_plain_numbers(
+    tmp_path: Path, random: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ids are text and times are times; a model with a drift reads both."""
+    folder = tmp_path / "models"
+    folder.mkdir()
+    for key, model in {"007": MODEL, "7": WIDE, "pier 3": MODEL}.items():
+        model.save(folder / f"{key}.json")
+    lines = ["sensor_id,time,echo_us,temperature_C"]
+    for row in range(ROWS):
+        key = random.choice(["007", "7", "pier 3", "", "8"])
+        lines.append(f"{key},2026-01-02T03:{row // 60:02}:{row % 60:02},{random.uniform(600, 9000):.1f},21.5")
+    source = tmp_path / "in.csv"
+    source.write_text("\n".join(lines))
+    found = []
+    for name in ("plain", "careful"):
+        with monkeypatch.context() as patch:
+            if name == "careful":
+                patch.setattr(Parser, "plain", lambda *_: None)
+            echocal.correct_files(source, tmp_path / f"{name}.csv", models=folder, by="sensor_id")
+        found.append((tmp_path / f"{name}.csv").read_bytes())
+    assert found[0] == found[1]
+    assert found[0].count(b"no model for this key") + found[0].count(b"no key") > ROWS / 4
+    drift = echocal.Model("cramer", {"drift": {"rate": 1e-6}})
+    source.write_text("\n".join(line.split(",", 1)[1] for line in lines))
+    for name in ("plain", "careful"):
+        with monkeypatch.context() as patch:
+            if name == "careful":
+                patch.setattr(Parser, "plain", lambda *_: None)
+            echocal.correct_files(source, tmp_path / f"{name}-drift.csv", drift)
+    assert (tmp_path / "plain-drift.csv").read_bytes() == (tmp_path / "careful-drift.csv").read_bytes()

@@ -88,18 +88,16 @@ class Text:
         """Lines of a block, and the columns that the models of its rows read."""
         corrector = self.corrector
         columns = corrector.columns
-        if not corrector.by:
-            self._refuse_other(block)
-            if (plain := self.parser.plain(block, columns)) is not None:
-                return plain
-        lines = self.checked(block)
+        self._refuse_other(block)
         if corrector.by:
-            lines, table = self.parser.table(block, lines, [corrector.by])
+            lines, table = self.parser.read(block, [corrector.by])
             keys = table[corrector.by]
             with self._lock:
                 corrector.prepare([label(value) for value in keys.unique().tolist()])
                 columns = corrector.columns
-        return self.parser.table(block, lines, columns)
+            if lines.ends is None:
+                return self.parser.table(block, lines, columns)
+        return self.parser.read(block, columns)
 
     def tables(self) -> Iterator[pd.DataFrame]:
         """Needed columns of all rows, block by block."""

@@ -98,16 +98,17 @@ class Parser:
         plain = self._plain(block.data) if has_arrow() else None
         return self._records(block) if plain is None else plain
 
-    def plain(self, block: Block, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame] | None:
-        """Lines and some columns in one pass, if all rows are plain, and the columns numbers.
+    def read(self, block: Block, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
+        """Lines and some columns: by the core, if all rows are plain, else by `lines` and `table`."""
+        plain = self.plain(block, columns)
+        return self.table(block, self.lines(block), columns) if plain is None else plain
 
-        The others are read with more care: by `lines` and `table`.
-        """
+    def plain(self, block: Block, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame] | None:
+        """The same, if all rows are plain; columns that are no numbers are read by Arrow."""
         head, data = self._head, block.data
         if self._absent is None or not columns or head.decimal != "." or not head.separator.isascii():
             return None
-        if any(self._kinds.get(name, "number") != "number" for name in columns):
-            return None
+        numbers = [name for name in columns if self._kinds.get(name, "number") == "number"]
         if any(line in data for line in self._repeated):
             return None
         end = b"\r\n" if b"\r" in data else b"\n"
@@ -115,7 +116,7 @@ class Parser:
             data,
             ord(head.separator),
             len(head.names),
-            [int(self._place[name]) for name in columns],
+            [int(self._place[name]) for name in numbers],
             self._missing,
             ord("#") if head.comments else None,
             end,
@@ -124,7 +125,13 @@ class Parser:
             return None
         ended = end.decode()
         lines = Lines(end=ended, last=ended if found.ended else "", data=data, ends=found.ends)
-        table = pd.DataFrame(dict(zip(columns, found.columns, strict=True)), copy=False)
+        table = pd.DataFrame(dict(zip(numbers, found.columns, strict=True)), copy=False)
+        if len(numbers) < len(columns):
+            others = [name for name in columns if name not in numbers]
+            more = self._fast(data, len(found.ends), others) if has_arrow() else None
+            if more is None:
+                return None
+            table = pd.concat([more, table], axis=1)[list(columns)]
         return lines, table
 
     def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
