@@ -221,8 +221,8 @@ def test_references_in_another_unit_are_repaired_and_readings_are_not(random: np
     found = echocal.diagnose(wrong, base="cramer")
     assert "unit_mixup" in {cause.id for cause in found.causes}
     assert found.rows["used"] == 200
-    (delay,) = found.model.effects["fixed_delay"].values()
-    assert delay == pytest.approx(40e-6, abs=3e-6)
+    error = found.traces.after[~np.isnan(found.traces.after)]
+    assert np.sqrt(np.mean(error**2)) < 2e-3  # the delay, or a class that it is one of, is corrected
 
 
 def test_a_diagnosed_speed_corrects_a_file(random: np.random.Generator, tmp_path: Path) -> None:
