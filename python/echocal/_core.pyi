@@ -256,6 +256,25 @@ class Columns:
     ) -> Sums: ...
 
 @final
+class Lines:
+    @staticmethod
+    def of(data: bytes, with_return: bool) -> Lines | None: ...
+    def __len__(self) -> int: ...
+    def numbers(
+        self, places: list[int], width: int, separator: int, decimal: int, absent: list[bytes]
+    ) -> list[_Column] | None: ...
+    def with_results(
+        self,
+        distance: NDArray[np.float64],
+        uncertainty: NDArray[np.float32],
+        codes: NDArray[np.int16],
+        status: list[bytes],
+        separator: bytes,
+        decimal: int,
+        ended: bool,
+    ) -> NDArray[np.uint8]: ...
+
+@final
 class NoiseModel:
     def __new__(
         cls, correlation: int, rho: float, station_ratio: float, first_weight: float, log_prior: float

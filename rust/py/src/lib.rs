@@ -18,6 +18,7 @@ mod model;
 mod noise;
 mod registry;
 mod sums;
+mod text;
 mod threads;
 
 /// The compiled core of echocal.
@@ -60,6 +61,8 @@ mod _core {
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]
     use super::sums::{CoreNoiseModel, CoreSums, whitened};
+    #[pymodule_export]
+    use super::text::CoreLines;
 
     /// Takes over what the environment says.
     #[pymodule_init]

@@ -142,7 +142,7 @@ def correct_text(
         names = above + header_with_results(header, separator) + end
         file.write((names + with_empty(units, separator)).encode())
 
-        def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes]:
+        def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes | memoryview]:
             return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
 
         for count, data in correct_blocks(text, tally, log, written):
