@@ -1,12 +1,14 @@
 //! Search for one byte, eight bytes at a time.
 
-const ONES: u64 = u64::from_le_bytes([1; 8]);
+/// One in each byte.
+pub const ONES: u64 = u64::from_le_bytes([1; 8]);
 const LOW: u64 = 0x7f * ONES;
 
 /// One byte that is searched for.
 #[derive(Clone, Copy, Debug)]
 pub struct Needle {
-    byte: u8,
+    /// The byte.
+    pub byte: u8,
     pattern: u64,
 }
 
@@ -20,13 +22,14 @@ impl Needle {
     }
 
     /// The highest bit of each byte of a word that is the needle, and no other bit.
-    const fn hits(self, word: u64) -> u64 {
+    pub const fn hits(self, word: u64) -> u64 {
         let other = word ^ self.pattern;
         !(((other & LOW) + LOW) | other | LOW)
     }
 
     /// Place behind the needle that comes as the `count`th from `at` on; one behind `end` or none where there
     /// are fewer before it.
+    #[inline]
     pub fn behind(self, data: &[u8], mut at: usize, end: usize, mut count: usize) -> Option<usize> {
         while count > 0 {
             if at >= end {
@@ -36,17 +39,14 @@ impl Needle {
                 return self.behind_last(data, at, end, count);
             };
             let mut hits = self.hits(word);
-            let found = hits.count_ones() as usize;
-            if found < count {
-                count -= found;
-                at += 8;
-                continue;
-            }
-            for _ in 1..count {
+            while hits != 0 {
+                count -= 1;
+                if count == 0 {
+                    return Some(at + hits.trailing_zeros() as usize / 8 + 1);
+                }
                 hits &= hits - 1;
             }
-            at += hits.trailing_zeros() as usize / 8 + 1;
-            count = 0;
+            at += 8;
         }
         Some(at)
     }
@@ -66,7 +66,9 @@ impl Needle {
     }
 }
 
-fn word(data: &[u8], at: usize) -> Option<u64> {
+/// Eight bytes, the first in the lowest places; none where fewer are left.
+#[inline]
+pub fn word(data: &[u8], at: usize) -> Option<u64> {
     let bytes = data.get(at..at + 8)?;
     Some(u64::from_le_bytes(bytes.try_into().ok()?))
 }

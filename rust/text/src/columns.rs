@@ -1,8 +1,8 @@
 //! The numbers of some columns of a table.
 
-use crate::bytes::Needle;
+use crate::bytes::{Needle, word};
 use crate::lines::spans;
-use crate::number::{leading, of_field};
+use crate::number::{leading, of_field, of_word};
 
 /// How the fields of a table are written.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +39,7 @@ pub fn numbers(
     dialect: Dialect<'_>,
 ) -> Option<Vec<Vec<f64>>> {
     let separator = Needle::new(dialect.separator);
+    let decimal = Needle::new(dialect.decimal);
     let mut columns = vec![vec![0.0; ends.len()]; places.len()];
     let mut steps: Vec<(usize, &mut [f64])> = Vec::with_capacity(places.len());
     let mut next = 0;
@@ -55,7 +56,7 @@ pub fn numbers(
             if at > end {
                 return None;
             }
-            (column[row], last) = field(data, at, end, separator, dialect)?;
+            (column[row], last) = field(data, at, end, separator, decimal, dialect)?;
             at = last + 1;
             let more = first + 1 < places.len();
             if more && last == end {
@@ -86,8 +87,18 @@ fn field(
     at: usize,
     end: usize,
     separator: Needle,
+    decimal: Needle,
     dialect: Dialect<'_>,
 ) -> Option<(f64, usize)> {
+    if let Some(word) = word(data, at) {
+        let behind = separator.hits(word).trailing_zeros() as usize / 8;
+        let length = behind.min(end - at);
+        if (length < 8 || at + 8 == end || data[at + 8] == dialect.separator)
+            && let Some(number) = of_word(word, length, decimal)
+        {
+            return Some((number, at + length));
+        }
+    }
     let text = data.get(at..end)?;
     if let Some((number, length)) = leading(text, dialect.decimal)
         && text

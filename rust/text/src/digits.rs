@@ -7,9 +7,15 @@ use zmij::Buffer;
 /// Power of ten of the first digit from which on, and up to which, there is no exponent.
 const PLAIN: std::ops::RangeInclusive<i32> = -6..=9;
 
+/// Digits before the decimal sign up to which there is no exponent.
+const LONGEST: usize = 10;
+
 /// Steps of a distance in a meter: a nanometer.
 const STEPS: f64 = 1e9;
 const STEPS_OF_ONE: u64 = 1_000_000_000;
+
+/// Eight zeros as text.
+const ZEROS: u64 = u64::from_le_bytes([b'0'; 8]);
 
 /// Place of the decimal sign of such a number: behind six digits of meters at most.
 const POINT: usize = 6;
@@ -48,7 +54,7 @@ pub fn push_distance(out: &mut Vec<u8>, distance: f64, decimal: u8) {
 /// Appends a number of nanometers as meters, below a million of them.
 fn push_steps(out: &mut Vec<u8>, steps: u64, decimal: u8) {
     let mut text = [b'0'; POINT + 10];
-    let (mut whole, mut rest) = (steps / STEPS_OF_ONE, steps % STEPS_OF_ONE);
+    let (mut whole, rest) = (steps / STEPS_OF_ONE, steps % STEPS_OF_ONE);
     let mut begin = POINT - 1;
     text[begin] = digit(whole);
     while whole >= 10 {
@@ -58,16 +64,11 @@ fn push_steps(out: &mut Vec<u8>, steps: u64, decimal: u8) {
     }
     let mut end = POINT;
     if rest > 0 {
+        let last = eight_digits(rest % 100_000_000);
         text[POINT] = decimal;
-        end = text.len();
-        while rest % 10 == 0 {
-            rest /= 10;
-            end -= 1;
-        }
-        for place in (POINT + 1..end).rev() {
-            text[place] = digit(rest);
-            rest /= 10;
-        }
+        text[POINT + 1] = digit(rest / 100_000_000);
+        text[POINT + 2..].copy_from_slice(&(last | ZEROS).to_le_bytes());
+        end = text.len() - last.leading_zeros() as usize / 8; // the last digits are in the highest places
     }
     out.extend_from_slice(&text[begin..end]);
 }
@@ -75,6 +76,15 @@ fn push_steps(out: &mut Vec<u8>, steps: u64, decimal: u8) {
 #[allow(clippy::cast_possible_truncation, reason = "it is below ten")]
 fn digit(number: u64) -> u8 {
     b'0' + (number % 10) as u8
+}
+
+/// The eight digits of a number below 1e8, the first in the lowest place: halves, then pairs, then digits.
+const fn eight_digits(number: u64) -> u64 {
+    let halves = number / 10_000 + ((number % 10_000) << 32);
+    let hundreds = ((halves * 10_486) >> 20) & 0x7f_0000_007f; // a hundredth, exact below 10,000
+    let pairs = hundreds + ((halves - 100 * hundreds) << 16);
+    let tens = ((pairs * 103) >> 10) & 0xf_000f_000f_000f; // a tenth, exact below 100
+    tens + ((pairs - 10 * tens) << 8)
 }
 
 /// Appends a double; nothing where it is not a number.
@@ -111,6 +121,11 @@ fn push(out: &mut Vec<u8>, shortest: &str, decimal: u8) {
     }
     let (mantissa, exponent) = size.split_once('e').unwrap_or((size, "0"));
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    if mantissa.len() == size.len() && whole.len() <= LONGEST && !fraction.starts_with("00000") {
+        out.extend_from_slice(whole.as_bytes());
+        let fraction = if fraction == "0" { "" } else { fraction };
+        return push_fraction(out, fraction.as_bytes(), decimal);
+    }
     let mut digits = [0_u8; 32];
     let mut count = 0;
     let mut power = exponent.parse::<i32>().unwrap_or(0) - 1; // of the first digit
@@ -200,6 +215,18 @@ mod tests {
             text(|out| push_single(out, f32::NEG_INFINITY, b',')),
             "-inf"
         );
+    }
+
+    #[test]
+    fn digits_in_eights() {
+        for number in (0..100_000_000)
+            .step_by(997)
+            .chain(0..20_000)
+            .chain(99_980_000..100_000_000)
+        {
+            let shown = (eight_digits(number) | ZEROS).to_le_bytes();
+            assert_eq!(str::from_utf8(&shown).unwrap(), format!("{number:08}"));
+        }
     }
 
     proptest! {

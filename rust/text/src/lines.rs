@@ -1,6 +1,6 @@
 //! Where the lines of a text end.
 
-use crate::bytes::Needle;
+use memchr::{memchr, memchr_iter};
 
 /// Places behind the ends of the lines of a text, which ends with the last of them.
 ///
@@ -15,13 +15,15 @@ use crate::bytes::Needle;
 #[must_use]
 pub fn ends(data: &[u8], with_return: bool) -> Option<Vec<u32>> {
     u32::try_from(data.len()).ok()?;
-    let feed = Needle::new(b'\n');
+    if !with_return && memchr(b'\r', data).is_some() {
+        return None;
+    }
     let mut found: Vec<u32> = Vec::with_capacity(1 + data.len() / 16);
     let ending = ending(with_return);
-    let mut at = 0;
-    while at < data.len() {
-        let end = feed.behind(data, at, data.len(), 1)?;
-        if end - at <= ending || (with_return && data[end - 2] != b'\r') {
+    let mut begin = 0;
+    for feed in memchr_iter(b'\n', data) {
+        let end = feed + 1;
+        if end - begin <= ending || (with_return && data[feed - 1] != b'\r') {
             return None;
         }
         #[allow(
@@ -29,10 +31,11 @@ pub fn ends(data: &[u8], with_return: bool) -> Option<Vec<u32>> {
             reason = "the length of the text fits"
         )]
         found.push(end as u32);
-        at = end;
+        begin = end;
     }
-    let returns = data.iter().filter(|&&byte| byte == b'\r').count();
-    (returns == if with_return { found.len() } else { 0 }).then_some(found)
+    let returns = || memchr_iter(b'\r', data).count();
+    let alike = begin == data.len() && (!with_return || returns() == found.len());
+    alike.then_some(found)
 }
 
 /// Bytes that end a line.

@@ -1,5 +1,7 @@
 //! One field as a number: the double next to its digits, or none where it is not plainly a number.
 
+use crate::bytes::{Needle, ONES};
+
 /// Powers of ten that are doubles without rounding.
 const TENS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
@@ -44,6 +46,53 @@ pub fn leading(text: &[u8], decimal: u8) -> Option<(f64, usize)> {
     #[allow(clippy::cast_precision_loss, reason = "it is exact")]
     let size = digits as f64 / TENS[fraction];
     Some((if begin == 1 { -size } else { size }, at))
+}
+
+/// Number of a field of at most eight bytes, the first in the lowest places of a word; see [`leading`].
+///
+/// Without a step for each digit: where fields differ in length, a processor cannot foresee the last one.
+#[inline]
+pub(crate) fn of_word(word: u64, length: usize, decimal: Needle) -> Option<f64> {
+    let minus = word & 0xff == u64::from(b'-') && length > 0;
+    let (word, length) = if minus {
+        (word >> 8, length - 1)
+    } else {
+        (word, length)
+    };
+    let kept = word & below(length);
+    let point = decimal.hits(kept).trailing_zeros() as usize / 8;
+    let other = kept ^ (below(length) & (ONES * u64::from(b'0'))); // what digits stand for
+    let (digits, count, fraction) = if point < length {
+        let joined = (other & below(point)) | ((other >> 8) & !below(point));
+        (joined, length - 1, length - 1 - point)
+    } else {
+        (other, length, 0)
+    };
+    let none = (digits + 0x76 * ONES) | digits; // beyond 9: the highest bit of a byte
+    if count == 0 || none & (0x80 * ONES) != 0 {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "it is exact")]
+    let size = of_digits(digits << (64 - 8 * count)) as f64 / TENS[fraction];
+    Some(if minus { -size } else { size })
+}
+
+/// The lowest bytes of a word.
+const fn below(bytes: usize) -> u64 {
+    if bytes < 8 {
+        (1 << (8 * bytes)) - 1
+    } else {
+        u64::MAX
+    }
+}
+
+/// Number of eight digits, the first in the lowest places (Lemire 2018).
+const fn of_digits(digits: u64) -> u64 {
+    const PAIRS: u64 = 0xff_0000_00ff;
+    let pairs = digits.wrapping_mul(10).wrapping_add(digits >> 8);
+    let first = (pairs & PAIRS).wrapping_mul(100 + (1_000_000 << 32));
+    let second = ((pairs >> 16) & PAIRS).wrapping_mul(1 + (10_000 << 32));
+    first.wrapping_add(second) >> 32
 }
 
 fn digit(text: &[u8], at: usize) -> Option<u64> {
@@ -166,6 +215,23 @@ mod tests {
             prop_assert_eq!(of_field(text.as_bytes(), b'.').map(f64::to_bits), expected.map(f64::to_bits));
             if let Some((number, end)) = leading(text.as_bytes(), b'.') {
                 prop_assert_eq!(number.to_bits(), text[..end].parse::<f64>().unwrap().to_bits());
+            }
+        }
+
+        #[test]
+        fn a_word_is_a_short_field(text in "-?[0-9]{0,5}[.,;e]?[0-9]{0,3}", more in "[0-9.,]{8}") {
+            let length = text.len().min(8);
+            let word = crate::bytes::word((text[..length].to_owned() + &more).as_bytes(), 0).unwrap();
+            let field = &text[..length];
+            let plain = !field.contains('e');
+            let expected = of_field(field.as_bytes(), b'.').filter(|_| plain).map(f64::to_bits);
+            prop_assert_eq!(of_word(word, length, Needle::new(b'.')).map(f64::to_bits), expected);
+        }
+
+        #[test]
+        fn any_word_is_a_number_of_its_digits_or_none(word in any::<u64>(), length in 0_usize..9) {
+            if let Some(number) = of_word(word, length, Needle::new(b'.')) {
+                prop_assert_eq!(of_field(&word.to_le_bytes()[..length], b'.'), Some(number));
             }
         }
 
