@@ -32,7 +32,7 @@ __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_tex
 
 Made = TypeVar("Made")
 
-_BLOCK = (1 << 18, 1 << 22)
+_BLOCK = (1 << 18, 1 << 23)
 """Least and largest number of bytes that are corrected together."""
 
 _FIXED = 230 << 20
