@@ -80,7 +80,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_same_as_byte_by_byte(data in prop::collection::vec(0x2b_u8..0x2e, 0..60), cut in 0_usize..60, count in 1_usize..9) {
+        fn the_same_as_byte_by_byte(
+            data in prop::collection::vec(0x2b_u8..0x2e, 0..60),
+            cut in 0_usize..60,
+            count in 1_usize..9,
+        ) {
             let end = cut.min(data.len());
             let needle = Needle::new(b',');
             for at in 0..=end {

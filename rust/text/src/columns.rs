@@ -17,7 +17,7 @@ pub struct Dialect<'a> {
     pub absent: &'a [Vec<u8>],
 }
 
-/// Numbers of the columns at some ascending places, row by row; NaN where a field says that there is no value.
+/// Numbers of the columns at some ascending places, row by row; NaN where a field means "no value".
 ///
 /// None where a line has more fields or fewer, or one of these fields is neither. No field is enclosed in
 /// quotation marks. `ends` and `ending` are of [`crate::lines`].
@@ -185,20 +185,27 @@ mod tests {
     proptest! {
         #[test]
         fn the_same_as_field_by_field(
-            rows in prop::collection::vec("(|nan|1|-2\\.5|1e3| 7|x|12345678901234567890),(|3|4\\.25),(5|\\.5|abcdefghijkl)(,6)?(,)?", 1..6),
+            rows in prop::collection::vec(
+                "(|nan|1|-2\\.5|1e3| 7|x|12345678901234567890),(|3|4\\.25),(5|\\.5|abcdefghijkl)(,6)?(,)?",
+                1..6,
+            ),
             width in 1_usize..6,
             wanted in prop::collection::btree_set(0_usize..5, 0..4),
         ) {
             let places: Vec<_> = wanted.into_iter().filter(|&place| place < width).collect();
             let text = rows.join("\n") + "\n";
             let bits = |columns: Vec<Vec<f64>>| -> Vec<Vec<u64>> {
-                columns.iter().map(|column| column.iter().map(|number| number.to_bits()).collect()).collect()
+                let column = |column: &Vec<f64>| column.iter().map(|number| number.to_bits()).collect();
+                columns.iter().map(column).collect()
             };
             prop_assert_eq!(found(&text, width, &places).map(bits), simply(&text, width, &places));
         }
 
         #[test]
-        fn any_bytes_are_read_or_declined(data in prop::collection::vec(any::<u8>(), 0..40), width in 0_usize..4) {
+        fn any_bytes_are_read_or_declined(
+            data in prop::collection::vec(any::<u8>(), 0..40),
+            width in 0_usize..4,
+        ) {
             let absent = [vec![]];
             let dialect = Dialect { separator: b',', decimal: b'.', width, absent: &absent };
             let mut data = data;

@@ -1,6 +1,7 @@
 //! One number as the fewest digits that are the number again.
 //!
-//! As Arrow writes them: `5`, `0.715060974`, `1e+10`; with an exponent below a millionth and from ten billion on.
+//! As Arrow writes them: `5`, `0.715060974`, `1e+10`. They have an exponent below a millionth and from ten
+//! billion on.
 
 use zmij::Buffer;
 
@@ -231,7 +232,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn distances_are_those_of_the_general_way(distance in prop_oneof![-30.0..30.0_f64, -1e-6..1e-6, -2e6..2e6_f64, any::<f64>()]) {
+        fn distances_are_those_of_the_general_way(
+            distance in prop_oneof![-30.0..30.0_f64, -1e-6..1e-6, -2e6..2e6_f64, any::<f64>()],
+        ) {
             let rounded: f64 = (distance * 1e9).round_ties_even() / 1e9;
             prop_assert_eq!(
                 text(|out| push_distance(out, distance, b'.')),

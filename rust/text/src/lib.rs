@@ -8,8 +8,8 @@
 //! - [`columns`]: the numbers of some columns;
 //! - [`results`]: the lines again, with results behind each of them.
 //!
-//! What is not plain is declined, never guessed: who asks has another way for it. Nothing here reads a file or
-//! knows of Python.
+//! What is not plain is declined, never guessed: who asks has another way for it. Nothing here reads a file
+//! or knows of Python.
 
 #![cfg_attr(test, allow(clippy::suboptimal_flops))] // tests state expected values plainly
 

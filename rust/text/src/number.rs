@@ -236,7 +236,9 @@ mod tests {
         }
 
         #[test]
-        fn any_bytes_give_no_number_that_the_library_does_not_know(field in prop::collection::vec(any::<u8>(), 0..6)) {
+        fn any_bytes_give_no_number_that_the_library_does_not_know(
+            field in prop::collection::vec(any::<u8>(), 0..6),
+        ) {
             if let Some(number) = of_field(&field, b'.') {
                 let text = str::from_utf8(&field).unwrap();
                 prop_assert_eq!(text.trim().parse::<f64>(), Ok(number));
