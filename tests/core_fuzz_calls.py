@@ -92,12 +92,8 @@ def starts() -> Any:
     return guard(np.arange(ROWS) % 12 == 0)
 
 
-def ends() -> Any:
-    return guard(2 * np.arange(ROWS, dtype=np.uint32) + 1)
-
-
-def codes() -> Any:
-    return guard(np.zeros(ROWS, np.int16))
+def lines(text: bytes) -> Any:
+    return _core.Lines.of(text, False)
 
 
 def slips() -> list[Any]:
@@ -293,11 +289,12 @@ CALLS: dict[str, Callable[[], Call]] = {
     "legendre_values": lambda: Call(_core.legendre_values, [column(), 0.5, 3.0, [1.0, 1.0]]),
     "wave_values": lambda: Call(_core.wave_values, [column(), 24.0, [1.0, 1.0]]),
     "spread": lambda: Call(_core.spread, [column()]),
-    "plain_rows": lambda: Call(_core.plain_rows, [b"1,2\n3,4\n", 44, 2, [0], [b""], 35, b"\n"]),
-    "with_results": lambda: Call(
-        _core.with_results,
-        [b"1\n" * ROWS, ends(), 1, 44, column(), column().astype(np.float32), codes(), [b"\n"]],
-        columns=(1, 4, 5, 6),
+    "Lines.of": lambda: Call(_core.Lines.of, [b"1,2\n3,4\n", False]),
+    "Lines.numbers": lambda: Call(lines(b"1,2\n3,4\n").numbers, [[0], 2, 44, 46, [b""]]),
+    "Lines.with_results": lambda: Call(
+        lines(b"1\n" * ROWS).with_results,
+        [column(), column().astype(np.float32), guard(np.zeros(ROWS, np.int16)), [b"\n"], b",", 46, True],
+        columns=(0, 1, 2),
     ),
     "log_density": lambda: Call(_core.log_density, [column(), 4.0]),
     "slips": lambda: Call(_core.slips, slips(), columns=(0, 1, 2, 3, 7)),
@@ -307,7 +304,7 @@ CALLS: dict[str, Callable[[], Call]] = {
 }
 
 
-RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Ranking", "SlipFit", "PlainRows"}
+RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Ranking", "SlipFit", "Lines"}
 """Classes that come from other calls alone."""
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1] / "rust"
-CRATES = {"echocal_core": ROOT / "core", "echocal_infer": ROOT / "infer", "echocal_py": ROOT / "py"}
-CRATE_ORDER = ["echocal_core", "echocal_infer", "echocal_py"]
+CRATE_ORDER = ["echocal_core", "echocal_infer", "echocal_text", "echocal_py"]
+CRATES = {crate: ROOT / crate.removeprefix("echocal_") for crate in CRATE_ORDER}
 INFERENCE = ["numeric", "parallel", "gram", "columns", "noise", "solve", "search"]
 
 Name = tuple[str, ...]  # crate, then modules

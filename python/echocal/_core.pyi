@@ -256,6 +256,25 @@ class Columns:
     ) -> Sums: ...
 
 @final
+class Lines:
+    @staticmethod
+    def of(data: bytes, with_return: bool) -> Lines | None: ...
+    def __len__(self) -> int: ...
+    def numbers(
+        self, places: list[int], width: int, separator: int, decimal: int, absent: list[bytes]
+    ) -> list[_Column] | None: ...
+    def with_results(
+        self,
+        distance: NDArray[np.float64],
+        uncertainty: NDArray[np.float32],
+        codes: NDArray[np.int16],
+        status: list[bytes],
+        separator: bytes,
+        decimal: int,
+        ended: bool,
+    ) -> NDArray[np.uint8]: ...
+
+@final
 class NoiseModel:
     def __new__(
         cls, correlation: int, rho: float, station_ratio: float, first_weight: float, log_prior: float
@@ -411,35 +430,6 @@ def error(
     where: ArrayLike | None = None,
     n_threads: int | None = None,
 ) -> Any: ...
-
-@final
-class PlainRows:
-    @property
-    def ends(self) -> NDArray[np.uint32]: ...
-    @property
-    def columns(self) -> list[NDArray[np.float64]]: ...
-    @property
-    def ended(self) -> bool: ...
-
-def plain_rows(
-    data: bytes,
-    separator: int,
-    width: int,
-    places: Sequence[int],
-    missing: Sequence[bytes],
-    comment: int | None,
-    end: bytes,
-) -> PlainRows | None: ...
-def with_results(
-    data: bytes,
-    ends: NDArray[np.uint32],
-    between: int,
-    separator: int,
-    distance: NDArray[np.float64],
-    uncertainty: NDArray[np.float32],
-    codes: NDArray[np.int16],
-    tails: Sequence[bytes],
-) -> bytes | None: ...
 @overload
 def absorption(
     temperature: float,

@@ -212,7 +212,8 @@ def _observed(
 ) -> tuple[Observations, Assembly]:
     trust = trusted(reading.trust, needed.columns)
     missing = Missing(_of(reading.missing, needed.columns))
-    read = table[list(needed.columns)]
+    columns = list(needed.columns)
+    read = table if table.columns.tolist() == columns else table[columns]  # looking names up takes a while
     if reading.at:
         read = read.copy()
         stated = conditions_at(reading.at, read)

@@ -62,7 +62,7 @@ mod _core {
     #[pymodule_export]
     use super::sums::{CoreNoiseModel, CoreSums, whitened};
     #[pymodule_export]
-    use super::text::{CorePlainRows, plain_rows, with_results};
+    use super::text::CoreLines;
 
     /// Takes over what the environment says.
     #[pymodule_init]

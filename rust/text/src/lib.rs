@@ -1,12 +1,21 @@
-//! Rows of separated text: numbers out of plain lines, and lines with results appended.
+//! A table as text, some megabytes of whole lines at a time.
 //!
-//! Only plain blocks are read here: no quotation mark, one kind of line end, as many fields in each line as in
-//! the header, and in the wanted columns nothing but numbers and known marks of a missing value. Whoever calls
-//! reads any other block with more care.
+//! From the bottom to the top; each module uses only those before it:
+//!
+//! - [`number`]: one field as a number;
+//! - [`digits`]: one number as the fewest digits that are the number again;
+//! - [`lines`]: where the lines end;
+//! - [`columns`]: the numbers of some columns;
+//! - [`results`]: the lines again, with results behind each of them.
+//!
+//! What is not plain is declined, never guessed: who asks has another way for it. Nothing here reads a file
+//! or knows of Python.
 
-mod numbers;
-mod rows;
-mod written;
+#![cfg_attr(test, allow(clippy::suboptimal_flops))] // tests state expected values plainly
 
-pub use rows::{Layout, PlainRows, plain_rows};
-pub use written::{Results, with_results};
+mod bytes;
+pub mod columns;
+pub mod digits;
+pub mod lines;
+pub mod number;
+pub mod results;

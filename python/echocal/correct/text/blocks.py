@@ -70,12 +70,11 @@ def blocks_of(path: Path, layout: Layout, head: Head, size: int) -> Iterator[Blo
     first = head.start + 1
     rest = b""
     for part in _parts(path, layout, skipped, size):
-        data = rest + part
-        if _opens(data):
+        if (_is_marked(rest) or _is_marked(part)) and _opens(rest + part):
             yield from _records(path, layout, head, first)
             return
-        cut = data.rfind(b"\n") + 1
-        data, rest = data[:cut], data[cut:]
+        cut = part.rfind(b"\n") + 1
+        data, rest = (b"".join((rest, memoryview(part)[:cut])), part[cut:]) if cut else (b"", rest + part)
         if data:
             yield Block(data, first)
             first += int(np.count_nonzero(np.frombuffer(data, np.uint8) == _LINE_FEED))
@@ -135,10 +134,13 @@ class _Recoded:
         return taken
 
 
+def _is_marked(data: bytes) -> bool:
+    """Whether a line may go on in the next one, or end otherwise than with a line feed."""
+    return b'"' in data or b"\r" in data
+
+
 def _opens(data: bytes) -> bool:
     """Whether a line has a quotation mark without its counterpart: a field may go on in the next line."""
-    if b'"' not in data and b"\r" not in data:
-        return False
     array = np.frombuffer(data, np.uint8)
     ends = np.flatnonzero(array == _LINE_FEED)
     if b"\r" in data:

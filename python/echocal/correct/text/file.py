@@ -32,7 +32,7 @@ __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_tex
 
 Made = TypeVar("Made")
 
-_BLOCK = (1 << 18, 1 << 22)
+_BLOCK = (1 << 18, 1 << 23)
 """Least and largest number of bytes that are corrected together."""
 
 _FIXED = 230 << 20
@@ -74,30 +74,25 @@ class Text:
 
     def checked(self, block: Block) -> Lines:
         """Lines of a block, if it is text."""
-        self._refuse_other(block)
-        return self.parser.lines(block)
-
-    def _refuse_other(self, block: Block) -> None:
         try:
             if not block.data.isascii():
                 block.data.decode()
         except UnicodeError:
             raise DataError(no_text(self.path, self.job.layout)) from None
+        return self.parser.lines(block)
 
     def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
         """Lines of a block, and the columns that the models of its rows read."""
+        lines = self.checked(block)
         corrector = self.corrector
         columns = corrector.columns
-        self._refuse_other(block)
         if corrector.by:
-            lines, table = self.parser.read(block, [corrector.by])
+            lines, table = self.parser.table(block, lines, [corrector.by])
             keys = table[corrector.by]
             with self._lock:
                 corrector.prepare([label(value) for value in keys.unique().tolist()])
                 columns = corrector.columns
-            if lines.ends is None:
-                return self.parser.table(block, lines, columns)
-        return self.parser.read(block, columns)
+        return self.parser.table(block, lines, columns)
 
     def tables(self) -> Iterator[pd.DataFrame]:
         """Needed columns of all rows, block by block."""
@@ -147,7 +142,7 @@ def correct_text(
         names = above + header_with_results(header, separator) + end
         file.write((names + with_empty(units, separator)).encode())
 
-        def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes]:
+        def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes | memoryview]:
             return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
 
         for count, data in correct_blocks(text, tally, log, written):

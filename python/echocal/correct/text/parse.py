@@ -18,14 +18,13 @@ from echocal import _core
 from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.found import CORRUPT, CUT, NOT_READ
-from echocal.observations.heading import too_long
+from echocal.observations.heading import SEPARATORS, too_long
 from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
 
 __all__ = ["Lines", "Parser"]
 
-_LINE_FEED = 10
 _CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
@@ -36,9 +35,8 @@ class Lines:
 
     Attributes
     ----------
-    texts : Any
-        Arrow array of the lines without their ends, blank ones too; None where they are in `records` or in
-        `data`.
+    texts : Lines of the core, or None
+        Lines that all are rows, and end alike; None where they are in `records`.
     end : str
         What ends each line.
     last : str
@@ -47,21 +45,16 @@ class Lines:
         Each row, or blank line, as it is written, and its end; where the lines are not plain.
     rows : ndarray of int, or None
         Places of the rows among them; None where all are rows.
-    data : bytes
-        The whole block, where `ends` says where its lines end.
-    ends : ndarray of uint32, or None
     corrupt : dict of int to str
         Reasons by the numbers of rows that are not read. One with more fields than the header is written as
         one quoted field, with the other fields empty.
     """
 
-    texts: Any = None
+    texts: _core.Lines | None = None
     end: str = "\n"
     last: str = "\n"
     records: list[tuple[str, str]] | None = None
     rows: Any = None
-    data: bytes = b""
-    ends: Any = None
     corrupt: dict[int, str] = field(default_factory=dict)
 
 
@@ -89,58 +82,23 @@ class Parser:
     ) -> None:
         self._path, self._head, self._layout, self._kinds = path, head, layout, kinds
         self._absent = absent
-        self._missing = [text.encode() for text in sorted(EMPTY | (absent or frozenset()))]
+        self._empty = EMPTY | (absent or frozenset())
+        self._is_plain = _is_plain(head, absent)
         self._repeated = [line.encode() for line in head.repeated]
         self._place = {name: str(place) for place, name in enumerate(head.names)}
 
     def lines(self, block: Block) -> Lines:
         """The lines of a block, without a look into them."""
-        plain = self._plain(block.data) if has_arrow() else None
+        plain = self._plain(block.data)
         return self._records(block) if plain is None else plain
-
-    def read(self, block: Block, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
-        """Lines and some columns: by the core, if all rows are plain, else by `lines` and `table`."""
-        plain = self.plain(block, columns)
-        return self.table(block, self.lines(block), columns) if plain is None else plain
-
-    def plain(self, block: Block, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame] | None:
-        """The same, if all rows are plain; columns that are no numbers are read by Arrow."""
-        head, data = self._head, block.data
-        if self._absent is None or not columns or head.decimal != "." or not head.separator.isascii():
-            return None
-        numbers = [name for name in columns if self._kinds.get(name, "number") == "number"]
-        if any(line in data for line in self._repeated):
-            return None
-        end = b"\r\n" if b"\r" in data else b"\n"
-        found = _core.plain_rows(
-            data,
-            ord(head.separator),
-            len(head.names),
-            [int(self._place[name]) for name in numbers],
-            self._missing,
-            ord("#") if head.comments else None,
-            end,
-        )
-        if found is None:
-            return None
-        ended = end.decode()
-        lines = Lines(end=ended, last=ended if found.ended else "", data=data, ends=found.ends)
-        table = pd.DataFrame(dict(zip(numbers, found.columns, strict=True)), copy=False)
-        if len(numbers) < len(columns):
-            others = [name for name in columns if name not in numbers]
-            more = self._fast(data, len(found.ends), others) if has_arrow() else None
-            if more is None:
-                return None
-            table = pd.concat([more, table], axis=1)[list(columns)]
-        return lines, table
 
     def table(self, block: Block, lines: Lines, columns: Sequence[str]) -> tuple[Lines, pd.DataFrame]:
         """Some columns of the rows, and the lines with what was found in them.
 
         Where rows are not read, the column `NOT_READ` has the reasons.
         """
-        if lines.records is None:
-            found = self._fast(block.data, len(lines.texts), columns)
+        if lines.texts is not None:
+            found = self._fast(block.data, lines.texts, columns)
             if found is not None:
                 return lines, found
             lines = self._records(block)
@@ -152,8 +110,8 @@ class Parser:
         A corrupt row has none.
         """
         pa = arrow("Parquet")
-        if lines.records is None:
-            found = self._fast_fields(block.data, len(lines.texts if lines.ends is None else lines.ends))
+        if lines.texts is not None:
+            found = self._fast_fields(block.data, len(lines.texts))
             if found is not None:
                 return found
             lines = self._records(block)
@@ -200,26 +158,14 @@ class Parser:
             return None
         if any(line in data for line in self._repeated):
             return None
-        ends = np.flatnonzero(np.frombuffer(data, np.uint8) == _LINE_FEED)
+        end = b"\r\n" if b"\r" in data else b"\n"
         ended = data.endswith(b"\n")
-        end = b"\n"
-        if b"\r" in data:
-            end = b"\r\n"
-            if data.count(b"\r") != len(ends) or data.count(end) != len(ends):
-                return None
         if not ended:
             data += end
-            ends = np.append(ends, len(data) - 1)
-        if np.diff(ends, prepend=-1).min() <= len(end):
-            return None  # a blank line
         if b'"' in data and not self._encloses(data):
             return None
-        pa = arrow("writing text")
-        offsets = np.concatenate([[0], ends + 1]).astype(np.int32)
-        buffers = [None, pa.py_buffer(offsets), pa.py_buffer(data)]
-        held = pa.Array.from_buffers(pa.binary(), len(ends), buffers)
-        texts = pa.compute.binary_slice(held, 0, -len(end))
-        return Lines(texts, end.decode(), end.decode() if ended else "")
+        texts = _core.Lines.of(data, len(end) == 2)
+        return None if texts is None else Lines(texts, end.decode(), end.decode() if ended else "")
 
     def _encloses(self, data: bytes) -> bool:
         array = np.frombuffer(data, np.uint8)
@@ -230,10 +176,38 @@ class Parser:
         after = outer[array[np.minimum(marks + 1, len(array) - 1)]] | (marks == len(array) - 1)
         return bool((before | after).all())
 
-    def _fast(self, data: bytes, rows: int, columns: Sequence[str]) -> pd.DataFrame | None:
-        """By Arrow; None where it does not take the text for what it is."""
+    def _fast(self, data: bytes, texts: _core.Lines, columns: Sequence[str]) -> pd.DataFrame | None:
+        """By the core and by Arrow; None where neither takes the text for what it is."""
         if self._absent is None:
             return None
+        if not columns:
+            return pd.DataFrame(index=range(len(texts)))
+        numbers = self._numbers(data, texts, columns)
+        others = [name for name in columns if name not in numbers]
+        if not others:
+            return pd.DataFrame(numbers, copy=False)
+        table = self._by_arrow(data, len(texts), others) if has_arrow() else None
+        if table is None:
+            return None
+        return pd.DataFrame({name: numbers[name] if name in numbers else table[name] for name in columns})
+
+    def _numbers(self, data: bytes, texts: _core.Lines, columns: Sequence[str]) -> dict[str, Any]:
+        """Columns of numbers by the core; none of them where a field is no number and is not empty."""
+        names = [name for name in columns if self._kinds.get(name, "number") == "number"]
+        if not names or not self._is_plain or b'"' in data:
+            return {}
+        head = self._head
+        found = texts.numbers(
+            [int(self._place[name]) for name in names],
+            len(head.names),
+            ord(head.separator),
+            ord(head.decimal),
+            [text.encode() for text in self._empty],
+        )
+        return {} if found is None else dict(zip(names, found, strict=True))
+
+    def _by_arrow(self, data: bytes, rows: int, columns: Sequence[str]) -> pd.DataFrame | None:
+        """By Arrow; None where it does not take the text for what it is."""
         pa = arrow("reading text")
         from pyarrow import csv as reader
 
@@ -242,8 +216,6 @@ class Parser:
             "time": pa.timestamp("ns"),
             "text": pa.string(),
         }
-        if not columns:
-            return pd.DataFrame(index=range(rows))
         places = [self._place[name] for name in columns]
         try:
             table = reader.read_csv(
@@ -257,7 +229,7 @@ class Parser:
                     column_types={
                         self._place[name]: kinds[self._kinds.get(name, "number")] for name in columns
                     },
-                    null_values=sorted(EMPTY | self._absent),
+                    null_values=sorted(self._empty),
                     strings_can_be_null=True,
                     decimal_point=self._head.decimal,
                 ),
@@ -350,3 +322,10 @@ class Parser:
                 swapped = [own.replace(self._head.decimal, ".") for own in texts]
                 return pd.Series(swapped, dtype=object)
         return pd.Series(numbers, dtype=np.float64)
+
+
+def _is_plain(head: Head, absent: frozenset[str] | None) -> bool:
+    """Whether the core can read numbers: no sign has two meanings, and no number means that there is none."""
+    if head.separator not in SEPARATORS or head.separator == head.decimal:
+        return False
+    return not any(_NUMBER.fullmatch(text.strip().replace(head.decimal, ".")) for text in absent or ())

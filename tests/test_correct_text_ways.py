@@ -1,0 +1,182 @@
+"""A text is corrected by the core, by Arrow or field by field: the output has the same bytes each time."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import echocal
+import echocal.correct.text.file as text_file
+from echocal import _core
+from echocal.correct import correct_files
+from echocal.correct.text import parse
+from echocal.correct.text.write import _shortest
+from echocal.observations.layout import Layout
+
+PLAIN = ("20", "20.5", "-3.25", "19.999999", "21.0000000000000001", "1e1", "15.", "7.0", "0012")
+ODD = (
+    *("", " ", " 5", "5 ", "\t7", "nan", "NaN", "NA", "nan ", "null", "-", "--", "unknown", "error"),
+    *("+5", ".5", "5.", ".", "-0", "-.5", "1E2", "1e", "1e22", "1e23", "1e400", "-1e400", "1e-400", "4e-320"),
+    *("12345678901234567890123", "0.1234567890123456789012345", "9007199254740993", "99999999", "123456789"),
+    *(
+        "inf",
+        "-INF",
+        "abc",
+        "1_0",
+        "5,5",
+        "5.5.5",
+        "0x10",
+        '"7"',
+        '"a, ""b"""',
+        '"',
+        "ä",
+        "5\u00a0",
+        "\ufeff",
+    ),
+    *("#c", "٣"),
+)
+SPOILED: Sequence[Callable[[str, str], str]] = (
+    lambda line, separator: line + separator,
+    lambda line, separator: f"{line}{separator}x",
+    lambda line, separator: line.rpartition(separator)[0],
+    lambda line, separator: f'"{line}"',
+    lambda line, separator: f"# {line}",
+    lambda line, separator: f"{line} ",
+    lambda line, separator: f"{line}\r",
+    lambda line, separator: "",
+)
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> tuple[str, Layout]:
+    separator = draw(st.sampled_from(",,;\t|"))
+    decimal = draw(st.sampled_from(".," if separator != "," else "."))
+    end = draw(st.sampled_from(["\n", "\n", "\r\n"]))
+    odd = draw(st.lists(st.sampled_from(ODD), min_size=1, max_size=3))
+    fields = {
+        "echo_us": st.sampled_from(["11660", "5000.5", "2.5e3", "12000", "8000.25", "11660.123456789"]),
+        "temperature_C": st.sampled_from(PLAIN),
+        "humidity_percent": st.sampled_from(["50", "40.5", "99.9", "7"]),
+        "remark": st.sampled_from(["a", "long enough for several words", "", "ü", "007"]),
+    }
+    names = draw(st.permutations(list(fields)))
+    share = draw(st.sampled_from([0, 0, 1, 5]))  # fields of a hundred that are odd, and a fifth of the lines
+    lines = [separator.join(names)]
+    for _ in range(draw(st.integers(1, 30))):
+        own = [draw(fields[name]).replace(".", decimal) for name in names]
+        if draw(st.integers(0, 99)) < 4 * share:
+            own[draw(st.integers(0, len(own) - 1))] = draw(st.sampled_from(odd))
+        line = separator.join(own)
+        if draw(st.integers(0, 99)) < share:
+            line = draw(st.sampled_from(SPOILED))(line, separator)
+        lines.append(line)
+    last = draw(st.sampled_from([end, end, ""]))
+    return end.join(lines) + last, Layout(decimal=decimal if decimal == "," else None)
+
+
+@contextmanager
+def way(name: str, size: int) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(text_file, "_BLOCK", (size, size))
+        if name != "core":
+            patch.setattr(parse.Parser, "_numbers", lambda *_: {})
+        if name == "field by field":
+            patch.setattr(parse.Parser, "_plain", lambda *_: None)
+        yield
+
+
+def told(source: Path, model: echocal.Model, threads: int, **options: Any) -> bytes | str:
+    out = source.with_name("out.csv")
+    try:
+        correct_files(source, out, model, processes=threads, **options)
+    except echocal.DataError as error:
+        return str(error)
+    return out.read_bytes()
+
+
+@settings(max_examples=150, deadline=None)
+@given(tables(), st.sampled_from([64, 300, 1 << 18]), st.sampled_from([(), ["error"], ["unknown", "-9999"]]))
+def test_the_same_bytes_by_each_way(table: tuple[str, Layout], size: int, missing: Sequence[str]) -> None:
+    text, layout = table
+    model = echocal.Model("cramer", {"fixed_delay": {"delay": 31e-6}})
+    options = {"uncertainties": ["temperature_C=0.5", "echo_us=3"], "missing": missing, "layout": layout}
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "in.csv"
+        source.write_bytes(text.encode())
+        found = {}
+        for name, threads in (("core", 1), ("core", 2), ("arrow", 1), ("field by field", 1)):
+            with way(name, size):
+                found[name, threads] = told(source, model, threads, **options)
+    first, *others = found.values()
+    assert all(other == first for other in others), found
+
+
+def test_the_core_is_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What would be left to the other ways, unseen, would only be slow."""
+    monkeypatch.setattr(parse.Parser, "_by_arrow", None)
+    monkeypatch.setattr(parse.Parser, "_records", None)
+    for decimal, end, last in ((".", "\n", ""), (",", "\r\n", "\r\n")):
+        row = ("11660.5;20;remark ä;55", "12000;;; 50.5", "13000.25;NA;;1e1", "-1;-3.125;b;60")
+        text = end.join(["echo_us;temperature_C;remark;humidity_percent", *row]).replace(".", decimal) + last
+        (tmp_path / "in.csv").write_bytes(text.encode())
+        layout = Layout(decimal=decimal)
+        summary = correct_files(
+            tmp_path / "in.csv", tmp_path / "out.csv", echocal.Model("cramer"), layout=layout
+        )
+        assert (summary.rows, summary.unusable) == (4, 3)
+        before, after = text.split(end), (tmp_path / "out.csv").read_bytes().decode().split(end)
+        assert len(before) == len(after)
+        assert all(own.startswith(old + ";") or not old for old, own in zip(before, after, strict=True))
+
+
+def texts(numbers: Any) -> list[str]:
+    """As Arrow writes them, which wrote the results of the first versions."""
+    column = pa.array(numbers, mask=np.isnan(numbers))
+    return [text or "" for text in pa.compute.cast(column, pa.string()).to_pylist()]
+
+
+def test_digits_are_those_of_arrow(random: np.random.Generator) -> None:
+    count = 30_000
+    sizes = [
+        random.uniform(0, 20, count),
+        np.exp(random.uniform(-30, 60, count)),
+        random.uniform(-3e6, 3e6, count),
+    ]
+    exact = [0.0, -0.0, 5.0, 1e-9, -5e-10, 1e-6, 9.99e-7, 0.1, 120.0, 1e6, 999_999.999999999, 1e9, 1e10, 1e15]
+    distance = np.concatenate([*sizes, exact, [np.nan, np.inf, -np.inf]])
+    bits = random.integers(0, 1 << 32, len(distance), dtype=np.uint32)
+    uncertainty = np.where(np.arange(len(bits)) % 2, bits.view(np.float32), distance.astype(np.float32))
+    lines = _core.Lines.of(b"a\n" * len(distance), False)
+    assert lines is not None
+    codes = np.zeros(len(distance), np.int16)
+    written = lines.with_results(distance, uncertainty, codes, [b";"], b";", ord("."), True)
+    found = written.tobytes().decode().split("\n")
+    with np.errstate(over="ignore", invalid="ignore"):
+        wanted = zip(texts(np.round(distance, 9)), texts(uncertainty), strict=True)
+    assert found == [*(f"a;{one};{other};;" for one, other in wanted), ""]
+    for value, line in zip(distance[:count], found, strict=False):
+        assert line.split(";")[1] == _shortest(np.round(value, 9))
+
+
+def test_lines_and_results_fit_each_other() -> None:
+    lines = _core.Lines.of(b"5,3\r\n6,1\r\n", True)
+    assert lines is not None
+    assert len(lines) == 2
+    assert _core.Lines.of(b"5,3\r\n6,1\r\n", False) is None
+    distance, uncertainty, codes = np.ones(2), np.ones(2, np.float32), np.zeros(2, np.int16)
+    with pytest.raises(ValueError, match="columns differ in length: the text has 2 rows, distance has 3"):
+        lines.with_results(np.ones(3), uncertainty, codes, [b","], b",", 46, True)
+    with pytest.raises(IndexError, match="no status 1"):
+        lines.with_results(distance, uncertainty, codes + np.int16(1), [b","], b",", 46, True)
+    with pytest.raises(IndexError, match="no status"):
+        lines.with_results(distance, uncertainty, codes - np.int16(1), [b","], b",", 46, True)
+    written = lines.with_results(distance, uncertainty, codes, [b",", b"a,a"], b",", 46, False)
+    assert written.tobytes() == b"5,3,1,1,,\r\n6,1,1,1,,"
+    assert lines.numbers([0, 2], 2, 44, 46, [b""]) is None
