@@ -180,3 +180,26 @@ def test_lines_and_results_fit_each_other() -> None:
     written = lines.with_results(distance, uncertainty, codes, [b",", b"a,a"], b",", 46, False)
     assert written.tobytes() == b"5,3,1,1,,\r\n6,1,1,1,,"
     assert lines.numbers([0, 2], 2, 44, 46, [b""]) is None
+
+
+def test_keys_and_times_beside_numbers(tmp_path: Path, random: np.random.Generator) -> None:
+    """Ids are text and times are times; both are read by Arrow, and the numbers beside them by the core."""
+    folder, source = tmp_path / "models", tmp_path / "in.csv"
+    folder.mkdir()
+    for key, delay in {"007": 1e-5, "7": 2e-5, "pier 3": 3e-5}.items():
+        echocal.Model("cramer", {"fixed_delay": {"delay": delay}}).save(folder / f"{key}.json")
+    lines = ["sensor_id,time,echo_us,temperature_C"]
+    for row in range(300):
+        key = random.choice(["007", "7", "pier 3", "", "8"])
+        lines.append(f"{key},2026-01-02T03:{row // 60:02}:{row % 60:02},{random.uniform(600, 9000):.1f},21.5")
+    drift = echocal.Model("cramer", {"drift": {"rate": 1e-6}})
+    found: dict[str, list[bytes]] = {}
+    for name in ("core", "arrow", "field by field"):
+        with way(name, 1 << 18):
+            source.write_text("\n".join(lines))
+            correct_files(source, tmp_path / f"{name}.csv", models=folder, by="sensor_id")
+            source.write_text("\n".join(line.split(",", 1)[1] for line in lines))
+            correct_files(source, tmp_path / f"{name}-drift.csv", drift)
+        found[name] = [(tmp_path / f"{name}{end}.csv").read_bytes() for end in ("", "-drift")]
+    assert found["core"] == found["arrow"] == found["field by field"]
+    assert found["core"][0].count(b"no model for this key") > 30
