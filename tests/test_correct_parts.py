@@ -224,3 +224,27 @@ def test_neighbors_are_those_of_the_whole() -> None:
                 assert (lead, begin) == (at - first, first)
                 at += count
             assert at == 20
+
+
+@pytest.mark.parametrize("rows", [300, 200])
+def test_a_file_that_is_written_anew_is_read_anew(
+    rows: int, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """The log that was read last is kept, but not for another file at the same place."""
+    model = echocal.Model("linear", {"temperature_lag": {"time_constant": 900.0}})
+    source = tmp_path / "log.csv"
+    for count in (300, rows):
+        temperature = np.cumsum(random.normal(0, 0.5, count)) + 15
+        table = pd.DataFrame(
+            {
+                "time_s": 60.0 * np.arange(count),
+                "echo_us": np.full(count, 11_600.0),
+                "temperature_C": temperature,
+            }
+        )
+        table.to_csv(source, index=False)
+        correct_files(source, tmp_path / "out.csv", model, force=True)
+        expected = correct_table(table, model)["corrected_distance_m"]
+        np.testing.assert_allclose(
+            pd.read_csv(tmp_path / "out.csv")["corrected_distance_m"], expected, atol=2e-9
+        )

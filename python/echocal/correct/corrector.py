@@ -141,6 +141,14 @@ class Corrector:
         return tuple(name for name in self._names if name in wanted or name == self.by)
 
     @property
+    def reads(self) -> tuple[object, ...]:
+        """What is read of a log, and how: the same for correctors that find the same in it."""
+        models = (self._job.models.model(key) for key in self._needed)
+        hashes = tuple(model.hash for model in models if model is not None)
+        job = self._job
+        return self.columns, hashes, repr(job.reading), repr(sorted(job.requests.items())), repr(job.layout)
+
+    @property
     def remembers(self) -> tuple[str, ...]:
         """What of the models depends on other rows of the log."""
         return tuple(dict.fromkeys(name for own in self._needed.values() for name in own.remembers))

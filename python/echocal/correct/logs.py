@@ -52,7 +52,7 @@ class _Log:
     context: Context
 
 
-_KEPT: dict[tuple[tuple[Path, ...], tuple[str, ...]], _Log] = {}
+_KEPT: dict[tuple[object, ...], _Log] = {}
 """The log that was used last: its files are mostly corrected one after the other."""
 
 
@@ -79,7 +79,7 @@ def surroundings(
     DataError
         If the log is larger than the memory, or its files overlap in time.
     """
-    key = (tuple(files), corrector.columns)
+    key = (*map(_version, files), corrector.reads)
     log = _KEPT.get(key)
     if log is None:
         log = _read_log(files, corrector, read, memory)
@@ -92,6 +92,12 @@ def surroundings(
         log.table.iloc[first:begin].reset_index(drop=True),
         log.table.iloc[end:last].reset_index(drop=True),
     )
+
+
+def _version(file: Path) -> tuple[object, ...]:
+    """A file as it is now: another one may be written at the same place."""
+    found = file.stat()
+    return file, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
 
 
 def _read_log(
