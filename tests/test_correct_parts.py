@@ -244,7 +244,7 @@ def test_a_file_that_is_written_anew_is_read_anew(
         )
         table.to_csv(source, index=False)
         correct_files(source, tmp_path / "out.csv", model, force=True)
-        expected = correct_table(table, model)["corrected_distance_m"]
+        expected = correct_table(table, model).table["corrected_distance_m"]
         np.testing.assert_allclose(
             pd.read_csv(tmp_path / "out.csv")["corrected_distance_m"], expected, atol=2e-9
         )
