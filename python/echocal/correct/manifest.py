@@ -108,7 +108,7 @@ class Manifest:
             os.fsync(file.fileno())
 
     def close(self, places: Iterable[str]) -> None:
-        """Leave one line for each output. In a store, look whether outputs are there as this run has put them.
+        """Leave one line for each output. In a store, look whether each is there as this run has put it.
 
         Raises
         ------
