@@ -91,6 +91,7 @@ def test_an_input_that_changed_is_done_again(logs: Path, whole: dict[str, bytes]
     changed.write_text(before.replace(first, other, 1))
     assert changed.stat().st_size == len(before)
     assert correct_files(logs, out, MODEL).skipped == FILES - 1
+    assert sorted(str(line["place"]) for line in lines(out)[1:]) == sorted(whole)  # one line for each
 
 
 @pytest.mark.parametrize("damage", ["cut", "gone"])

@@ -1,6 +1,6 @@
 """Inputs and outputs in an object store, on a local server that speaks S3."""
 
-import subprocess
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from killed import begin, model
+from killed import contents as on_disk
 
 import echocal
 from echocal.correct import correct_files
@@ -21,17 +23,8 @@ from echocal.objects import Object
 pytest.importorskip("s3fs")
 moto = pytest.importorskip("moto.server")
 
-MODEL = echocal.Model("linear", {"zero_error": {"offset": 2e-3}})
+MODEL, OTHER = model(2e-3), model(3e-3)
 FILES = 5
-
-RUN = """
-import sys
-import echocal
-from echocal.correct import correct_files
-model = echocal.Model("linear", {"zero_error": {"offset": 2e-3}})
-print("begun", flush=True)
-correct_files(sys.argv[1], sys.argv[2], model)
-"""
 
 
 @pytest.fixture(scope="module")
@@ -86,12 +79,7 @@ def logs(tmp_path: Path, store: Any, random: np.random.Generator) -> Path:
 def whole(logs: Path, tmp_path: Path) -> dict[str, bytes]:
     """The outputs on a disk."""
     correct_files(logs, tmp_path / "whole", MODEL)
-    files = (path for path in (tmp_path / "whole").rglob("*") if path.is_file())
-    return {
-        path.relative_to(tmp_path / "whole").as_posix(): path.read_bytes()
-        for path in files
-        if "_echocal" not in path.parts
-    }
+    return on_disk(tmp_path / "whole")
 
 
 def contents(store: Any, folder: str) -> dict[str, bytes]:
@@ -154,22 +142,98 @@ def test_on_processes(engine: str, logs: Path, whole: dict[str, bytes], store: A
     assert contents(store, "fleet/out") == whole
 
 
+def correct_there(environment: dict[str, str], offset: float, force: bool) -> None:
+    """Correct the folder of the store in a process of its own; exit code 2 where it is refused."""
+    os.environ.update(environment)
+    try:
+        correct_files("s3://fleet/in", "s3://fleet/out", model(offset), force=force)
+    except echocal.UsageError as error:
+        sys.exit(error.exit_code)
+
+
 @pytest.mark.slow
 def test_killed_anywhere(
     logs: Path, whole: dict[str, bytes], store: Any, random: np.random.Generator
 ) -> None:
-    for _ in range(8):
-        run = subprocess.Popen(
-            [sys.executable, "-c", RUN, "s3://fleet/in", "s3://fleet/out"], stdout=subprocess.PIPE, text=True
-        )
-        assert run.stdout is not None
-        run.stdout.readline()
-        time.sleep(float(random.uniform(0.0, 1.0)))
+    """At 20 moments of the whole run; every other run begins in what the last one left."""
+    environment = {name: value for name, value in os.environ.items() if name.startswith("AWS_")}
+    begun = time.monotonic()
+    begin(correct_there, environment, 2e-3, False).join()
+    latest = time.monotonic() - begun
+    assert contents(store, "fleet/out") == whole
+    for number in range(20):
+        if number % 2 == 0:
+            store.rm("fleet/out", recursive=True)
+        run = begin(correct_there, environment, 2e-3, False)
+        time.sleep(float(random.uniform(0.0, latest)))
         run.kill()
-        run.wait()
-        run.stdout.close()
+        run.join()
         assert contents(store, "fleet/out").items() <= whole.items()  # each is whole, or absent
-    correct_files("s3://fleet/in", "s3://fleet/out", MODEL)
+        if number % 2:
+            correct_files("s3://fleet/in", "s3://fleet/out", MODEL)
+            assert contents(store, "fleet/out") == whole
+
+
+@pytest.mark.slow
+def test_two_runs_at_once(
+    logs: Path, whole: dict[str, bytes], store: Any, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """Of one request both succeed. Of two at most one succeeds, and all objects are its own."""
+    environment = {name: value for name, value in os.environ.items() if name.startswith("AWS_")}
+    correct_files(logs, tmp_path / "other", OTHER)
+    wholes = {2e-3: whole, 3e-3: on_disk(tmp_path / "other")}
+    ended = []
+    for number in range(6):
+        second = 3e-3 if number % 2 else 2e-3
+        runs = {0: begin(correct_there, environment, 2e-3, False)}
+        time.sleep(float(random.uniform(0.0, 0.3)))
+        runs[1] = begin(correct_there, environment, second, number % 4 == 3)
+        for run in runs.values():
+            run.join()
+        codes = [run.exitcode for run in runs.values()]
+        ended.append(codes)
+        assert set(codes) <= {0, 2}
+        if second == 2e-3:
+            assert codes == [0, 0]
+            assert contents(store, "fleet/out") == whole
+        elif codes[0] == codes[1]:  # the second began when the first had ended, or each was in the way
+            assert codes == [2, 2] or number % 4 == 3
+        winner = 2e-3 if codes[1] else second
+        if 0 in codes:
+            assert contents(store, "fleet/out") == wholes[winner]
+        again = correct_files("s3://fleet/in", "s3://fleet/out", model(winner), force=0 not in codes)
+        assert contents(store, "fleet/out") == wholes[winner]
+        assert again.skipped == FILES or 0 not in codes
+        store.rm("fleet/out", recursive=True)
+    print(ended)
+
+
+@pytest.mark.parametrize("moment", [0, 2, FILES])
+def test_another_request_that_begins_anew_meanwhile(
+    moment: int, logs: Path, whole: dict[str, bytes], store: Any
+) -> None:
+    """The first had gone on, and had put its manifest over objects of the other."""
+
+    def meanwhile(state: Progress) -> None:
+        if state.files == moment and not began:
+            began.append(True)
+            correct_files("s3://fleet/in", "s3://fleet/out", MODEL, force=True)
+
+    began: list[bool] = []
+    with pytest.raises(echocal.UsageError, match="s3://fleet/out was begun anew by another run, or removed"):
+        correct_files("s3://fleet/in", "s3://fleet/out", OTHER, progress=meanwhile)
+    assert contents(store, "fleet/out") == whole
+    assert correct_files("s3://fleet/in", "s3://fleet/out", MODEL).skipped == FILES
+
+
+def test_an_object_that_somebody_replaces_meanwhile(logs: Path, whole: dict[str, bytes], store: Any) -> None:
+    def meanwhile(state: Progress) -> None:
+        if state.files == FILES:
+            store.pipe_file("fleet/out/sensor_id=1/1.parquet", b"not ours")
+
+    with pytest.raises(echocal.UsageError, match=r"replaced 1 of 5 outputs, first sensor_id=1/1\.p"):
+        correct_files("s3://fleet/in", "s3://fleet/out", MODEL, progress=meanwhile)
+    assert correct_files("s3://fleet/in", "s3://fleet/out", MODEL).skipped == FILES - 1
     assert contents(store, "fleet/out") == whole
 
 

@@ -5,7 +5,7 @@ renamed here, and an object is fetched to a file, worked on there, and put back.
 """
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,8 +77,14 @@ class Object:
         with self._reading():
             files, path = _files(self.url)
             facts = files.info(path)
-        version = next((str(facts[name]) for name in _VERSIONS if facts.get(name)), "")
-        return {"size": int(facts["size"]), "version": version}
+        return _stamp(facts)
+
+    def stamps(self) -> dict[str, dict[str, Any]]:
+        """Size [B] and version of each object below a folder by its name, from a list of the store."""
+        with self._reading():
+            files, path = _files(self.url)
+            found = files.find(path, detail=True)
+        return {one[len(path.rstrip("/")) + 1 :]: _stamp(facts) for one, facts in found.items()}
 
     def digest(self) -> str:
         """SHA-256 of the content."""
@@ -90,11 +96,11 @@ class Object:
                     total.update(piece)
         return total.hexdigest()
 
-    def read_text(self) -> str:
-        """The content as a text in UTF-8."""
+    def read_text(self, most: int | None = None) -> str:
+        """The content as a text in UTF-8; at most so many bytes from its beginning."""
         with self._reading():
             files, path = _files(self.url)
-            return bytes(files.cat_file(path)).decode("utf-8", errors="replace")
+            return bytes(files.cat_file(path, start=0, end=most)).decode("utf-8", errors="replace")
 
     def write_text(self, text: str) -> None:
         """Put a text in UTF-8."""
@@ -146,6 +152,11 @@ class Object:
         except Exception as error:
             message = f"{self.url} cannot be written: {error}"
             raise OutputError(message) from None
+
+
+def _stamp(facts: Mapping[str, Any]) -> dict[str, Any]:
+    version = next((str(facts[name]) for name in _VERSIONS if facts.get(name)), "")
+    return {"size": int(facts["size"]), "version": version}
 
 
 def _files(url: str) -> tuple[Any, str]:

@@ -2,7 +2,7 @@
 
 import os
 import secrets
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -14,7 +14,7 @@ _NAMED = 50  # characters of the file's name that its unfinished copy shows
 
 
 @contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
+def replacing(path: str | Path, last: Callable[[], None] = lambda: None) -> Iterator[Path]:
     """Give a path to write to, and put that file in place when it is complete.
 
     What was there stays until then, whatever ends the work: an error, a full disk, Ctrl-C. Two processes
@@ -26,6 +26,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     ----------
     path : str or Path
         File to make or to replace.
+    last : callable
+        Called when the file is complete, right before it is put in place. What it raises keeps the old file.
 
     Yields
     ------
@@ -64,6 +66,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
             if mode is not None:  # of the file that is replaced, whatever the process grants new ones
                 unfinished.chmod(mode)
             _keep(unfinished)
+            last()
             unfinished.replace(target)
         finally:
             unfinished.unlink(missing_ok=True)

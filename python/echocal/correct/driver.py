@@ -144,7 +144,8 @@ def run(
         progress(state)
         if left:
             check_workers(engine, question_of(tasks[left[0]], manifest.file))
-        for result in run_tasks(engine, [tasks[place] for place in left], tell):
+        owned = [{**tasks[place], "owner": manifest.owner} for place in left]
+        for result in run_tasks(engine, owned, tell):
             place = places[result["target"]]
             if (result["error"] or {}).get("kind") == "OutputError":
                 raise OutputError(result["error"]["text"])
@@ -153,7 +154,7 @@ def run(
             state.files += 1
             state.bytes += sizes[place]
             progress(state)
-        manifest.close()
+        manifest.close(sources)
     return summary
 
 

@@ -3,21 +3,24 @@
 Lines of JSON in ``_echocal/manifest.jsonl``: first what all files have in common, then a line for each file
 when it is in its place. A line that a crash cut off is no line. In an object store, where nothing can be
 appended, the whole manifest is put anew every few seconds, and at the end.
+
+The first line is also the mark of the owner: a task leaves its output only while the line is that of its run.
 """
 
 import json
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
-from echocal.errors import DataError, UsageError, writing
+from echocal.errors import DataError, OutputError, UsageError, writing
 from echocal.model.document import sha256
 from echocal.objects import Object
 from echocal.outputs import replace_text
-from echocal.places import Place, exists, file_digest, stamp
+from echocal.places import Place, exists, file_digest, place_of, stamp
 
-__all__ = ["FOLDER", "Manifest"]
+__all__ = ["FOLDER", "Manifest", "check_owner"]
 
 FOLDER = "_echocal"
 _SCHEMA = "echocal.manifest/1"
@@ -26,6 +29,7 @@ _EVERY = 5.0
 """Time between two manifests in an object store [s]: a killed run repeats what it did since; judgement."""
 _SHARE = 20.0
 """The same in times that putting one takes; judgement."""
+_HEAD = 4096  # bytes that hold the first line
 _OF_THE_MACHINE = ("memory", "threads")  # options that change no output
 
 
@@ -60,11 +64,13 @@ class Manifest:
         self._head = {"schema": _SCHEMA, "version": version, "models": models, "options": sha256(options)}
         lines = self._read()
         self._done: dict[str, dict[str, Any]] = {}
+        self._twice = False  # whether an output has two lines, as it was made again
         if lines and lines[0] != self._head and not force:
             raise UsageError(self._other(lines[0]))
         if lines and lines[0] == self._head:
             self._done = {line["place"]: line for line in lines[1:]}
         self._put()  # without what a crash cut off
+        self.owner = {"folder": str(out), "manifest": str(self.file), "head": self._head}
 
     @property
     def places(self) -> set[str]:
@@ -90,20 +96,47 @@ class Manifest:
     def add(self, place: str, result: Mapping[str, Any]) -> None:
         """Record the result of a task; on a disk, it is there when this returns."""
         line = {"place": place, **result}
+        self._twice = self._twice or place in self._done
         self._done[place] = line
         if isinstance(self.file, Object):
             if time.monotonic() > self._next:
-                self._put()
+                self._put_again()
             return
         with writing(self.file), self.file.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
             file.flush()
             os.fsync(file.fileno())
 
-    def close(self) -> None:
-        """Put what is not yet in the store."""
-        if isinstance(self.file, Object):
-            self._put()
+    def close(self, places: Iterable[str]) -> None:
+        """Leave one line for each output. In a store, look whether each is there as this run has put it.
+
+        Raises
+        ------
+        OutputError
+            If another run has begun the folder anew, or has replaced one of the outputs.
+        """
+        if not isinstance(self.file, Object) or not isinstance(self.out, Object):
+            if self._twice:
+                self._put()
+            return
+        self._put_again()
+        there = self.out.stamps()
+        done = {place: line["output"] for place in places if (line := self._done[place])["error"] is None}
+        other = [place for place, own in done.items() if there.get(place) != own and self._is_other(place)]
+        if other:
+            message = (
+                f"{self.out}: another run replaced {len(other)} of {len(done)} outputs, first {other[0]}; "
+                "run again when no other run writes there"
+            )
+            raise OutputError(message)
+
+    def _is_other(self, place: str) -> bool:
+        target = self.out / place
+        return not exists(target) or stamp(target) != self._done[place]["output"]
+
+    def _put_again(self) -> None:
+        check_owner(self.owner)
+        self._put()
 
     def _put(self) -> None:
         begun = time.monotonic()
@@ -141,3 +174,43 @@ class Manifest:
         }
         other = next((what[name] for name in what if head.get(name) != self._head[name]), "another manifest")
         return f"{self.out} was begun with {other}; name another output, or begin anew with --force"
+
+
+def check_owner(owner: Mapping[str, Any] | None) -> None:
+    """Refuse to write where another run has begun the folder anew since.
+
+    Parameters
+    ----------
+    owner : mapping or None
+        ``folder`` of the outputs, file of the ``manifest``, and ``head``: its first line, as the run has
+        written it. None: nobody else can have begun it.
+
+    Raises
+    ------
+    OutputError
+        If the first line is another one now, or the manifest is gone.
+    """
+    if owner is None:
+        return
+    file = place_of(owner["manifest"])
+    try:
+        text = file.read_text(_HEAD) if isinstance(file, Object) else _first_line(file)
+    except (DataError, FileNotFoundError):
+        if exists(file):
+            raise
+        text = ""
+    if _line(text.partition("\n")[0]) != owner["head"]:
+        message = f"{owner['folder']} was begun anew by another run, or removed; this run leaves it alone"
+        raise OutputError(message)
+
+
+def _first_line(file: Path) -> str:
+    with file.open(encoding="utf-8", errors="replace") as lines:
+        return lines.readline(_HEAD)
+
+
+def _line(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None

@@ -1,7 +1,7 @@
 """Files of a task, wherever they lie: an object is copied to this machine for the time of the work."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -24,16 +24,20 @@ def fetched(place: Place) -> Iterator[Path]:
 
 
 @contextmanager
-def replaced(place: Place) -> Iterator[Path]:
-    """Give a file of this machine to write to, and put it in place when it is complete."""
+def replaced(place: Place, last: Callable[[], None] = lambda: None) -> Iterator[Path]:
+    """Give a file of this machine to write to, and put it in place when it is complete.
+
+    `last` is called right before; what it raises keeps what was there.
+    """
     if isinstance(place, Path):
         with writing(place.parent):
             place.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(place) as unfinished:
+        with replacing(place, last) as unfinished:
             yield unfinished
         return
     with _scratch() as folder:
         yield folder / "unfinished"
+        last()
         place.put(folder / "unfinished")
 
 

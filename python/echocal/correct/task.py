@@ -1,12 +1,14 @@
 """One task: one input file to one output file. Plain data in, plain data out; any ``map`` can run it.
 
 The output has a temporary name of its own until it is complete, so that a task can be run twice, at the same
-time too, or be killed at any moment. The same task makes the same file, byte for byte.
+time too, or be killed at any moment. The same task makes the same file, byte for byte. A task that outlives
+its run, on a worker of a cluster, leaves no file in an output that another request has begun anew.
 """
 
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from echocal._core import __version__
 from echocal.correct.corrector import Tally
 from echocal.correct.inputs import PARQUETS, TEXTS
 from echocal.correct.job import Job
+from echocal.correct.manifest import check_owner
 from echocal.correct.staged import fetched, replaced
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.observations.source import is_parquet, refuse_other_kinds
@@ -32,7 +35,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
     ----------
     task : mapping
         Plain data, as `echocal.correct.driver.task_of` makes it: schema, version, source, target, key, log
-        and job.
+        and job. Of a run over a folder also ``owner``, see `echocal.correct.manifest.check_owner`.
     progress : callable
         Told the rows of each piece that is done.
 
@@ -60,7 +63,12 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             raise UsageError(message)
         job = Job.of(task)
         before = stamp(place)
-        with fetched(place) as source, replaced(target) as unfinished, ThreadPoolExecutor(1) as beside:
+        last = partial(check_owner, task.get("owner"))
+        with (
+            fetched(place) as source,
+            replaced(target, last) as unfinished,
+            ThreadPoolExecutor(1) as beside,
+        ):
             staged = str(source)
             digesting = beside.submit(file_digest, source)
             tally = _correct(source, unfinished, target.name, job, task, progress)

@@ -155,10 +155,10 @@ def diagnose_fleet(
     checked = Settings.of(settings)
     with tempfile.TemporaryDirectory(prefix="echocal-") as scratch:
         store = Store(Path(scratch) if out is None else _beside(Path(out)))
-        job = {**asked, "store": str(store.folder.resolve())}
-        tasks = tasks_of(index.sensors, named(sensor.key for sensor in index.sensors), by, job, memory)
         with store.locked():
             store.begin(_state(asked, files.sources, index.sensors, memory), force)
+            job = {**asked, "store": str(store.folder.resolve()), "run": file_digest(store.job)}
+            tasks = tasks_of(index.sensors, named(sensor.key for sensor in index.sensors), by, job, memory)
             for folder in (path for path in folders.values() if path):
                 with writing(folder):
                     Path(folder).mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@ from echocal.errors import DataError, writing
 from echocal.fleet.index import Sensor
 from echocal.fleet.labels import label
 from echocal.fleet.polar import Frame, polars
-from echocal.fleet.store import put
+from echocal.fleet.store import Store, put
 from echocal.fleet.tables import opened
 from echocal.observations.source import is_parquet
 from echocal.observations.text import Layout
@@ -74,10 +74,12 @@ def plan_spills(
 
 
 def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Write the pieces of some files."""
+    """Write the pieces of some files; of a run that has ended none."""
     pl = polars()
     job = task["job"]
-    folder = Path(job["store"]) / "rows"
+    store = Store(Path(job["store"]))
+    store.check(job.get("run"))
+    folder = store.folder / "rows"
     folder.mkdir(parents=True, exist_ok=True)
     frames = []
     for file, place, first, count in task["files"]:
@@ -88,6 +90,7 @@ def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
         try:
             frames.append(table.read([pl.col(names), key, number], rows=(first, count)))
         except DataError as error:  # its sensors fail, the others go on
+            store.check(job.get("run"))
             put(_broken(folder, place), str(error).encode())
     whole = pl.concat(frames) if frames else pl.DataFrame(schema={KEY: pl.String})
     of_key = pl.DataFrame(
@@ -97,11 +100,17 @@ def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
     whole = whole.join(of_key, on=KEY, how="inner", maintain_order="left")
     for (bucket,), part in whole.partition_by("_bucket", as_dict=True, maintain_order=True).items():
         path = folder / f"{bucket:06d}" / f"{task['number']:06d}.parquet"
+        store.check(job.get("run"))
         with writing(path):
             path.parent.mkdir(parents=True, exist_ok=True)
             unfinished = path.with_name(f".{path.name}.{secrets.token_hex(8)}.unfinished")
-            part.drop("_bucket").write_parquet(unfinished, compression="lz4")
-            unfinished.replace(path)
+            try:
+                part.drop("_bucket").write_parquet(unfinished, compression="lz4")
+                store.check(job.get("run"))
+                unfinished.replace(path)
+            finally:
+                unfinished.unlink(missing_ok=True)
+    store.check(job.get("run"))
     put(_mark(folder, task["number"]), b"")
     return {"number": task["number"]}
 

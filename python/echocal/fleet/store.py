@@ -12,7 +12,8 @@ from typing import Any
 
 from echocal.correct.lock import locked
 from echocal.correct.manifest import FOLDER
-from echocal.errors import UsageError, writing
+from echocal.errors import OutputError, UsageError, writing
+from echocal.places import file_digest
 
 __all__ = ["Store", "put"]
 
@@ -79,6 +80,23 @@ class Store:
                 raise UsageError(message)
             self.clear()
         put(self.job, json.dumps(job, indent=1, sort_keys=True).encode())
+
+    def check(self, run: str | None) -> None:
+        """Refuse to write for a run that this folder is not of any more: its task has outlived it.
+
+        Parameters
+        ----------
+        run : str or None
+            SHA-256 of the file that says what the run is; None: nobody else can have the folder.
+
+        Raises
+        ------
+        OutputError
+            If another run has begun since, or the run has ended.
+        """
+        if run is not None and (not self.job.is_file() or file_digest(self.job) != run):
+            message = f"{self.folder} was begun anew by another run, or has ended; this run leaves it alone"
+            raise OutputError(message)
 
     def finished(self, number: int) -> list[dict[str, Any]] | None:
         """What a task has left, None if it is not finished or damaged."""

@@ -2,7 +2,7 @@
 
 A task writes the model and the diagnosis of each sensor, then its record. Each file has a temporary name
 until it is complete, so a task can be run twice, at the same time too, or be killed at any moment. The same
-task makes the same verdicts.
+task makes the same verdicts. A task that outlives its run, on a worker of a cluster, writes nothing.
 """
 
 import gzip
@@ -54,6 +54,8 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
         )
         raise UsageError(message)
     job = task["job"]
+    store = Store(Path(job["store"]))
+    store.check(job.get("run"))
     reading = job["reading"]
     bucket = (Path(job["store"]), task["bucket"]) if "bucket" in task else None
     found = logs(
@@ -66,7 +68,7 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
         bucket,
     )
     records = [_record(sensor, log, job) for sensor, log in found]
-    store = Store(Path(job["store"]))
+    store.check(job.get("run"))
     put(store.path(task["number"]), gzip.compress(json.dumps(records).encode(), 1, mtime=0))
     return {
         "number": task["number"],
@@ -132,6 +134,7 @@ def _written(
     hash_ = document.digest(content)
     named: dict[str, Any] = {"model_hash": hash_}
     made: dict[str, str] = {}
+    Store(Path(job["store"])).check(job.get("run"))
     if job["models"] is not None:
         known = {**model.provenance, "made_by": "echocal diagnose", "sensor": sensor["key"]}
         made["models"] = put(
