@@ -18,6 +18,7 @@ from echocal.observations.vocabulary import (
     NEVER,
     NO_CLOCK,
     NOT,
+    OF_QUALITY,
     QUALITY,
     SINCE,
     STATISTIC,
@@ -57,6 +58,8 @@ def hint(column: str, unit: str = "") -> Hint | None:
     --------
     >>> hint("Distance (cm)"), hint("AirTC_Avg", "Deg C"), hint("level [m]")
     (Hint(name='reading_cm', sure=False), Hint(name='temperature_C', sure=True), None)
+    >>> hint("Quality number"), hint("quality_flag"), hint("Air quality")
+    (Hint(name='echo_quality', sure=True), None, None)
     """
     if column.strip().lower() in TIMES or column.strip().lower().startswith(("date time,", "date-time")):
         return Hint("time")
@@ -65,7 +68,7 @@ def hint(column: str, unit: str = "") -> Hint | None:
     if column.strip().lower() in COUNTERS:
         return Hint(COUNTERS[column.strip().lower()])
     if not symbol:
-        return None
+        return Hint("echo_quality") if _of_echo(words) else None
     listed = _listed(words)
     tokens = _tokens(words) | {"".join(pair) for pair in pairwise(listed)}
     if tokens & NEVER:
@@ -91,11 +94,11 @@ def completed(
     columns: Collection[str],
     requests: Mapping[str, str],
     found: Found | None = None,
-    sparse: Collection[str] = (),
+    doubtful: Mapping[str, str] | None = None,
 ) -> tuple[dict[str, str], list[str]]:
     """Requests, with those that names and units add, and a sentence on these.
 
-    Columns in `sparse` have many gaps: their rows would be lost for a quantity that is not needed.
+    Columns in `doubtful` are not used for a quantity that is not needed, for the reason that stands there.
     What echocal's own names and the requests hold stays as it is; where two columns may hold the same, none
     is taken.
     """
@@ -109,10 +112,9 @@ def completed(
         if column in requests or _is_ours(column, unit):
             continue
         said = hint(column, unit)
-        if said and column in sparse and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
-            notes.append(
-                f"'{column}' has many gaps and is not used; to use it: --column \"{column}={said.name}\""
-            )
+        why = (doubtful or {}).get(column)
+        if said and why and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
+            notes.append(f"'{column}' {why} and is not used; to use it: --column \"{column}={said.name}\"")
         elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
     _drop_unsure(hints, held, notes)
@@ -170,6 +172,12 @@ def _tokens(words: str) -> set[str]:
     """Words of a name; a single letter is one where it is the first."""
     first, *rest = [*_listed(words), ""]
     return {first, *(word for word in rest if word not in LETTERS)}
+
+
+def _of_echo(words: str) -> bool:
+    """Whether a name is that of a quality number of an echo, and of nothing else."""
+    tokens = set(_listed(words))
+    return bool(tokens & QUALITY) and tokens <= QUALITY | OF_QUALITY
 
 
 def _listed(words: str) -> list[str]:

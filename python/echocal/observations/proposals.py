@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import EchocalError
 from echocal.observations.checks import CODES
+from echocal.observations.doubtful import doubtful_in
 from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, is_time_name, role_of
@@ -22,8 +23,6 @@ from echocal.observations.units_said import has_foreign_unit, split_unit, symbol
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
 Column = NDArray[np.float64]
-
-_GAPS = 0.1  # of the rows
 
 _RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {
     "reading": (("m", 0.02, 10.0), ("cm", 10.0, 600.0), ("mm", 600.0, 12000.0)),
@@ -58,16 +57,19 @@ class Proposal:
 def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict[str, Proposal]:
     """A proposal for each column; what the user says goes first."""
     columns = [str(name) for name in table.columns]
-    sparse = [
-        str(name) for name, share in table.select_dtypes("number").isna().mean().items() if share > _GAPS
-    ]
-    sure, _ = completed(columns, given, found, sparse)
+    doubtful = doubtful_in(table)
+    sure, _ = completed(columns, given, found, doubtful)
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
     bare = {name: role for name in columns if not proposals[name].request and (role := role_of(name))}
     for name, role in sorted(bare.items(), key=lambda pair: pair[1] == "distance"):
         numbers = _numbers(table[name])
-        if numbers is None or name in sparse or has_foreign_unit(name) or given.get(name) in {EXTRA, IGNORE}:
+        if (
+            numbers is None
+            or name in doubtful
+            or has_foreign_unit(name)
+            or given.get(name) in {EXTRA, IGNORE}
+        ):
             continue
         own = role
         unit = symbol_of(found.units.get(name, "")) or split_unit(name)[1] or _usual(own, numbers)

@@ -12,9 +12,6 @@ from echocal.observations.table import Observations
 __all__ = ["read_observations"]
 
 
-_GAPS = 0.1  # of the rows: from there on a column is not used that nobody asked for
-
-
 def read_observations(
     source: Any,
     columns: Mapping[str, str] | str | Path | None = None,
@@ -102,6 +99,7 @@ def read_observations(
     from echocal.observations import plan
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
+    from echocal.observations.doubtful import doubtful_in
     from echocal.observations.found import found_in
     from echocal.observations.hints import completed
     from echocal.observations.numbers import Missing
@@ -118,10 +116,7 @@ def read_observations(
     stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
     found = found_in(table)
-    sparse = [
-        str(name) for name, share in table.select_dtypes("number").isna().mean().items() if share > _GAPS
-    ]
-    requests, said = completed(list(table.columns), plan.read_columns(columns), found, sparse)
+    requests, said = completed(list(table.columns), plan.read_columns(columns), found, doubtful_in(table))
     planned = plan.make(list(table.columns), requests, trust)
     assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
     several = note_of(table, set(plan.read_columns(columns)))

@@ -144,3 +144,9 @@ ELAPSED = {"diff", "difference", "differenz", "delta", "travel", "transit", "mea
 
 QUALITY = {"quality", "qualität", "qualitaet", "qualité"}
 """Of an echo."""
+
+OF_QUALITY = {
+    "echo", "number", "no", "nr", "value", "range", "ranger", "sonic", "distance", "reading", "measurement",
+    "sr50", "sr50a", "sr", "usonic",
+}  # fmt: skip
+"""Words beside it with which it is no quality of the air, of a link or of a check."""

@@ -104,7 +104,7 @@ def select(
     steady = steadiness(case, likely, noise, whole)
     varying = steady.varying
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
-        best, likely = _left_out(best, likely, varying, reduced)
+        best, likely = _left_out(best, likely, varying.keys() - steady.between.keys(), reduced)
     large = implausible(likely, ranking, settings.implausible)
     unusual = frozenset(implausible(likely, ranking, settings.unusual))
     likely = resized(likely, varied(best, steady.between)) if steady.between else likely

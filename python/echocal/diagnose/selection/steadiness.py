@@ -35,8 +35,8 @@ class Steadiness:
     varying : dict of str to str
         Ids of claims that are not one cause, each with a sentence on the sizes found.
     between : dict of str to ndarray
-        Standard deviation of the sizes between parts, where it is a small part of the size; in prior
-        standard deviations.
+        Standard deviation of the sizes between parts, where it is a part of the size that a model may have;
+        in prior standard deviations.
     """
 
     varying: dict[str, str]
@@ -81,10 +81,12 @@ def steadiness(case: Case, claims: Sequence[Claim], noise: Noise, best: Hypothes
             break
         claim, sizes = found[worst]
         spread, mean = _between(sizes)
-        if (spread <= settings.unsteady_share * np.abs(mean)).all():
+        if (spread <= settings.unsteady_share_in_model * np.abs(mean)).all():
             between[claim.cause] = spread
-            continue
-        left.remove(claim)
+            if (spread <= settings.unsteady_share * np.abs(mean)).all():
+                continue
+        else:
+            left.remove(claim)
         said[claim.cause] = (
             f"the size of {claim.cause} differs between {len(sizes)} parts of the table, so "
             f"{claim.cause} is not named: {_sizes_text(claim, sizes)}"

@@ -94,6 +94,12 @@ class ClaimSettings:
         "a standard deviation between parts up to this is an uncertainty of the size, not a doubt",
         "chosen by hand: sizes on real records vary by 0.1 from day to day",
     )
+    unsteady_share_in_model: float = number(
+        0.5,
+        "of the size",
+        "the same for the model, which has the mean size of a cause that is not named",
+        "three quarters of what the mean size removes in these parts are left in a further part",
+    )
     within_days: float = number(
         3.0,
         "standard uncertainties",
