@@ -24,6 +24,11 @@ def deadly(task: Any) -> dict[str, Any]:
     return plain(task)
 
 
+def unspeakable(task: Any) -> dict[str, Any]:
+    """A result that no process can send."""
+    return {"answer": lambda: task}
+
+
 if __name__ == "__main__":
     diagnose_fleet(
         "logs", "sensor_id", out=sys.argv[1], models=sys.argv[2], base="cramer", memory=ONE_EACH, workers=2

@@ -107,7 +107,7 @@ def test_workers(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """At the start, or after the first file is done. They begin quickly, so many moments can be tried."""
-    monkeypatch.setattr("echocal.engines.processes.multiprocessing.get_context", lambda method: quick)
+    monkeypatch.setattr("echocal.engines.worker.multiprocessing.get_context", lambda method: quick)
     lost = 0
     for number in range(20):
         out, started = tmp_path / f"out {number}", number % 2

@@ -1,12 +1,15 @@
 """A run that is killed is continued; a worker that is killed loses seconds; two runs do not mix."""
 
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import fleet_logs
 import fleet_work
@@ -123,6 +126,37 @@ def test_a_task_that_loses_its_process_is_run_again_and_given_up_if_it_does_so_a
     found = {task["number"]: result for task, result in Processes(2).run(fleet_work.deadly, tasks)}
     assert sorted(found) == list(range(9))
     assert [number for number, result in found.items() if result is None] == [3]
+
+
+def test_what_a_task_raises_ends_the_run_and_says_where() -> None:
+    with pytest.raises(KeyError, match="folder") as raised:
+        list(Processes(2).run(fleet_work.deadly, [{"number": 1}] * 5))
+    assert "in deadly" in raised.value.__notes__[0]
+    with pytest.raises(RuntimeError, match="cannot be sent"):
+        list(Processes(2).run(fleet_work.unspeakable, [{}]))
+    assert not multiprocessing.active_children()
+
+
+@pytest.mark.slow
+def test_processes_that_are_killed_while_others_begin() -> None:
+    """The pool of the standard library waited for ever, or raised that a handle is closed."""
+    begun: list[Any] = []
+
+    def kill() -> None:
+        while len(begun) < 6:
+            for process in multiprocessing.active_children():
+                if process not in begun:
+                    begun.append(process)
+                    process.kill()
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    tasks = [{"number": number} for number in range(9)]
+    found = {task["number"]: result for task, result in Processes(2).run(fleet_work.plain, tasks)}
+    killer.join()
+    assert sorted(found) == list(range(9))
+    assert sum(result is None for result in found.values()) <= 6
+    assert not multiprocessing.active_children()
 
 
 @pytest.mark.slow

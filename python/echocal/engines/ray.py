@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from echocal.engines.engine import Engine, Result, Task, Work
-from echocal.engines.processes import ONE_THREAD
+from echocal.engines.worker import ONE_THREAD
 from echocal.errors import UsageError
 
 __all__ = ["local_cluster"]

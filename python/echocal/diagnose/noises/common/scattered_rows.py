@@ -67,8 +67,8 @@ class Scattered:
             wide = float((share * square).sum() / share.sum())
         logs = [np.log(p) - 0.5 * (square / v + np.log(v)) for p, v in ((1 - part, usual), (part, wide))]
         log = float(np.logaddexp(*logs).sum())
-        one = -0.5 * len(square) * (1.0 + float(np.log(whole)))
-        return cls(part, usual**0.5, wide**0.5, log, log - one - float(np.log(len(square))))
+        gain = log - _log_of_one_kind(left) - float(np.log(len(square)))
+        return cls(part, usual**0.5, wide**0.5, log, gain)
 
     def beyond(self, left: Column) -> Column:
         """Expected error of each row beyond the usual scatter [m]."""
@@ -79,6 +79,11 @@ class Scattered:
         """Whether these are few rows, far more scattered, and no chance."""
         apart = self.wide > settings.scattered_apart * self.usual
         return apart and self.part < settings.scattered_part and self.gain > settings.scattered_gain
+
+
+def _log_of_one_kind(left: Column) -> float:
+    """Log likelihood of one normal distribution, up to the same constant."""
+    return -0.5 * len(left) * (1.0 + float(np.log(np.mean(left**2))))
 
 
 def _share(square: Column, part: float, usual: float, wide: float) -> Column:
@@ -118,18 +123,22 @@ def without_scattered_rows(
 def _exceptions(
     case: Case, fits: Sequence[HypothesisFit], inference: Inference, off: Column, settings: NoiseSettings
 ) -> tuple[Scattered, Column] | None:
-    """What few rows scatter beyond the others [m], from the likelier of two hypotheses by the BIC."""
+    """What few rows scatter beyond the others [m], from the likelier of two hypotheses by the BIC.
+
+    Each hypothesis competes with noise of one kind of rows, too: a cause whose column has rare large values
+    leaves nothing that scatters.
+    """
     rows = sampled(case, settings)
     simplest = min(fits, key=lambda one: len(one.hypothesis.variants))
-    found = []
+    found: list[tuple[float, Scattered | None, HypothesisFit]] = []
     for one in {id(one): one for one in (fits[0], simplest)}.values():
         left = _left(case, one, inference, off, rows)
+        cost = 0.5 * len(one.mean) * float(np.log(len(rows)))
+        found.append((_log_of_one_kind(left) - cost, None, one))
         if _peaked(left, settings.worth) and (fit := Scattered.of(left)) is not None:
-            found.append((fit.log - 0.5 * len(one.mean) * float(np.log(len(rows))), fit, one))
-    if not found:
-        return None
+            found.append((fit.log - cost, fit, one))
     _, best, one = max(found, key=lambda each: each[0])
-    if not best.counts(settings):
+    if best is None or not best.counts(settings):
         return None
     return best, best.beyond(_left(case, one, inference, off, np.arange(len(case.table))))
 

@@ -1,0 +1,132 @@
+"""A process of this machine that runs one task after the other.
+
+Each has a pipe of its own. The pool of the standard library has one queue for all of them: a process that is
+killed while it holds the lock of the queue, or while another one begins, stops the others for ever (Python
+3.11, issues 94777 and 109047).
+"""
+
+import multiprocessing
+import os
+import threading
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection, wait
+from pickle import PicklingError
+
+from echocal.engines.engine import Result, Task, Work
+
+__all__ = ["ONE_THREAD", "Worker"]
+
+ONE_THREAD = {
+    "ECHOCAL_NUM_THREADS": "1",
+    "POLARS_MAX_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment of a process that shares its machine with others of its kind."""
+
+
+class Worker:
+    """A process that is started anew: a copy of this one might have locks that its threads held.
+
+    Parameters
+    ----------
+    work : callable
+        A function of a module.
+    """
+
+    def __init__(self, work: Work) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, there = context.Pipe()
+        self._process = context.Process(target=_serve, args=(there, work), daemon=True)
+        with _environment(ONE_THREAD):
+            self._process.start()
+        there.close()
+        self.number: int | None = None
+        """Of the task that it has."""
+
+    def begin(self, number: int, task: Task) -> None:
+        """Give it a task; a process that has died takes it, too."""
+        self.number = number
+        with suppress(OSError):
+            self._pipe.send(task)
+
+    def end(self) -> Result | None:
+        """The result of its task, when it is there; None if the process died.
+
+        Raises
+        ------
+        BaseException
+            What the task raised.
+        """
+        self.number = None
+        try:
+            result, raised = self._pipe.recv() if self._pipe.poll() else (None, None)
+        except (EOFError, OSError):  # it died before, or while it answered
+            return None
+        if raised is not None:
+            raise raised
+        return result
+
+    def close(self) -> None:
+        """Let it end after the task that it has."""
+        self._pipe.close()
+
+    def join(self) -> None:
+        """Wait until it has ended."""
+        self._process.join()
+
+    @classmethod
+    def ready(cls, workers: Sequence["Worker"]) -> list["Worker"]:
+        """Wait until some have an answer, or have died."""
+        found = wait([each for one in workers for each in (one._pipe, one._process.sentinel)])
+        return [one for one in workers if one._pipe in found or one._process.sentinel in found]
+
+
+def _serve(pipe: Connection, work: Work) -> None:
+    """Answer each task by its result, or by what it raised."""
+    _end_with_parent()
+    with suppress(EOFError, BrokenPipeError, KeyboardInterrupt):
+        while True:
+            answer = _answer(work, pipe.recv())
+            try:
+                pipe.send(answer)
+            except (PicklingError, AttributeError, TypeError) as error:
+                pipe.send((None, RuntimeError(f"the answer of a process cannot be sent: {error}: {answer}")))
+
+
+def _answer(work: Work, task: Task) -> tuple[Result | None, BaseException | None]:
+    try:
+        return work(task), None
+    except Exception as error:
+        error.add_note(f"in a process:\n{traceback.format_exc()}")
+        return None, error
+
+
+def _end_with_parent() -> None:
+    """End this process with the run; else it would write into the run that follows."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None  # a process that another one began
+
+    def watch() -> None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, name="end with parent", daemon=True).start()
+
+
+@contextmanager
+def _environment(more: Mapping[str, str]) -> Iterator[None]:
+    """Processes that are started meanwhile have these variables."""
+    before = {name: os.environ.get(name) for name in more}
+    os.environ.update(more)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
