@@ -52,3 +52,24 @@ def test_a_quality_number_is_proposed_as_that_of_the_echo(
         f'"{name}" = "{holds}"' in Path("log.toml").read_text()
         or f'{name} = "{holds}"' in Path("log.toml").read_text()
     ) == (holds != "extra")
+
+
+@pytest.mark.parametrize("name", ["quality", "Quality number", "sonic_quality", "Qualität"])
+def test_a_quality_number_is_read_by_its_name(
+    name: str, table: pd.DataFrame, random: np.random.Generator
+) -> None:
+    table[name] = random.permutation(len(table)) + 152
+    read = echocal.read_observations(table)
+    np.testing.assert_array_equal(read.conditions["echo_quality"], table[name])
+    assert any(f"'{name}' as echo_quality" in note for note in read.notes)
+
+
+@pytest.mark.parametrize("name", ["quality", "quality_flag", "link quality", "Air quality", "GPS quality"])
+def test_a_flag_and_other_qualities_are_none(
+    name: str, table: pd.DataFrame, random: np.random.Generator
+) -> None:
+    few = name == "quality"
+    table[name] = random.integers(0, 4, len(table)) if few else random.permutation(len(table))
+    read = echocal.read_observations(table)
+    assert "echo_quality" not in read.conditions
+    assert any("few different values" in note for note in read.notes) == few

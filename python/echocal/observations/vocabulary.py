@@ -147,6 +147,5 @@ QUALITY = {"quality", "qualität", "qualitaet", "qualité"}
 
 OF_QUALITY = {
     "echo", "number", "no", "nr", "value", "range", "ranger", "sonic", "distance", "reading", "measurement",
-    "sr50", "sr50a", "sr", "usonic",
 }  # fmt: skip
 """Words beside it with which it is no quality of the air, of a link or of a check."""
