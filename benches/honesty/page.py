@@ -141,9 +141,9 @@ def _limit(own: Record) -> str:
     """The highest recurrence that these names allow."""
     agree, asked = own["agrees"]["count"], own["named"]["count"]
     return (
-        f"*The limit.* In {agree} of all {asked} questions the cause acts in the asked window, with the size of the "
-        f"other one, and can be known there. A diagnosis that gave the same names and missed none of these\n"
-        f"would reach {agree / asked:.2f}: the goal of 0.7 needs other names, or other windows.\n"
+        f"*The limit.* In {agree} of all {asked} questions the cause acts in the asked window with the size\n"
+        "of the other one, and can be known there. A diagnosis that gave the same names and missed none of\n"
+        f"these would reach {agree / asked:.2f}: the goal of 0.7 needs other names, or other windows.\n"
     )
 
 
