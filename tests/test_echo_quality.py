@@ -59,3 +59,18 @@ def test_daylight_stands_in_for_the_irradiance() -> None:
         assert data.extra["illuminance_lux"].tolist() == lux["illuminance_lux"]
     bare = echocal.read_observations({**table, "illuminance": [1.0, 2.0, 3.0]})
     assert list(bare.extra) == ["illuminance"]  # without a unit it says nothing
+
+
+@pytest.mark.statistical
+def test_logs_share_the_size_whatever_their_usual_quality_is(random: np.random.Generator) -> None:
+    """Each log alone is at its own reference, so that only the name was shared."""
+    logs = {}
+    for name, usual in (("a", 0.0), ("b", 15.0), ("c", 40.0)):
+        table = log(random, 1.0)
+        logs[name] = {**table, "echo_quality": table["echo_quality"] + usual}
+    found = echocal.diagnose_many(logs, constant_distance=True)
+    (cause,) = (one for one in found.causes if one.id == "echo_quality")
+    assert (cause.shares, cause.recurs_in, cause.doubt) == ("sizes", ("a", "b", "c"), "")
+    gain = cause.parameters[0]
+    assert abs(gain.value + 8e-5) < 4 * gain.standard_uncertainty < 2e-5
+    assert found.gain.earned

@@ -183,6 +183,18 @@ def test_a_doubted_size_counts_against(tables: list[TableInference]) -> None:
     assert found.verdict != "named", "one table shows no recurrence"
 
 
+def test_a_cause_that_few_rows_carry_is_left_to_the_other_tables(tables: list[TableInference]) -> None:
+    first, other = tables
+    silent = replace(first, doubts={LAG: "12 rows carry it"}, carried=frozenset({LAG}), known={})
+    assert opposition([silent, other], Settings()) == {("A", LAG): 0.0}
+    loud = replace(first, doubts={LAG: "its size is not plausible"}, known={})
+    gain = odds(probability([silent, other])) - odds(probability([loud, other]))
+    assert gain == pytest.approx(Settings().pooling.against, abs=0.5)
+    found = pooled([silent, other], (), Settings(), 0)
+    shown = [one for c in found.causes if c.id == LAG for one in c.tables if one.table == "A"]
+    assert all((one.role, one.log_bayes) == ("doubts", pytest.approx(0.0, abs=1e-9)) for one in shown)
+
+
 def test_recurrence_raises_the_probability(tables: list[TableInference]) -> None:
     pool = Pool(tables, Settings())
     sets = search(pool)

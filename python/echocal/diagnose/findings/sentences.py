@@ -74,7 +74,7 @@ def shifted_text(one: Shifted) -> str:
 
 def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
     """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
-    factor, shown = readable(value, unit)
+    factor, shown = readable(max(abs(value), uncertainty), unit)
     if uncertainty == 0.0:
         return f"{name} = {value * factor:g} {shown}".rstrip()
     return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()

@@ -17,14 +17,15 @@ def opposition(tables: Sequence[TableInference], settings: Settings) -> dict[tup
 
     A cause that its table refutes has the difference of the log scores on the rows of the folds. Chance
     refutes a weak cause often, so this counts for strong ones only. A cause whose size is doubted in a
-    table (not plausible, not steady, carried by few rows, or after a refuted one) has the largest odds.
+    table (not plausible, not steady, or after a refuted one) has the largest odds. A cause that few rows of a
+    table carry has none: this table says nothing, and the others must.
     """
     pool = Pool(tables, settings)
     limit = settings.pooling.against
     found: dict[tuple[str, str], float] = {}
     for table in tables:
         for cause in table.doubts:
-            found[table.name, cause] = -limit
+            found[table.name, cause] = 0.0 if cause in table.carried else -limit
         for refuted in table.diagnosis.refuted:
             loss = _log_score(table, refuted)
             if loss < 0.0 and _likelihood_ratio(pool, table, refuted.id) >= settings.pooling.strong:

@@ -50,7 +50,12 @@ class SharedForm:
 def by_name(cause: str) -> bool:
     """Whether a cause belongs to its table: it begins at a place or a time, or grows in one campaign."""
     effect = find_effect(cause)
-    return not effect.recurs or any(p.tried_along is not None for p in effect.parameters)
+    return not effect.recurs or (effect.edges and bool(_along(cause)))
+
+
+def _along(cause: str) -> frozenset[str]:
+    """Parameters of a cause that are tried at quantiles of a column of the table."""
+    return frozenset(p.name for p in find_effect(cause).parameters if p.tried_along is not None)
 
 
 def keys(variants: Sequence[Variant]) -> dict[int, FormKey]:
@@ -58,17 +63,24 @@ def keys(variants: Sequence[Variant]) -> dict[int, FormKey]:
     found: dict[int, FormKey] = {}
     widths: dict[FormKey, list[float]] = {}
     named = [v for v in variants if v.cause != UNKNOWN]
+    bases = {id(variant): _base(variant, named) for variant in named}
     for variant in named:
-        widths.setdefault(_base(variant), []).append(sum(variant.scales))
+        widths.setdefault(bases[id(variant)], []).append(sum(variant.scales))
     for variant in named:
-        base = _base(variant)
+        base = bases[id(variant)]
         rank = sorted(widths[base]).index(sum(variant.scales))
         found[id(variant)] = BY_NAME if by_name(variant.cause) else (*base, rank)
     return found
 
 
-def _base(variant: Variant) -> FormKey:
-    return (variant.cause, tuple(sorted(variant.at.items())), variant.names, variant.offset is not None)
+def _base(variant: Variant, beside: Sequence[Variant]) -> FormKey:
+    """What a form is, but for its prior; a quantile of a column is the same in tables that try as many."""
+    along, same = _along(variant.cause), [other for other in beside if other.cause == variant.cause]
+    at: list[tuple[str, object]] = []
+    for name, value in sorted(variant.at.items()):
+        tried = sorted({other.at[name] for other in same if name in other.at})
+        at.append((name, (tried.index(value), len(tried)) if name in along else value))
+    return (variant.cause, tuple(at), variant.names, variant.offset is not None)
 
 
 def shared_forms(tables: Sequence[Sequence[Variant]]) -> dict[str, list[SharedForm]]:

@@ -70,7 +70,10 @@ class TableInference:
     fits : list of HypothesisFit
         Hypotheses, most probable first.
     doubts : mapping of str to str
-        Why a claim is not named, whatever its probability is.
+        Why a claim is not named, whatever its probability is. Without sizes that vary so little that a model
+        may have them: they vary between tables, too.
+    carried : frozenset of str
+        Those that only a few rows show.
     threshold : float
         Probability of no effect below which an effect is claimed.
     settings : Settings
@@ -87,6 +90,7 @@ class TableInference:
     reduced: Stack
     fits: list[HypothesisFit]
     doubts: Mapping[str, str]
+    carried: frozenset[str]
     threshold: float
     settings: Settings
     known: dict[tuple[SharedForm, ...], Natural] = field(default_factory=dict, repr=False)
@@ -94,7 +98,7 @@ class TableInference:
     @classmethod
     def of(cls, name: str, examined: Examined, diagnosis: Diagnosis) -> "TableInference":
         """Keep what a pool needs."""
-        case, settings = examined.case, examined.case.settings
+        case, settings, selection = examined.case, examined.case.settings, examined.selection
         return cls(
             name,
             diagnosis,
@@ -104,7 +108,8 @@ class TableInference:
             case.found.skipped,
             examined.reduced,
             examined.shares.fits,
-            examined.selection.doubts_of_size,
+            selection.doubts_among_tables,
+            frozenset(selection.carried),
             threshold_of(settings.claims.few_rows, examined.ranking, examined.shares),
             settings,
         )

@@ -79,6 +79,12 @@ class Selection:
         """Those that speak against a claim; a table that is too small to show it does not."""
         return {**self.later, **self.implausible, **self.varying, **self.carried}
 
+    @property
+    def doubts_among_tables(self) -> dict[str, str]:
+        """The same without sizes that vary so little that a model may have them: as between tables."""
+        much = {cause: why for cause, why in self.varying.items() if cause not in self.between}
+        return {**self.later, **self.implausible, **much, **self.carried}
+
 
 def select(
     case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool = True
