@@ -16,8 +16,8 @@ class ClaimSettings:
         "P(no effect)",
         "below it an effect is claimed, even if each single effect is improbable; tested only if the best "
         "set of effects is empty",
-        "chosen by hand on development tables; no script repeats it. The last benchmark has 0.010 false "
-        "alarms in design b and none in c; the target is 0.02",
+        "chosen by hand on development tables; no script repeats it. The last benchmark has no false "
+        "alarm in the designs b and c; the target is 0.02",
     )
     claim_below_of_few: float = number(
         0.44,
