@@ -24,6 +24,21 @@ def deadly(task: Any) -> dict[str, Any]:
     return plain(task)
 
 
+class Alone(Exception):  # noqa: N818
+    """An error that cannot be read where it arrives."""
+
+    def __init__(self, part: int, whole: int) -> None:
+        super().__init__(f"{part} of {whole}")
+
+
+def alone(task: Any) -> dict[str, Any]:
+    raise Alone(1, 2)
+
+
+def leaves(task: Any) -> dict[str, Any]:
+    sys.exit(3)
+
+
 def unspeakable(task: Any) -> dict[str, Any]:
     """A result that no process can send."""
     return {"answer": lambda: task}

@@ -132,6 +132,10 @@ def test_what_a_task_raises_ends_the_run_and_says_where() -> None:
     with pytest.raises(KeyError, match="folder") as raised:
         list(Processes(2).run(fleet_work.deadly, [{"number": 1}] * 5))
     assert "in deadly" in raised.value.__notes__[0]
+    with pytest.raises(RuntimeError, match="Alone: 1 of 2, in a process"):
+        list(Processes(2).run(fleet_work.alone, [{}] * 3))
+    with pytest.raises(SystemExit, match="3"):
+        list(Processes(2).run(fleet_work.leaves, [{}] * 3))
     with pytest.raises(RuntimeError, match="cannot be sent"):
         list(Processes(2).run(fleet_work.unspeakable, [{}]))
     assert not multiprocessing.active_children()

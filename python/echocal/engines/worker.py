@@ -7,12 +7,12 @@ killed while it holds the lock of the queue, or while another one begins, stops 
 
 import multiprocessing
 import os
+import pickle
 import threading
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
-from pickle import PicklingError
 
 from echocal.engines.engine import Result, Task, Work
 
@@ -93,16 +93,28 @@ def _serve(pipe: Connection, work: Work) -> None:
             answer = _answer(work, pipe.recv())
             try:
                 pipe.send(answer)
-            except (PicklingError, AttributeError, TypeError) as error:
+            except (pickle.PicklingError, AttributeError, TypeError) as error:
                 pipe.send((None, RuntimeError(f"the answer of a process cannot be sent: {error}: {answer}")))
 
 
 def _answer(work: Work, task: Task) -> tuple[Result | None, BaseException | None]:
     try:
         return work(task), None
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         error.add_note(f"in a process:\n{traceback.format_exc()}")
-        return None, error
+        return None, _sent(error)
+
+
+def _sent(error: BaseException) -> BaseException:
+    """The error, or its text where it would not arrive as it is."""
+    try:
+        if type(pickle.loads(pickle.dumps(error))) is type(error):
+            return error
+    except Exception:
+        pass
+    return RuntimeError(f"{type(error).__name__}: {error}, {error.__notes__[-1]}")
 
 
 def _end_with_parent() -> None:
