@@ -34,7 +34,7 @@ def cause(found: PooledDiagnosis, id_: str = LAG) -> "echocal.diagnose.pooling.p
 def weak(seeded: Seeded, request: pytest.FixtureRequest) -> PooledDiagnosis:
     """Four weeks of one unit: the first of a few pools that names the lag.
 
-    9 of 16 pools drawn name it. The others are ambiguous: shifted timestamps look nearly alike.
+    41 of 60 pools drawn name it. The others are ambiguous: shifted timestamps look nearly alike.
     """
     random = seeded(request)
     for _ in range(15):
@@ -69,7 +69,10 @@ def tables(seeded: Seeded, request: pytest.FixtureRequest) -> list[TableInferenc
 def test_three_deviations_in_each_of_four_tables_are_named_once_with_more_than_four(
     weak: PooledDiagnosis,
 ) -> None:
-    """Six without a spread between tables; with what four tables leave open of it, 4.5 to 5.2 in 25 pools."""
+    """Six without a spread between tables; with what four tables leave open of it, 4.2 to 5.4 in 23 pools.
+
+    In 18 more pools few rows of one table carry the lag, and three tables say it: 3.3 to 4.4.
+    """
     lag = cause(weak)
     assert weak.verdict == "named"
     assert lag.probability > 0.9
@@ -78,8 +81,10 @@ def test_three_deviations_in_each_of_four_tables_are_named_once_with_more_than_f
     alone = [p for one in lag.tables for p in one.parameters]  # a table that cannot show it has none
     assert len(alone) >= 3
     assert all(1.5 < p.value / p.standard_uncertainty < 4.5 for p in alone)
-    assert size.value / size.standard_uncertainty > 4.0
-    assert all(p.standard_uncertainty > 1.25 * size.standard_uncertainty for p in alone)
+    silent = any(one.role == "doubts" for one in lag.tables)
+    assert size.value / size.standard_uncertainty > (3.0 if silent else 4.0)
+    narrower = 1.05 if silent else 1.25  # at least 1.14 in 37 pools, 1.56 in 35
+    assert all(p.standard_uncertainty > narrower * size.standard_uncertainty for p in alone)
     assert abs(size.value - 400.0) < 3.0 * size.standard_uncertainty
     assert weak.gain.earned
     assert weak.model.effects[LAG]["time_constant"] == pytest.approx(size.value)
