@@ -37,6 +37,15 @@ def test_both_kinds_of_rows_are_found(random: np.random.Generator) -> None:
     np.testing.assert_allclose(beyond[far], left[far] * (1 - (found.usual / found.wide) ** 2), rtol=1e-3)
 
 
+def test_rows_without_any_scatter_are_of_one_kind(random: np.random.Generator) -> None:
+    """Readings that are exact but for the last bit: a division by zero before."""
+    left = np.where(random.random(60) < 0.5, 0.0, random.choice([1.1e-16, 4.4e-16, 6.7e-16], 60))
+    assert Scattered.of(left) is None
+    assert Scattered.of(np.zeros(60)) is None
+    for _ in range(20):
+        assert echocal.diagnose(table(random, np.zeros(ROWS))).verdict
+
+
 @pytest.mark.statistical
 @pytest.mark.parametrize("freedom", [8.0, 30.0])
 def test_slightly_heavy_tails_and_normal_noise_are_left_alone(

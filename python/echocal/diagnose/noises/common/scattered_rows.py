@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import HypothesisFit
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sampled
 from echocal.diagnose.settings.noises import NoiseSettings
@@ -55,7 +56,7 @@ class Scattered:
         """
         square = left**2
         usual, whole = _MAD_TO_SD**2 * float(np.median(square)), float(square.mean())
-        if not 0.0 < usual < whole:
+        if not VARIANCE_FLOOR**2 < usual < whole:
             return None
         part, wide = _START[0], max(_START[1] ** 2 * usual, whole)
         for _ in range(_STEPS):
@@ -64,6 +65,8 @@ class Scattered:
             if not 0.0 < part < 1.0:
                 return None
             usual = float(((1.0 - share) * square).sum() / (1.0 - share).sum())
+            if usual < VARIANCE_FLOOR**2:
+                return None
             wide = float((share * square).sum() / share.sum())
         logs = [np.log(p) - 0.5 * (square / v + np.log(v)) for p, v in ((1 - part, usual), (part, wide))]
         log = float(np.logaddexp(*logs).sum())
@@ -83,7 +86,7 @@ class Scattered:
 
 def _log_of_one_kind(left: Column) -> float:
     """Log likelihood of one normal distribution, up to the same constant."""
-    return -0.5 * len(left) * (1.0 + float(np.log(np.mean(left**2))))
+    return -0.5 * len(left) * (1.0 + float(np.log(max(float(np.mean(left**2)), VARIANCE_FLOOR**2))))
 
 
 def _share(square: Column, part: float, usual: float, wide: float) -> Column:
