@@ -63,7 +63,10 @@ def test_daylight_stands_in_for_the_irradiance() -> None:
 
 @pytest.mark.statistical
 def test_logs_share_the_size_whatever_their_usual_quality_is(random: np.random.Generator) -> None:
-    """Each log alone is at its own reference, so that only the name was shared."""
+    """Each log alone is at its own reference, so that only the name was shared.
+
+    The standard uncertainty was 2.7e-6 to 6.6e-6 in 60 draws, and the size within 1.0 of it.
+    """
     logs = {}
     for name, usual in (("a", 0.0), ("b", 15.0), ("c", 40.0)):
         table = log(random, 1.0)
@@ -72,5 +75,5 @@ def test_logs_share_the_size_whatever_their_usual_quality_is(random: np.random.G
     (cause,) = (one for one in found.causes if one.id == "echo_quality")
     assert (cause.shares, cause.recurs_in, cause.doubt) == ("sizes", ("a", "b", "c"), "")
     gain = cause.parameters[0]
-    assert abs(gain.value + 8e-5) < 4 * gain.standard_uncertainty < 2e-5
+    assert abs(gain.value + 8e-5) < 4 * gain.standard_uncertainty < 4e-5
     assert found.gain.earned
