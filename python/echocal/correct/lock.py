@@ -4,14 +4,18 @@ import errno
 import json
 import os
 import socket
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
 from echocal.errors import UsageError, writing
 
 __all__ = ["locked"]
+
+PATIENCE = 5.0
+"""How long the lock of an owner that is gone is waited for [s]."""
 
 try:
     import fcntl
@@ -23,8 +27,9 @@ except ImportError:  # Windows
 def locked(file: Path) -> Iterator[None]:
     """Hold a lock for the time of a block.
 
-    The system gives a lock back when its process ends, however it ends. Where the file system has no such
-    locks, the process that the file names must be gone.
+    The system gives a lock back when its process ends, however it ends. A process that the owner was starting
+    when it was killed shares the lock for a moment. So the lock of an owner that is gone is waited for. Where
+    the file system has no such locks, the process that the file names must be gone.
 
     Raises
     ------
@@ -35,7 +40,7 @@ def locked(file: Path) -> Iterator[None]:
         file.parent.mkdir(parents=True, exist_ok=True)
         handle = file.open("a+", encoding="utf-8")
     with handle:
-        if not _taken(handle):
+        if not _taken_in_time(handle):
             owner = _owner(handle)
             message = f"{file.parent.parent} is being written by {owner}; wait, or name another output"
             raise UsageError(message)
@@ -49,6 +54,25 @@ def locked(file: Path) -> Iterator[None]:
         finally:
             handle.seek(0)
             handle.truncate()
+            _give_back(handle)
+
+
+def _taken_in_time(handle: IO[str]) -> bool:
+    """Whether this process has the lock now; waits only while no living process is its owner."""
+    end = time.monotonic() + PATIENCE
+    while not _taken(handle):
+        owner = _read(handle)
+        if (owner and _may_live(owner)) or time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def _give_back(handle: IO[str]) -> None:
+    """Also from a process that is being started and shares the open file."""
+    if fcntl is not None:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_UN)
 
 
 def _taken(handle: IO[str]) -> bool:
@@ -60,7 +84,12 @@ def _taken(handle: IO[str]) -> bool:
             if error.errno in (errno.EAGAIN, errno.EACCES):
                 return False
     owner = _read(handle)
-    return not owner or (owner.get("host") == socket.gethostname() and not _lives(int(str(owner["process"]))))
+    return not owner or not _may_live(owner)
+
+
+def _may_live(owner: dict[str, object]) -> bool:
+    """On another host it may."""
+    return owner["host"] != socket.gethostname() or _lives(int(str(owner["process"])))
 
 
 def _lives(process: int) -> bool:
