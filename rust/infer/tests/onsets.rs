@@ -3,9 +3,10 @@
 use echocal_core::batch::Numbers;
 use echocal_core::model::Term;
 use echocal_core::{Law, Model, Quantity};
-use echocal_infer::columns::{Columns, Distinct, Level, Recipe};
+use echocal_infer::columns::{Columns, Distinct, FromParts, Level, Recipe};
 use echocal_infer::gram::{LagProducts, RowLayout};
-use echocal_infer::noise::{Correlation, MovingAverage};
+use echocal_infer::noise::{Correlation, MovingAverage, NoiseModel, TableSums};
+use std::sync::Arc;
 
 const ROWS: usize = 1500;
 
@@ -28,15 +29,26 @@ fn recipes() -> Option<Vec<Recipe>> {
     .collect()
 }
 
-fn assert_alike(found: &LagProducts, expected: &LagProducts) {
-    let pairs = |a: &[Vec<f64>; 4], b: &[Vec<f64>; 4]| {
-        let both = a.iter().flatten().zip(b.iter().flatten());
-        both.map(|(&x, &y)| (x, y)).collect::<Vec<_>>()
+/// Whitened products of all columns under some noises, from the sums of the columns or of their parts.
+fn whitened(products: Vec<LagProducts>, columns: FromParts) -> Vec<f64> {
+    let noises = [(0, 0.6, 0.0), (1, 0.8, 0.3), (2, 0.95, 2.0)];
+    let noises = noises.map(|(correlation, rho, station_ratio)| NoiseModel {
+        correlation,
+        rho,
+        station_ratio,
+        first_weight: 0.5,
+        log_prior: 0.0,
+    });
+    let chosen: Vec<usize> = (0..columns.columns()).collect();
+    let sums = TableSums {
+        products: products.into_iter().map(Arc::new).collect(),
+        columns: Arc::new(columns),
+        cells: vec![(0, 0), (1, 1)],
+        series: vec![2.0, 1.0],
+        flat_level: false,
+        finite: Vec::new(),
     };
-    let blocks = pairs(&found.blocks, &expected.blocks);
-    for (x, y) in [blocks, pairs(&found.cells, &expected.cells)].concat() {
-        assert!((x - y).abs() <= 1e-11 * y.abs().max(1.0), "{x} {y}");
-    }
+    sums.whiten(&noises, &[true, true], &chosen, 1).0
 }
 
 #[test]
@@ -75,8 +87,11 @@ fn the_sums_are_those_of_the_columns() {
         let models = [0.0, 0.5, 0.9].map(|coefficient| MovingAverage { coefficient });
         let parts = MovingAverage::gather(&distinct.among(&columns), &layout, &models, 1);
         let whole = MovingAverage::gather(&columns, &layout, &models, 1);
-        for (parts, whole) in parts.iter().zip(&whole) {
-            assert_alike(&distinct.spread(parts), whole);
+        let found = whitened(parts, distinct.columns.clone());
+        let expected = whitened(whole, FromParts::same(recipes.len()));
+        assert_eq!(found.len(), expected.len());
+        for (x, y) in found.iter().zip(&expected) {
+            assert!((x - y).abs() <= 1e-11 * y.abs().max(1.0), "{x} {y}");
         }
     }
 }

@@ -259,16 +259,15 @@ impl CoreColumns {
         let models = correlations.into_iter().map(correlation);
         let models: Vec<NoiseCorrelation> = models.collect::<PyResult<_>>()?;
         distances(&models, &distance)?;
-        let products = self.using(py, |columns| {
+        let (products, parts) = self.using(py, |columns| {
             let distinct = Distinct::of(columns);
             let sums =
                 NoiseCorrelation::gather(&distinct.among(columns), &layout, &models, threads);
-            let spread = sums.iter().map(|sums| distinct.spread(sums));
-            spread.map(Arc::new).collect()
+            (sums.into_iter().map(Arc::new).collect(), distinct.columns)
         })?;
         let sums = TableSums {
             products,
-            width: self.recipes.len(),
+            columns: Arc::new(parts),
             cells: places,
             series,
             flat_level,

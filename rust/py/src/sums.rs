@@ -159,7 +159,7 @@ impl CoreSums {
         used: Vec<bool>,
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
         let noises = self.given(&noises, &used)?;
-        let (threads, width) = (available_threads(), self.sums.width);
+        let (threads, width) = (available_threads(), self.sums.width());
         let (products, weights) = py.detach(|| {
             let all: Vec<usize> = (0..width).collect();
             self.sums.whiten(&noises, &used, &all, threads)
@@ -185,7 +185,7 @@ impl CoreSums {
         let noise = self.given(&[noise], &used)?[0];
         positive("degrees", degrees)?;
         not_negative("variance_floor", variance_floor)?;
-        let hypotheses = fittable(&hypotheses, self.sums.width, one_width)?;
+        let hypotheses = fittable(&hypotheses, self.sums.width(), one_width)?;
         let fitted = Fitted {
             blocks: &used,
             degrees,
@@ -202,15 +202,15 @@ impl CoreSums {
     /// Number of columns.
     #[getter]
     fn width(&self) -> usize {
-        self.sums.width
+        self.sums.width()
     }
 
     /// These sums and those of one more pass over the same rows and columns.
     fn joined(&self, more: &Self) -> PyResult<Self> {
         let (own, others) = (&self.sums, &more.sums);
         same_length(&[
-            ("the columns of these sums", own.width),
-            ("those of the others", others.width),
+            ("the columns of these sums", own.width()),
+            ("those of the others", others.width()),
         ])?;
         let same = own.flat_level == others.flat_level;
         if !same || own.series != others.series || own.cells != others.cells {
@@ -224,7 +224,7 @@ impl CoreSums {
     /// The same with zero in place of columns that are not finite, and whether each is.
     fn without_infinite(&self) -> (Self, Vec<bool>) {
         let sums = self.sums.without_infinite();
-        let finite = sums.finite.clone();
+        let finite = sums.finite_columns();
         (Self { sums }, finite)
     }
 }

@@ -6,6 +6,7 @@
 
 mod basis;
 mod distinct;
+mod from_parts;
 mod legendre;
 mod maker;
 mod onsets;
@@ -17,6 +18,7 @@ mod waves;
 
 pub use basis::{legendre_values, wave_values};
 pub use distinct::Distinct;
+pub use from_parts::FromParts;
 pub use legendre::legendre_lines;
 pub use recipe::{BasisFunction, Level, Recipe};
 pub use sampling::spread;

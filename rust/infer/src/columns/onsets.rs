@@ -6,7 +6,6 @@
 
 use super::recipe::{Level, Recipe};
 use echocal_core::model::Term;
-use std::borrow::Cow;
 
 /// Columns that differ in their beginning alone, the earliest first.
 #[derive(Clone, Debug, Default)]
@@ -33,40 +32,22 @@ impl Onsets {
         Self(found)
     }
 
-    /// Products of each two columns from those of their parts.
-    pub(super) fn matrix<'a>(&self, parts: &'a [f64], width: usize) -> Cow<'a, [f64]> {
-        let mut whole = Cow::Borrowed(parts);
+    /// Makes products of each two columns of those of their parts.
+    pub(super) fn add_up(&self, products: &mut [f64], width: usize) {
         for pair in self.pairs() {
-            let lines = whole.to_mut();
             for other in 0..width {
-                lines[pair[0] * width + other] += lines[pair[1] * width + other];
+                products[pair[0] * width + other] += products[pair[1] * width + other];
             }
         }
-        if let Cow::Owned(lines) = &mut whole {
-            lines
-                .chunks_exact_mut(width)
-                .for_each(|line| self.add(line));
-        }
-        whole
-    }
-
-    /// Products of the columns with one that has no beginning, from those of their parts.
-    pub(super) fn line<'a>(&self, parts: &'a [f64]) -> Cow<'a, [f64]> {
-        let mut whole = Cow::Borrowed(parts);
-        if self.pairs().next().is_some() {
-            self.add(whole.to_mut());
-        }
-        whole
-    }
-
-    fn add(&self, line: &mut [f64]) {
-        for pair in self.pairs() {
-            line[pair[0]] += line[pair[1]];
+        for line in products.chunks_exact_mut(width.max(1)) {
+            for pair in self.pairs() {
+                line[pair[0]] += line[pair[1]];
+            }
         }
     }
 
     /// Each column and the one that begins next, the latest first.
-    fn pairs(&self) -> impl Iterator<Item = &[usize]> {
+    pub(super) fn pairs(&self) -> impl Iterator<Item = &[usize]> {
         self.0.iter().flat_map(|columns| columns.windows(2).rev())
     }
 }
@@ -131,11 +112,10 @@ mod tests {
             let product = |(i, j): (usize, usize)| rows.iter().map(|r| r[i] * r[j]).sum();
             pairs.map(product).collect()
         };
-        let found = onsets.matrix(&products(&rows), 3).into_owned();
+        let mut found = products(&rows);
+        onsets.add_up(&mut found, 3);
         for (found, right) in found.iter().zip(products(&whole)) {
             assert!((found - right).abs() < 1e-15);
         }
-        let line = onsets.line(&[3.0, 1.0, 2.0]).into_owned();
-        assert_eq!(line, [5.0, 1.0, 2.0]);
     }
 }

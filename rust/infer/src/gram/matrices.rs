@@ -13,20 +13,25 @@ pub(crate) fn narrow(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
     lines.flat_map(|line| &line[..columns]).copied().collect()
 }
 
-/// Both triangles, without the padding.
+/// Both triangles of several matrices, without the padding.
 pub(crate) fn triangles(sums: &[f64], width: usize, columns: usize) -> Vec<f64> {
     let mut result = vec![0.0; sums.len() / (width * width).max(1) * columns * columns];
     let matrices = result.chunks_exact_mut((columns * columns).max(1));
     for (whole, upper) in matrices.zip(sums.chunks_exact((width * width).max(1))) {
-        for i in 0..columns {
-            let line = &upper[i * width + i..i * width + columns];
-            whole[i * columns + i..(i + 1) * columns].copy_from_slice(line);
-            for (j, &value) in (i..).zip(line) {
-                whole[j * columns + i] = value;
-            }
-        }
+        mirrored(upper, width, columns, whole);
     }
     result
+}
+
+/// Both triangles of a matrix, without the padding.
+pub(crate) fn mirrored(upper: &[f64], width: usize, columns: usize, whole: &mut [f64]) {
+    for i in 0..columns {
+        let line = &upper[i * width + i..i * width + columns];
+        whole[i * columns + i..(i + 1) * columns].copy_from_slice(line);
+        for (j, &value) in (i..).zip(line) {
+            whole[j * columns + i] = value;
+        }
+    }
 }
 
 #[cfg(test)]

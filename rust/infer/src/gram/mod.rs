@@ -16,7 +16,7 @@ mod total;
 pub(crate) use classes::{Class, ClassLists, ClassSums, join};
 pub(crate) use filter::{FilterStep, beginning, forget};
 pub use layout::RowLayout;
-pub(crate) use matrices::{add, narrow, triangles};
+pub(crate) use matrices::{add, mirrored, narrow, triangles};
 pub(crate) use panels::Panels;
 pub use products::LagProducts;
 pub use source::{Reader, Source, Stored};

@@ -2,7 +2,8 @@
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::shared_error::{SharedError, take_off};
-use crate::gram::LagProducts;
+use crate::columns::FromParts;
+use crate::gram::{LagProducts, add};
 use crate::parallel::fill_each;
 use std::sync::Arc;
 
@@ -24,28 +25,43 @@ pub struct NoiseModel {
 /// What passes over a table leave. It is not changed; what is made from it shares its sums.
 #[derive(Clone, Debug)]
 pub struct TableSums {
-    /// Sums for each correlation.
+    /// Sums of the parts of the columns, for each correlation.
     pub products: Vec<Arc<LagProducts>>,
-    /// Number of columns.
-    pub width: usize,
+    /// How the columns are made of these parts; the first column is the first part.
+    pub columns: Arc<FromParts>,
     /// Block and group (segment, or station) of each cell; groups count from 0, none without a cell.
     pub cells: Vec<(usize, usize)>,
     /// Series that begin in each block.
     pub series: Vec<f64>,
     /// Whether groups have an unknown level (nothing known about it) or a random error.
     pub flat_level: bool,
-    /// Whether each column is finite, once that is known.
+    /// Whether each part is finite, once that is known.
     pub finite: Vec<bool>,
 }
 
-/// Sums over some blocks for one correlation: present, previous, lagged, first.
+/// Sums of the parts over some blocks for one correlation: present, previous, lagged, first.
 struct Merged {
     all: [Vec<f64>; 4],
     groups: [Vec<f64>; 4],
     log_variance: f64,
 }
 
+/// What one thread works with.
+#[derive(Default)]
+struct Memory {
+    parts: Vec<f64>,
+    groups: Vec<f64>,
+    shrunken: Vec<f64>,
+    taken: Vec<f64>,
+}
+
 impl TableSums {
+    /// Number of columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.columns.columns()
+    }
+
     /// Whitened products (docs/method.md, Eq. 9) of some columns, the first among them, under each noise, one matrix after
     /// the other, with what the noise adds to the log evidence of every hypothesis, over the blocks
     /// in use.
@@ -64,16 +80,18 @@ impl TableSums {
         let merged: Vec<Option<Merged>> = (0..self.products.len())
             .map(|correlation| {
                 let wanted = noises.iter().any(|noise| noise.correlation == correlation);
-                wanted.then(|| self.merged(correlation, used, &lines, chosen))
+                wanted.then(|| self.merged(correlation, used, &lines))
             })
             .collect();
         let mut products = vec![0.0; noises.len() * chosen.len() * chosen.len()];
         let weights = fill_each(noises, &mut products, threads, || {
-            let (mut shrunken, mut taken) = (Vec::new(), Vec::new());
+            let mut memory = Memory::default();
             let merged = &merged;
             move |noise: &NoiseModel, into: &mut [f64]| {
                 merged[noise.correlation].as_ref().map_or(0.0, |sums| {
-                    self.whitened(noise, sums, series, into, [&mut shrunken, &mut taken])
+                    let weight = self.whitened(noise, sums, series, &mut memory);
+                    self.columns.products(&mut memory.parts, chosen, into);
+                    weight
                 })
             }
         });
@@ -101,24 +119,21 @@ impl TableSums {
         correlation: usize,
         used: &[bool],
         lines: &(Vec<Option<usize>>, usize),
-        chosen: &[usize],
     ) -> Merged {
-        let (width, kept) = (self.width, chosen.len());
+        let width = self.columns.parts();
         let own = &self.products[correlation];
-        let mut all = [(); 4].map(|()| vec![0.0; kept * kept]);
+        let mut all = [(); 4].map(|()| vec![0.0; width * width]);
         for (sums, blocks) in all.iter_mut().zip(&own.blocks) {
             let each = blocks.chunks_exact((width * width).max(1)).zip(used);
             for (block, _) in each.filter(|&(_, &used)| used) {
-                for (sums, &row) in sums.chunks_exact_mut(kept.max(1)).zip(chosen) {
-                    add(sums, &block[row * width..][..width], chosen);
-                }
+                add(sums, block);
             }
         }
-        let mut groups = [(); 4].map(|()| vec![0.0; lines.1 * kept]);
+        let mut groups = [(); 4].map(|()| vec![0.0; lines.1 * width]);
         for (sums, cells) in groups.iter_mut().zip(&own.cells) {
             for (cell, line) in cells.chunks_exact(width.max(1)).zip(&lines.0) {
                 if let Some(line) = line {
-                    add(&mut sums[line * kept..][..kept], cell, chosen);
+                    add(&mut sums[line * width..][..width], cell);
                 }
             }
         }
@@ -131,33 +146,27 @@ impl TableSums {
         }
     }
 
-    /// Fills one matrix, docs/method.md, Eq. 9 and 10, with memory for sums over groups; returns the
-    /// weight of the noise: its prior, and `-1/2 ln det V` of Eq. 13.
-    fn whitened(
-        &self,
-        noise: &NoiseModel,
-        sums: &Merged,
-        series: f64,
-        into: &mut [f64],
-        [shrunken, taken]: [&mut Vec<f64>; 2],
-    ) -> f64 {
+    /// Whitens the products of the parts, docs/method.md, Eq. 9 and 10; returns the weight of the noise:
+    /// its prior, and `-1/2 ln det V` of Eq. 13.
+    fn whitened(&self, noise: &NoiseModel, sums: &Merged, series: f64, memory: &mut Memory) -> f64 {
         let (rho, first_weight) = (noise.rho, noise.first_weight);
-        combine(&sums.all, [1.0, rho * rho, -2.0 * rho, first_weight], into);
-        let mut groups = vec![0.0; sums.groups[0].len()];
-        combine(
-            &sums.groups,
-            [1.0, rho * rho, -rho, first_weight],
-            &mut groups,
-        );
-        let mut weight =
-            noise.log_prior + 0.5 * series * first_weight.ln() - 0.5 * sums.log_variance;
+        let Memory {
+            parts,
+            groups,
+            shrunken,
+            taken,
+        } = memory;
+        parts.resize(sums.all[0].len(), 0.0);
+        groups.resize(sums.groups[0].len(), 0.0);
+        combine(&sums.all, [1.0, rho * rho, -2.0 * rho, first_weight], parts);
+        combine(&sums.groups, [1.0, rho * rho, -rho, first_weight], groups);
         let error = if self.flat_level {
             SharedError::UnknownLevel
         } else {
             SharedError::Random(noise.station_ratio)
         };
-        weight += take_off(error, &groups, into, shrunken, taken);
-        weight
+        let of_groups = take_off(error, groups, parts, shrunken, taken);
+        noise.log_prior + 0.5 * series * first_weight.ln() - 0.5 * sums.log_variance + of_groups
     }
 
     /// The same with zero in place of columns that are not finite; `finite` says which they are.
@@ -166,7 +175,7 @@ impl TableSums {
     /// If there are no sums.
     #[must_use]
     pub fn without_infinite(&self) -> Self {
-        let width = self.width;
+        let width = self.columns.parts();
         let area = width * width;
         let squares = |kind: &Vec<f64>, column: usize| -> f64 {
             kind.chunks_exact(area)
@@ -179,14 +188,22 @@ impl TableSums {
                 (squares(present, column) + squares(first, column)).is_finite()
             })
             .collect();
+        let columns = self.columns.finite(finite.clone());
         Self {
             products: cleared(&self.products, &finite),
+            columns: Arc::new(self.columns.without(&columns)),
             finite,
             ..self.clone()
         }
     }
 
-    /// These sums and those of one more pass over the same rows and columns; the columns that are zero
+    /// Whether each column is finite, once that is known.
+    #[must_use]
+    pub fn finite_columns(&self) -> Vec<bool> {
+        self.columns.finite(self.finite.clone())
+    }
+
+    /// These sums and those of one more pass over the same rows and columns; the parts that are zero
     /// here become zero there.
     #[must_use]
     pub fn joined(&self, more: &Self) -> Self {
@@ -234,18 +251,5 @@ fn combine(sums: &[Vec<f64>; 4], factors: [f64; 4], into: &mut [f64]) {
     let rows = present.iter().zip(previous).zip(lagged).zip(first);
     for (sum, (((a, b), c), d)) in into.iter_mut().zip(rows) {
         *sum = factors[0] * a + factors[1] * b + factors[2] * c + factors[3] * d;
-    }
-}
-
-/// `sums += more`, of some columns.
-fn add(sums: &mut [f64], more: &[f64], chosen: &[usize]) {
-    if chosen.len() == more.len() {
-        for (sum, &value) in sums.iter_mut().zip(more) {
-            *sum += value;
-        }
-    } else {
-        for (sum, &column) in sums.iter_mut().zip(chosen) {
-            *sum += more[column];
-        }
     }
 }

@@ -27,7 +27,7 @@ pub fn fit_blocks(
     one_width: bool,
     threads: usize,
 ) -> Vec<HypothesisFit> {
-    let mut chosen = columns(hypotheses.iter().flatten(), sums.width - 1);
+    let mut chosen = columns(hypotheses.iter().flatten(), sums.width() - 1);
     if chosen[0] != 0 {
         chosen.insert(0, 0); // what a group's own level adds
     }
@@ -53,6 +53,7 @@ pub fn fit_blocks(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::FromParts;
     use crate::gram::LagProducts;
     use std::sync::Arc;
 
@@ -88,7 +89,7 @@ mod tests {
                 blocks: [vec![], vec![], vec![], first],
                 log_variance: vec![0.0; 2],
             })],
-            width,
+            columns: Arc::new(FromParts::same(width)),
             cells: vec![(0, 0), (1, 1)],
             series: vec![30.0; 2],
             flat_level: false,

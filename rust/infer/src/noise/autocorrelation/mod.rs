@@ -21,7 +21,7 @@
 mod span;
 
 use super::correlation::{Autoregression, Correlation, CorrelationFacts};
-use crate::gram::{Class, ClassSums, GROUP, LagProducts, RowLayout, Source, add, narrow, triangles};
+use crate::gram::{Class, ClassSums, GROUP, LagProducts, RowLayout, Source, add, mirrored};
 use span::{KINDS, Parts, Plan, gathered};
 
 /// The moving-average part of an ARMA(1,1); one pass serves every autoregressive coefficient.
@@ -112,49 +112,102 @@ impl Correlation for MovingAverage {
 fn products(plan: &Plan<'_>, parts: &Parts, place: Option<usize>, coefficient: f64) -> LagProducts {
     let (width, columns) = (plan.width, plan.source.width());
     let (blocks, cells) = (plan.layout.block_count, plan.layout.cell_count);
-    let mut blocks = added(&parts.blocks, blocks, width * width, place, coefficient);
+    let placed = |classes, count| Placed::of(classes, count, place, coefficient);
+    let half = |upper: &mut [f64], into: &mut [f64]| mirrored(upper, width, columns, into);
+    let line = |sums: &mut [f64], into: &mut [f64]| into.copy_from_slice(&sums[..columns]);
+    let mut blocks = placed(&parts.blocks, blocks).sums(width * width, columns * columns, half);
     blocks[2].iter_mut().for_each(|lagged| *lagged *= 0.5);
-    let cells = added(&parts.cells, cells, width, place, coefficient);
     LagProducts {
-        blocks: blocks.map(|sums| triangles(&sums, width, columns)),
-        cells: cells.map(|sums| narrow(&sums, width, columns)),
+        blocks,
+        cells: placed(&parts.cells, cells).sums(width, columns, line),
         log_variance: vec![0.0; plan.layout.block_count],
     }
 }
 
-/// Sums of so many blocks or cells, `length` numbers each: present, previous, lagged both ways,
-/// first.
-fn added(
-    classes: &ClassSums,
-    count: usize,
-    length: usize,
-    filter: Option<usize>,
+/// Classes of rows by the block or the cell that they count in.
+struct Placed<'a> {
+    /// Classes of its own rows, and classes of the rows before these.
+    places: Vec<[Vec<(Class, &'a [Vec<f64>])>; 2]>,
+    /// Kind of the products.
+    kind: usize,
+    /// Kind of the products beside them, from which the lag-1 products follow.
+    beside: usize,
     coefficient: f64,
-) -> [Vec<f64>; 4] {
-    let none = |wanted: bool| vec![0.0; if wanted { count * length } else { 0 }];
-    let follow = |class: &Class| !class.begins || class.next.is_some();
-    let [mut present, mut previous, mut other] = [(); 3].map(|()| none(classes.keys().any(follow)));
-    let mut first = none(classes.keys().any(|class| class.begins));
-    let kind = filter.map_or(0, |k| KINDS + k);
-    // beside a coefficient the plain products, without one those of the differences
-    let beside = if filter.is_some() { 0 } else { 1 };
-    let place = |at: u32| at as usize * length..(at as usize + 1) * length;
-    for (class, sums) in classes {
-        let own = if class.begins { &sums[0] } else { &sums[kind] };
-        if let Some(next) = class.next {
-            add(&mut previous[place(next)], own);
+}
+
+impl<'a> Placed<'a> {
+    fn of(
+        classes: &'a ClassSums,
+        count: usize,
+        filter: Option<usize>,
+        coefficient: f64,
+    ) -> Self {
+        let mut places = vec![[const { Vec::new() }; 2]; count];
+        for (&class, sums) in classes {
+            places[class.own as usize][0].push((class, &sums[..]));
+            if let Some(next) = class.next {
+                places[next as usize][1].push((class, &sums[..]));
+            }
         }
-        if class.begins {
-            add(&mut first[place(class.own)], own);
-        } else {
-            add(&mut present[place(class.own)], own);
-            add(&mut other[place(class.own)], &sums[beside]);
+        Self {
+            places,
+            kind: filter.map_or(0, |k| KINDS + k),
+            // beside a coefficient the plain products, without one those of the differences
+            beside: if filter.is_some() { 0 } else { 1 },
+            coefficient,
         }
     }
-    for ((x, p), q) in other.iter_mut().zip(&present).zip(&previous) {
-        *x = both_ways(*p, *q, *x, coefficient);
+
+    /// Sums of all places, `length` numbers each: present, previous, lagged both ways, first. Each is kept as
+    /// `kept` numbers. One place is summed at a time, in memory that stays in the cache.
+    fn sums(
+        &self,
+        length: usize,
+        kept: usize,
+        keep: impl Fn(&mut [f64], &mut [f64]),
+    ) -> [Vec<f64>; 4] {
+        let all = self.places.iter().flatten().flatten();
+        let (mut begins, mut follow) = (false, false);
+        for (class, _) in all {
+            begins |= class.begins;
+            follow |= !class.begins || class.next.is_some();
+        }
+        let mut own = [(); 4].map(|()| vec![0.0; length]);
+        let wanted = [follow, follow, follow, begins];
+        let mut found = wanted.map(|wanted| vec![0.0; if wanted { self.places.len() * kept } else { 0 }]);
+        for place in 0..self.places.len() {
+            self.add(place, &mut own);
+            for (sums, into) in own.iter_mut().zip(&mut found) {
+                if let Some(into) = into.get_mut(place * kept..(place + 1) * kept) {
+                    keep(sums, into);
+                }
+            }
+        }
+        found
     }
-    [present, previous, other, first]
+
+    /// The sums of one place.
+    fn add(&self, place: usize, [present, previous, other, first]: &mut [Vec<f64>; 4]) {
+        for sums in [&mut *present, previous, other, first] {
+            sums.fill(0.0);
+        }
+        let kind = |class: &Class| if class.begins { 0 } else { self.kind };
+        let [own, before] = &self.places[place];
+        for (class, sums) in before {
+            add(previous, &sums[kind(class)]);
+        }
+        for (class, sums) in own {
+            if class.begins {
+                add(first, &sums[0]);
+            } else {
+                add(present, &sums[self.kind]);
+                add(other, &sums[self.beside]);
+            }
+        }
+        for ((x, p), q) in other.iter_mut().zip(&*present).zip(&*previous) {
+            *x = both_ways(*p, *q, *x, self.coefficient);
+        }
+    }
 }
 
 /// Lag-1 products and their transpose; see the module.
