@@ -124,10 +124,13 @@ fn products(plan: &Plan<'_>, parts: &Parts, place: Option<usize>, coefficient: f
     }
 }
 
+/// Sums of the classes of rows that count in a block or a cell: those of its own rows, and of the rows before
+/// these.
+type OfPlace<'a> = [Vec<(Class, &'a [Vec<f64>])>; 2];
+
 /// Classes of rows by the block or the cell that they count in.
 struct Placed<'a> {
-    /// Classes of its own rows, and classes of the rows before these.
-    places: Vec<[Vec<(Class, &'a [Vec<f64>])>; 2]>,
+    places: Vec<OfPlace<'a>>,
     /// Kind of the products.
     kind: usize,
     /// Kind of the products beside them, from which the lag-1 products follow.
