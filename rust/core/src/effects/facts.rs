@@ -123,6 +123,8 @@ pub struct Facts {
     pub parameters: &'static [ParameterFacts],
     /// Whether what it makes of the air, the speed or the firmware's speed depends on the distance.
     pub of_distance: bool,
+    /// Whether it bends the line that the echo time is over the distance, or gives it an edge.
+    pub bends: bool,
     /// Whether its formula has edges, where a derivative jumps.
     pub edges: bool,
     /// Whether another campaign meets it again: what grew or began in the course of one does not.
@@ -152,6 +154,7 @@ impl Facts {
         extends: &[],
         parameters: &[],
         of_distance: false,
+        bends: false,
         edges: false,
         recurs: true,
         domain: "any distance and air",

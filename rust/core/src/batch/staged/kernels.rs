@@ -1,7 +1,7 @@
 //! What is done to the rows of a block, one function for each effect and stage.
 
 use super::tracks::{BLOCK, Line, LineRef, Reading, Track};
-use crate::air::{Air, Law, LawVisitor, SpeedLaw};
+use crate::air::{Air, Law, LawOfRows, LawVisitor, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::dual::Dual;
 use crate::effects::{Effect, Visitor};
@@ -158,19 +158,21 @@ impl Visitor for Apply<'_> {
 
     fn visit<E: Effect>(self) {
         let rows = self.reading.rows();
+        let own = core::array::from_fn(|i| self.parameters.get(i).copied().unwrap_or(0.0));
         // SAFETY: a reading has its rows, at most a block, and so have the tracks.
         unsafe {
             if self.still {
-                each(&Applied::<E, 0>(self, PhantomData), rows);
+                each(&Applied::<E, 0>(own, self, PhantomData), rows);
             } else {
-                each(&Applied::<E, 1>(self, PhantomData), rows);
+                each(&Applied::<E, 1>(own, self, PhantomData), rows);
             }
         }
     }
 }
 
-/// With so many derivatives.
-struct Applied<'a, E, const N: usize>(Apply<'a>, PhantomData<E>);
+/// With so many derivatives, and with the parameters in a memory that nothing else writes to: what depends on
+/// them alone the compiler then computes once for all rows.
+struct Applied<'a, E, const N: usize>([f64; MOST], Apply<'a>, PhantomData<E>);
 
 /// The most parameters that an effect has.
 pub(super) const MOST: usize = 4;
@@ -179,14 +181,14 @@ impl<E: Effect, const N: usize> Work for Applied<'_, E, N> {
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
         const { assert!(E::FACTS.parameters.len() <= MOST) };
-        let Apply {
+        let Self(parameters, call, _) = self;
+        let &Apply {
             reading,
-            parameters,
             seed,
             target,
             prepared,
             ..
-        } = self.0;
+        } = call;
         let mut own = [Dual::fixed(V::constant(0.0)); MOST];
         #[allow(clippy::needless_range_loop)] // the length is a constant
         for i in 0..E::FACTS.parameters.len() {
@@ -319,7 +321,7 @@ impl LawVisitor for SpeedIn<'_> {
 
 struct SpeedBy<'a, L>(L, SpeedIn<'a>);
 
-impl<L: SpeedLaw> Work for SpeedBy<'_, L> {
+impl<L: LawOfRows> Work for SpeedBy<'_, L> {
     const LONG: bool = true;
 
     #[inline(always)]
@@ -333,7 +335,7 @@ impl<L: SpeedLaw> Work for SpeedBy<'_, L> {
                 pressure: air[2].load(row),
                 co2_mole_fraction: air[3].load(row),
             };
-            store(law.speed(&air), into, row);
+            store(law.speed_of_rows(&air), into, row);
         }
     }
 }

@@ -208,21 +208,21 @@ impl<'a> Reading<'a> {
         (self.value[track], self.slope[track])
     }
 
-    /// The rows of one of this block's lines.
-    fn numbers(&self, line: LineRef<'a>) -> &[f64] {
-        // SAFETY: the line has the rows of the block. While a reading is in use outside of this module,
-        // nothing writes to them; see above.
+    /// The rows of a line.
+    pub(super) fn numbers(&self, line: LineRef<'a>) -> &'a [f64] {
+        // SAFETY: the line has the rows of the block. While a reading, or what it lent, is in use outside of
+        // this module, nothing writes to them; see above.
         unsafe { from_raw_parts(line.start, self.rows) }
     }
 
     /// Derivatives of a variable.
-    pub(crate) fn slope(&self, track: usize) -> &[f64] {
+    pub(crate) fn slope(&self, track: usize) -> &'a [f64] {
         self.numbers(self.slope[track])
     }
 
-    /// Copies the values of a stage's variable.
-    pub(crate) fn values(&self, stage: Stage, into: &mut Line) {
-        into.0[..self.rows].copy_from_slice(self.numbers(self.of(stage).0));
+    /// The values of a stage's variable.
+    pub(crate) fn values(&self, stage: Stage) -> &'a [f64] {
+        self.numbers(self.of(stage).0)
     }
 
     /// Copies the derivatives of a stage's variable.
