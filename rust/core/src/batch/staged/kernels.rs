@@ -1,6 +1,6 @@
 //! What is done to the rows of a block, one function for each effect and stage.
 
-use super::tracks::{BLOCK, Line, LineRef, Reading, Track};
+use super::tracks::{AIR, BLOCK, Line, LineRef, Reading, Track, changed};
 use crate::air::{Air, Law, LawOfRows, LawVisitor, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::dual::Dual;
@@ -75,7 +75,7 @@ unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
     }
 }
 
-/// Writes the variables of a stage.
+/// Writes the variables of a stage that are `changed`.
 ///
 /// # Safety
 /// A block has rows `row..row + V::WIDTH`.
@@ -85,26 +85,36 @@ unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
 #[inline(always)]
 unsafe fn keep<const N: usize, V: Vector<Element = f64>>(
     stage: Stage,
+    changed: [bool; AIR.len()],
     chain: &Chain<Dual<N, V>>,
     target: &[Track],
     row: usize,
 ) {
-    // SAFETY: the caller's.
-    unsafe {
-        match stage {
-            Stage::Air => {
-                put(chain.air.temperature, &target[0], row);
-                put(chain.air.relative_humidity, &target[1], row);
-                put(chain.air.pressure, &target[2], row);
-                put(chain.air.co2_mole_fraction, &target[3], row);
+    let air = &chain.air;
+    let only = match stage {
+        Stage::Air => {
+            let variables = [
+                air.temperature,
+                air.relative_humidity,
+                air.pressure,
+                air.co2_mole_fraction,
+            ];
+            for (track, variable) in variables.into_iter().enumerate() {
+                if changed[track] {
+                    // SAFETY: the caller's.
+                    unsafe { put(variable, &target[track], row) };
+                }
             }
-            Stage::Speed => put(chain.speed, &target[0], row),
-            Stage::Path => put(chain.path, &target[0], row),
-            Stage::Flight | Stage::Transducer | Stage::Timer => put(chain.time, &target[0], row),
-            Stage::Firmware => put(chain.firmware_speed, &target[0], row),
-            Stage::Indication => put(chain.indication, &target[0], row),
+            return;
         }
-    }
+        Stage::Speed => chain.speed,
+        Stage::Path => chain.path,
+        Stage::Flight | Stage::Transducer | Stage::Timer => chain.time,
+        Stage::Firmware => chain.firmware_speed,
+        Stage::Indication => chain.indication,
+    };
+    // SAFETY: the caller's.
+    unsafe { put(only, &target[0], row) };
 }
 
 /// Writes values, and derivatives where there are any, of some rows.
@@ -154,9 +164,10 @@ pub(super) struct Apply<'a> {
 }
 
 impl Visitor for Apply<'_> {
-    type Output = ();
+    /// Which variables of the stage were changed.
+    type Output = [bool; AIR.len()];
 
-    fn visit<E: Effect>(self) {
+    fn visit<E: Effect>(self) -> Self::Output {
         let rows = self.reading.rows();
         let own = core::array::from_fn(|i| self.parameters.get(i).copied().unwrap_or(0.0));
         // SAFETY: a reading has its rows, at most a block, and so have the tracks.
@@ -167,6 +178,7 @@ impl Visitor for Apply<'_> {
                 each(&Applied::<E, 1>(own, self, PhantomData), rows);
             }
         }
+        const { changed(&E::FACTS) }
     }
 }
 
@@ -207,7 +219,8 @@ impl<E: Effect, const N: usize> Work for Applied<'_, E, N> {
                 }
                 _ => E::apply(&mut chain, own),
             }
-            keep(E::FACTS.stage, &chain, target, row);
+            let changed = const { changed(&E::FACTS) };
+            keep(E::FACTS.stage, changed, &chain, target, row);
         }
     }
 }
@@ -287,7 +300,8 @@ impl<const STAGE: usize, const N: usize> Work for Entered<'_, STAGE, N> {
         unsafe {
             let mut chain = self.reading.chain::<N, V>(stage, row);
             entered(self.law, stage, &mut chain);
-            keep(stage, &chain, core::slice::from_ref(self.target), row);
+            let target = core::slice::from_ref(self.target);
+            keep(stage, [true; AIR.len()], &chain, target, row);
         }
     }
 }

@@ -85,9 +85,8 @@ impl<'a> Newton<'a> {
     pub(super) fn found(self, reached: &Reading<'a>) -> &'a [f64] {
         let State { distance, settled } = self.state;
         for (distance, settled) in distance.cells().iter().zip(settled.cells()) {
-            if !(settled.get() >= 0.0) {
-                distance.set(f64::NAN);
-            }
+            let settled = settled.get() >= 0.0;
+            distance.set(if settled { distance.get() } else { f64::NAN });
         }
         reached.numbers(LineRef::shared(distance))
     }

@@ -278,8 +278,8 @@ impl<'a> Steps<'a> {
             target: &self.0.tracks[tracks.clone()],
             prepared,
         };
-        effects::visit(index, work);
-        for track in tracks {
+        let changed = effects::visit(index, work);
+        for (track, _) in tracks.zip(changed).filter(|&(_, changed)| changed) {
             reading.place(track, &self.0.tracks[track], still);
         }
     }

@@ -4,6 +4,7 @@ use crate::air::Air;
 use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
+use crate::effects::Facts;
 use crate::simd::Vector;
 use core::cell::Cell;
 use core::marker::PhantomData;
@@ -133,6 +134,22 @@ pub(crate) const fn tracks_of(stage: Stage) -> Range<usize> {
         Stage::Firmware => 9..10,
         Stage::Indication => 10..11,
     }
+}
+
+/// Which of its stage's variables an effect changes: the others are read on from where they are.
+pub(super) const fn changed(facts: &Facts) -> [bool; AIR.len()] {
+    let mut changed = [true; AIR.len()];
+    let mut track = 0;
+    while matches!(facts.stage, Stage::Air) && track < AIR.len() {
+        changed[track] = false;
+        let mut index = 0;
+        while index < facts.air.len() {
+            changed[track] |= facts.air[index] as usize == AIR[track] as usize;
+            index += 1;
+        }
+        track += 1;
+    }
+    changed
 }
 
 /// Where each number of a block is read: recorded quantities, the distance, and the variables.
