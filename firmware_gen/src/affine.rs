@@ -2,7 +2,7 @@
 //! straight line in the distance. If it is one, the result is that line.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
-use echocal_core::scalar::Scalar;
+use echocal_core::scalar::{Rows, Scalar};
 
 /// `constant + slope * distance`; the slope is NaN once an operation has left the straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +140,12 @@ impl Scalar for Affine {
                 ..picked
             }
         }
+    }
+}
+
+impl Rows for Affine {
+    fn all_non_negative(self) -> bool {
+        self.is_fixed() && self.constant >= 0.0
     }
 }
 

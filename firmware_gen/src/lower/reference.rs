@@ -6,7 +6,7 @@ use crate::device::{Axis, rows, values};
 use crate::reference::Reference;
 use echocal_core::chain::Stage;
 use echocal_core::dual::Dual;
-use echocal_core::scalar::Scalar;
+use echocal_core::scalar::Rows;
 use echocal_core::{Conditions, Quantity};
 
 /// Newton's method stops at a step of this \[m\]: a millionth of the finest output unit, 1 um.
@@ -57,7 +57,7 @@ impl Lowered {
     }
 
     /// The echo time at a distance, in any number type.
-    fn time<S: Scalar>(&self, distance: S, at: &Conditions<f64>) -> S {
+    fn time<S: Rows>(&self, distance: S, at: &Conditions<f64>) -> S {
         let at = Conditions::new(Quantity::ALL.map(|facts| S::constant(at.get(facts.quantity))));
         let parameters: Vec<S> = self.parameters.iter().copied().map(S::constant).collect();
         self.model

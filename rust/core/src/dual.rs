@@ -1,6 +1,6 @@
 //! Dual numbers: a value with its exact derivatives to `N` variables (forward mode).
 
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its partial derivatives, of one row or of several.
@@ -140,6 +140,13 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
             value: S::select(condition.value, chosen.value, other.value),
             derivatives,
         }
+    }
+}
+
+impl<const N: usize, S: Rows> Rows for Dual<N, S> {
+    #[inline(always)]
+    fn all_non_negative(self) -> bool {
+        self.value.all_non_negative()
     }
 }
 

@@ -47,9 +47,9 @@ pub trait Scalar:
     }
 }
 
-/// A [`Scalar`] of one row or several, as an iteration sees it that must know when to stop.
+/// A [`Scalar`] of one row or several, of which it can be known that none needs what is left out.
 pub trait Rows: Scalar {
-    /// Whether every row is `>= 0`. Only for leaving a loop that no longer changes any row: a row's
+    /// Whether every row is `>= 0`. Only for leaving out what would not change any row: a row's
     /// result must not depend on its neighbors.
     fn all_non_negative(self) -> bool;
 }

@@ -79,33 +79,33 @@ impl OfModel {
         let span = |first: usize, count: usize| {
             let columns = core::array::from_fn(|q| inputs[1 + q].skip(first));
             let mut given = BlockReader::new(precision, inputs[0].skip(first), columns);
-            let (mut pass, mut found) = (Pass::new(), Line::of(0.0));
+            let mut pass = Pass::new();
             for from in (0..count).step_by(BLOCK) {
                 let some = BLOCK.min(count - from);
                 // SAFETY: rows of columns that the caller guarantees.
                 let block = unsafe { given.block(from, some) };
-                self.block(&mut pass, block, &mut found);
-                // SAFETY: as above.
-                unsafe { precision.put(output.skip(first + from), &found.0[..some]) };
+                let found = self.block(&mut pass, block);
+                // SAFETY: as above; what was found lies in the memory of the pass.
+                unsafe { precision.put(output.skip(first + from), &found[..some]) };
             }
         };
         threads::split(rows, threads, threads::OF_A_MODEL, &span);
     }
 
-    fn block(&self, pass: &mut Pass, block: Reading<'_>, found: &mut Line) {
+    fn block<'a>(&self, pass: &'a mut Pass, block: Reading<'a>) -> &'a [f64] {
         let model = &self.model;
         let last = match self.output {
             ModelOutput::Correction => {
-                return pass.invert(model, &block, Stage::Indication, false, found);
+                return pass.invert(model, block, Stage::Indication, false);
             }
             ModelOutput::Distance => {
-                return pass.invert(model, &block, Stage::Timer, true, found);
+                return pass.invert(model, block, Stage::Timer, true);
             }
             ModelOutput::Indication => Stage::Indication,
             ModelOutput::TimeOfFlight => Stage::Timer,
             ModelOutput::SpeedOfSound => Stage::Speed,
         };
-        pass.run(model, block, last).values(last, found);
+        pass.run(model, block, last).values(last)
     }
 }
 

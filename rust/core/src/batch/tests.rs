@@ -362,18 +362,23 @@ fn a_law_fetches_only_what_it_reads() {
 
 #[test]
 fn a_row_without_a_distance_leaves_its_neighbors_alone() {
-    let model = crate::Model::new(Law::parse("linear").unwrap());
-    let kernel = of_model(model, ModelOutput::Correction);
-    let mut inputs = model_columns(48);
-    let expected = run_f64(&*kernel, &inputs, 1);
-    inputs[0][5] = f64::INFINITY;
-    inputs[1][7] = f64::NAN;
-    let output = run_f64(&*kernel, &inputs, 1);
-    for (row, value) in output.into_iter().enumerate() {
-        assert!(if row == 5 || row == 7 {
-            value.is_nan()
-        } else {
-            value == expected[row]
-        });
+    let straight = crate::Model::new(Law::parse("linear").unwrap());
+    let bent = straight
+        .clone()
+        .with("transducer_spacing", &[("square", 1e-3)]);
+    for model in [straight, bent.unwrap()] {
+        let kernel = of_model(model, ModelOutput::Correction);
+        let mut inputs = model_columns(48);
+        let expected = run_f64(&*kernel, &inputs, 1);
+        inputs[0][5] = f64::INFINITY;
+        inputs[1][7] = f64::NAN;
+        let output = run_f64(&*kernel, &inputs, 1);
+        for (row, value) in output.into_iter().enumerate() {
+            assert!(if row == 5 || row == 7 {
+                value.is_nan()
+            } else {
+                value == expected[row]
+            });
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::{Effect, Facts, ParameterFacts, Role, Tried};
 use crate::air::absorption;
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::{Scalar, polynomial};
+use crate::scalar::{Rows, Scalar, polynomial};
 
 /// Carrier of most rangers \[Hz\].
 const FREQUENCY: f64 = 40e3;
@@ -56,6 +56,7 @@ impl Effect for AmplitudeWalk {
                 ..ParameterFacts::USUAL
             },
         ],
+        bends: true,
         edges: true,
         domain: "one target; 0.1 to 6 m; without recorded humidity alpha is that of the model's assumed air",
         check: "record the echo's amplitude, or change the target's reflectivity at one distance",
@@ -63,7 +64,7 @@ impl Effect for AmplitudeWalk {
     };
 
     #[inline(always)]
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]) {
         let fainter = Self::prepare(chain);
         Self::apply_prepared(chain, parameters, fainter);
     }

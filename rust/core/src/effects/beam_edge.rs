@@ -41,6 +41,7 @@ impl Effect for BeamEdge {
                 ..ParameterFacts::USUAL
             },
         ],
+        bends: true,
         edges: true,
         domain: "one thing at the edge, that always answers; where it answers now and then, rows scatter in two heaps",
         check: "cover the edge with an absorber, take a wider target, or move sideways",

@@ -1,11 +1,11 @@
 //! Recorded carbon dioxide that the law ignores.
 
 use super::{Effect, Facts, Firmware, ParameterFacts};
-use crate::air::composition::water_vapor_mole_fraction;
+use crate::air::composition::water_vapor_mole_fraction_of_rows;
 use crate::air::{Cramer, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
 /// Mole fraction that laws without carbon dioxide stand for: 400 ppm.
 const USUAL: f64 = 4e-4;
@@ -37,8 +37,8 @@ impl Effect for CarbonDioxide {
     };
 
     #[inline(always)]
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
-        let water = water_vapor_mole_fraction(&chain.air);
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]) {
+        let water = water_vapor_mole_fraction_of_rows(&chain.air);
         let mut usual = chain.air;
         usual.co2_mole_fraction = S::constant(USUAL);
         let change =

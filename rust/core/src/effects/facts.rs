@@ -121,8 +121,12 @@ pub struct Facts {
     pub extends: &'static [&'static str],
     /// Its parameters, in the order that `apply` takes them.
     pub parameters: &'static [ParameterFacts],
+    /// The quantities of the air that it changes, if it is an effect of the air.
+    pub air: &'static [Quantity],
     /// Whether what it makes of the air, the speed or the firmware's speed depends on the distance.
     pub of_distance: bool,
+    /// Whether it bends the line that the echo time is over the distance, or gives it an edge.
+    pub bends: bool,
     /// Whether its formula has edges, where a derivative jumps.
     pub edges: bool,
     /// Whether another campaign meets it again: what grew or began in the course of one does not.
@@ -151,7 +155,9 @@ impl Facts {
         calls: None,
         extends: &[],
         parameters: &[],
+        air: &[Quantity::Temperature],
         of_distance: false,
+        bends: false,
         edges: false,
         recurs: true,
         domain: "any distance and air",

@@ -1,11 +1,11 @@
 //! Air with more carbon dioxide, or with another gas in it.
 
 use super::{Effect, Facts, ParameterFacts};
-use crate::air::composition::water_vapor_mole_fraction;
+use crate::air::composition::water_vapor_mole_fraction_of_rows;
 use crate::air::{Cramer, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
 /// See [`GasComposition::FACTS`].
 pub struct GasComposition;
@@ -39,8 +39,8 @@ impl Effect for GasComposition {
     };
 
     #[inline(always)]
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
-        let water = water_vapor_mole_fraction(&chain.air);
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]) {
+        let water = water_vapor_mole_fraction_of_rows(&chain.air);
         let mut other = chain.air;
         other.co2_mole_fraction = other.co2_mole_fraction + parameters[0];
         let change =

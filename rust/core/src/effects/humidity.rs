@@ -1,15 +1,15 @@
 //! Recorded humidity that the law ignores.
 
 use super::{Effect, Facts, Firmware, ParameterFacts, Role};
-use crate::air::{Air, Cramer, SpeedLaw};
+use crate::air::{Air, Cramer, LawOfRows, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
 /// How much faster sound is in this air than in the same air without water \[m/s\].
 #[inline(always)]
-pub(super) fn rise<S: Scalar>(air: &Air<S>) -> S {
-    Cramer.speed(air) - Cramer.at_composition(air, S::constant(0.0))
+pub(super) fn rise<S: Rows>(air: &Air<S>) -> S {
+    Cramer.speed_of_rows(air) - Cramer.at_composition(air, S::constant(0.0))
 }
 
 /// See [`Humidity::FACTS`].
@@ -49,7 +49,7 @@ impl Effect for Humidity {
     };
 
     #[inline(always)]
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]) {
         chain.speed = parameters[0].mul_add(rise(&chain.air), chain.speed);
     }
 }

@@ -11,7 +11,7 @@ mod testing;
 pub use facts::{Facts, Firmware, ParameterFacts, Role, Tried};
 
 use crate::chain::Chain;
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
 /// A deviation that acts on the mean of the indication.
 pub trait Effect {
@@ -19,20 +19,20 @@ pub trait Effect {
     const FACTS: Facts;
 
     /// Changes the variable of the effect's stage.
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]);
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]);
 
     /// Whether [`Effect::prepare`] finds anything.
     const PREPARES: bool = false;
 
     /// What [`Effect::apply`] makes of the chain whatever its parameters are, where that takes long.
     #[inline(always)]
-    fn prepare<S: Scalar>(_chain: &Chain<S>) -> S {
+    fn prepare<S: Rows>(_chain: &Chain<S>) -> S {
         S::constant(0.0)
     }
 
     /// [`Effect::apply`] with what [`Effect::prepare`] found.
     #[inline(always)]
-    fn apply_prepared<S: Scalar>(chain: &mut Chain<S>, parameters: &[S], _prepared: S) {
+    fn apply_prepared<S: Rows>(chain: &mut Chain<S>, parameters: &[S], _prepared: S) {
         Self::apply(chain, parameters);
     }
 }
@@ -57,7 +57,7 @@ macro_rules! registry {
         const MODULES: &[&str] = &[$(stringify!($module)),+];
 
         /// Applies the effect with this index in [`ALL`].
-        pub fn apply<S: Scalar>(index: usize, chain: &mut Chain<S>, parameters: &[S]) {
+        pub fn apply<S: Rows>(index: usize, chain: &mut Chain<S>, parameters: &[S]) {
             let mut position = 0;
             $(
                 if index == position {

@@ -1,10 +1,10 @@
 //! Recorded pressure that the law ignores.
 
 use super::{Effect, Facts, Firmware, ParameterFacts};
-use crate::air::{Air, Cramer, SpeedLaw};
+use crate::air::{Air, Cramer, LawOfRows};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
 /// Standard atmosphere \[Pa\].
 pub(super) const STANDARD: f64 = 101_325.0;
@@ -36,12 +36,12 @@ impl Effect for Pressure {
     };
 
     #[inline(always)]
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]) {
         let standard = Air {
             pressure: S::constant(STANDARD),
             ..chain.air
         };
-        let change = Cramer.speed(&chain.air) - Cramer.speed(&standard);
+        let change = Cramer.speed_of_rows(&chain.air) - Cramer.speed_of_rows(&standard);
         chain.speed = parameters[0].mul_add(change, chain.speed);
     }
 }

@@ -24,6 +24,7 @@ impl Effect for TemperatureGradient {
             ..ParameterFacts::USUAL
         }],
         of_distance: true,
+        bends: true,
         domain: "a gradient that is even along the path",
         check: "a second thermometer at the target, or several distances",
         firmware: Firmware::Refused(

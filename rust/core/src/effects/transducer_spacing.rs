@@ -24,6 +24,7 @@ impl Effect for TransducerSpacing {
             prior_scale: 6.76e-4, // 26 mm
             ..ParameterFacts::USUAL
         }],
+        bends: true,
         domain: "two transducers; distances from the transducers' faces",
         check: "measure very short distances, where it is largest, and the spacing with a caliper",
         firmware: Firmware::Refused(

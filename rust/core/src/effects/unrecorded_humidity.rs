@@ -5,7 +5,7 @@ use super::{Effect, Facts, Firmware, ParameterFacts, Role};
 use crate::air::Air;
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::Rows;
 
 /// See [`UnrecordedHumidity::FACTS`].
 pub struct UnrecordedHumidity;
@@ -43,7 +43,7 @@ impl Effect for UnrecordedHumidity {
     };
 
     #[inline(always)]
-    fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
+    fn apply<S: Rows>(chain: &mut Chain<S>, parameters: &[S]) {
         let moist = Air {
             relative_humidity: parameters[0],
             ..chain.air

@@ -3,17 +3,17 @@
 mod invert;
 mod term;
 
-pub(crate) use invert::{ENOUGH, approach};
+pub(crate) use invert::{ENOUGH, SOME_SPEED, approach, arrive};
 pub use term::Term;
 
-use crate::air::{Air, Law};
+use crate::air::{Air, Law, LawOfRows};
 use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
 use crate::echo;
 use crate::effects;
 use crate::error::Error;
-use crate::scalar::Scalar;
+use crate::scalar::{Rows, Scalar};
 
 /// A law and the effects that extend it, in the order of the measurement chain.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,7 +100,7 @@ impl Model {
 
     /// Passes one measurement through the whole chain; `parameters` as from
     /// [`Model::parameters`].
-    pub fn simulate<S: Scalar>(
+    pub fn simulate<S: Rows>(
         &self,
         distance: S,
         recorded: &Conditions<S>,
@@ -112,7 +112,7 @@ impl Model {
     /// Passes one measurement through the chain up to and with a stage.
     ///
     /// One measurement at a time; many pass stage by stage, see [`batch`](crate::batch).
-    pub fn simulate_to<S: Scalar>(
+    pub fn simulate_to<S: Rows>(
         &self,
         last: Stage,
         distance: S,
@@ -157,14 +157,16 @@ impl Model {
     }
 }
 
-/// What a stage does without any effect.
+/// What a stage does without any effect. The speed is that of the batch kernels without a model, bit for bit.
 #[inline(always)]
-pub(crate) fn enter<S: Scalar>(law: Law, stage: Stage, chain: &mut Chain<S>) {
+pub(crate) fn enter<S: Rows>(law: Law, stage: Stage, chain: &mut Chain<S>) {
     match stage {
-        Stage::Speed => chain.speed = law.speed(&chain.air),
+        Stage::Speed => chain.speed = law.speed_of_rows(&chain.air),
         Stage::Path => chain.path = chain.distance,
         Stage::Flight => chain.time = echo::time_of_flight(chain.path, chain.speed),
-        Stage::Firmware => chain.firmware_speed = law.speed(&Air::recorded(&chain.recorded)),
+        Stage::Firmware => {
+            chain.firmware_speed = law.speed_of_rows(&Air::recorded(&chain.recorded))
+        }
         Stage::Indication => chain.indication = echo::distance(chain.time, chain.firmware_speed),
         Stage::Air | Stage::Transducer | Stage::Timer => {}
     }

@@ -7,7 +7,7 @@ use crate::draws::{
 use echocal_core::batch::jacobian;
 use echocal_core::dual::Dual;
 use echocal_core::effects::ALL;
-use echocal_core::scalar::Scalar;
+use echocal_core::scalar::Rows;
 use echocal_core::{Conditions, Model, Quantity};
 use proptest::prelude::*;
 
@@ -20,7 +20,7 @@ enum To {
 }
 
 /// Indication where one input is moved by `step`.
-fn moved<S: Scalar>(model: &Model, d: f64, at: &Conditions<f64>, to: To, step: S) -> S {
+fn moved<S: Rows>(model: &Model, d: f64, at: &Conditions<f64>, to: To, step: S) -> S {
     let mut distance = S::constant(d);
     let values = model.parameters();
     let mut parameters: Vec<S> = values.into_iter().map(S::constant).collect();

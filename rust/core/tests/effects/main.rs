@@ -9,3 +9,4 @@ mod neutral;
 mod reads;
 mod round_trip;
 mod stages;
+mod straight;

@@ -3,9 +3,28 @@
 use crate::draws::{
     conditions, distance, laws, owns, random_model, units, values, variables, with,
 };
-use echocal_core::Model;
+use echocal_core::air::Air;
 use echocal_core::effects::{ALL, apply};
+use echocal_core::{Model, Quantity};
 use proptest::prelude::*;
+
+/// The quantities of the air before and after.
+fn of_the_air(before: &Air<f64>, after: &Air<f64>) -> [(Quantity, f64, f64); 4] {
+    [
+        (Quantity::Temperature, before.temperature, after.temperature),
+        (
+            Quantity::RelativeHumidity,
+            before.relative_humidity,
+            after.relative_humidity,
+        ),
+        (Quantity::Pressure, before.pressure, after.pressure),
+        (
+            Quantity::Co2MoleFraction,
+            before.co2_mole_fraction,
+            after.co2_mole_fraction,
+        ),
+    ]
+}
 
 proptest! {
     #[test]
@@ -26,6 +45,10 @@ proptest! {
                     prop_assert!(kept || changed, "{} changes {:?}", facts.id, old.0);
                 }
                 prop_assert_eq!(after.distance, d);
+                for (quantity, old, new) in of_the_air(&before.air, &after.air) {
+                    let kept = old.to_bits() == new.to_bits() || facts.air.contains(&quantity);
+                    prop_assert!(kept, "{} changes {:?}", facts.id, quantity);
+                }
             }
         }
     }

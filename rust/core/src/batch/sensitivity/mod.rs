@@ -105,12 +105,10 @@ impl SensitivityBlock<'_> {
     /// Change of the base's reading by an effect at work \[m\].
     #[inline(always)]
     pub fn shift(&mut self, term: &Term, at: ExpansionPoint<'_>, into: &mut Line) {
-        let there = self.beside(term, at, None);
-        there.values(Stage::Indication, into);
-        let mut expected = Line::of(0.0);
-        self.base.values(Stage::Indication, &mut expected);
-        for (value, expected) in into.0.iter_mut().zip(expected.0) {
-            *value -= expected;
+        let expected = self.base.values(Stage::Indication);
+        let found = self.beside(term, at, None).values(Stage::Indication);
+        for ((shift, found), expected) in into.0.iter_mut().zip(found).zip(expected) {
+            *shift = found - expected;
         }
     }
 

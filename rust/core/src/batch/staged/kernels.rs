@@ -1,7 +1,7 @@
 //! What is done to the rows of a block, one function for each effect and stage.
 
-use super::tracks::{BLOCK, Line, LineRef, Reading, Track};
-use crate::air::{Air, Law, LawVisitor, SpeedLaw};
+use super::tracks::{AIR, BLOCK, Line, LineRef, Reading, Track, changed};
+use crate::air::{Air, Law, LawOfRows, LawVisitor, SpeedLaw};
 use crate::chain::{Chain, Stage};
 use crate::dual::Dual;
 use crate::effects::{Effect, Visitor};
@@ -75,7 +75,7 @@ unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
     }
 }
 
-/// Writes the variables of a stage.
+/// Writes the variables of a stage that are `changed`.
 ///
 /// # Safety
 /// A block has rows `row..row + V::WIDTH`.
@@ -85,26 +85,36 @@ unsafe fn all<V: Vector<Element = f64>, W: Work>(work: &W, rows: usize) {
 #[inline(always)]
 unsafe fn keep<const N: usize, V: Vector<Element = f64>>(
     stage: Stage,
+    changed: [bool; AIR.len()],
     chain: &Chain<Dual<N, V>>,
     target: &[Track],
     row: usize,
 ) {
-    // SAFETY: the caller's.
-    unsafe {
-        match stage {
-            Stage::Air => {
-                put(chain.air.temperature, &target[0], row);
-                put(chain.air.relative_humidity, &target[1], row);
-                put(chain.air.pressure, &target[2], row);
-                put(chain.air.co2_mole_fraction, &target[3], row);
+    let air = &chain.air;
+    let only = match stage {
+        Stage::Air => {
+            let variables = [
+                air.temperature,
+                air.relative_humidity,
+                air.pressure,
+                air.co2_mole_fraction,
+            ];
+            for (track, variable) in variables.into_iter().enumerate() {
+                if changed[track] {
+                    // SAFETY: the caller's.
+                    unsafe { put(variable, &target[track], row) };
+                }
             }
-            Stage::Speed => put(chain.speed, &target[0], row),
-            Stage::Path => put(chain.path, &target[0], row),
-            Stage::Flight | Stage::Transducer | Stage::Timer => put(chain.time, &target[0], row),
-            Stage::Firmware => put(chain.firmware_speed, &target[0], row),
-            Stage::Indication => put(chain.indication, &target[0], row),
+            return;
         }
-    }
+        Stage::Speed => chain.speed,
+        Stage::Path => chain.path,
+        Stage::Flight | Stage::Transducer | Stage::Timer => chain.time,
+        Stage::Firmware => chain.firmware_speed,
+        Stage::Indication => chain.indication,
+    };
+    // SAFETY: the caller's.
+    unsafe { put(only, &target[0], row) };
 }
 
 /// Writes values, and derivatives where there are any, of some rows.
@@ -154,23 +164,27 @@ pub(super) struct Apply<'a> {
 }
 
 impl Visitor for Apply<'_> {
-    type Output = ();
+    /// Which variables of the stage were changed.
+    type Output = [bool; AIR.len()];
 
-    fn visit<E: Effect>(self) {
+    fn visit<E: Effect>(self) -> Self::Output {
         let rows = self.reading.rows();
+        let own = core::array::from_fn(|i| self.parameters.get(i).copied().unwrap_or(0.0));
         // SAFETY: a reading has its rows, at most a block, and so have the tracks.
         unsafe {
             if self.still {
-                each(&Applied::<E, 0>(self, PhantomData), rows);
+                each(&Applied::<E, 0>(own, self, PhantomData), rows);
             } else {
-                each(&Applied::<E, 1>(self, PhantomData), rows);
+                each(&Applied::<E, 1>(own, self, PhantomData), rows);
             }
         }
+        const { changed(&E::FACTS) }
     }
 }
 
-/// With so many derivatives.
-struct Applied<'a, E, const N: usize>(Apply<'a>, PhantomData<E>);
+/// With so many derivatives, and with the parameters in a memory that nothing else writes to: what depends on
+/// them alone the compiler then computes once for all rows.
+struct Applied<'a, E, const N: usize>([f64; MOST], Apply<'a>, PhantomData<E>);
 
 /// The most parameters that an effect has.
 pub(super) const MOST: usize = 4;
@@ -179,14 +193,14 @@ impl<E: Effect, const N: usize> Work for Applied<'_, E, N> {
     #[inline(always)]
     unsafe fn at<V: Vector<Element = f64>>(&self, row: usize) {
         const { assert!(E::FACTS.parameters.len() <= MOST) };
-        let Apply {
+        let Self(parameters, call, _) = self;
+        let &Apply {
             reading,
-            parameters,
             seed,
             target,
             prepared,
             ..
-        } = self.0;
+        } = call;
         let mut own = [Dual::fixed(V::constant(0.0)); MOST];
         #[allow(clippy::needless_range_loop)] // the length is a constant
         for i in 0..E::FACTS.parameters.len() {
@@ -205,7 +219,8 @@ impl<E: Effect, const N: usize> Work for Applied<'_, E, N> {
                 }
                 _ => E::apply(&mut chain, own),
             }
-            keep(E::FACTS.stage, &chain, target, row);
+            let changed = const { changed(&E::FACTS) };
+            keep(E::FACTS.stage, changed, &chain, target, row);
         }
     }
 }
@@ -285,7 +300,8 @@ impl<const STAGE: usize, const N: usize> Work for Entered<'_, STAGE, N> {
         unsafe {
             let mut chain = self.reading.chain::<N, V>(stage, row);
             entered(self.law, stage, &mut chain);
-            keep(stage, &chain, core::slice::from_ref(self.target), row);
+            let target = core::slice::from_ref(self.target);
+            keep(stage, [true; AIR.len()], &chain, target, row);
         }
     }
 }
@@ -319,7 +335,7 @@ impl LawVisitor for SpeedIn<'_> {
 
 struct SpeedBy<'a, L>(L, SpeedIn<'a>);
 
-impl<L: SpeedLaw> Work for SpeedBy<'_, L> {
+impl<L: LawOfRows> Work for SpeedBy<'_, L> {
     const LONG: bool = true;
 
     #[inline(always)]
@@ -333,7 +349,7 @@ impl<L: SpeedLaw> Work for SpeedBy<'_, L> {
                 pressure: air[2].load(row),
                 co2_mole_fraction: air[3].load(row),
             };
-            store(law.speed(&air), into, row);
+            store(law.speed_of_rows(&air), into, row);
         }
     }
 }

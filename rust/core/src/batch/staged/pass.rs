@@ -1,7 +1,7 @@
 //! A block of rows through the chain, with the effects of a model and one more.
 
 use super::kernels::{Apply, Prepare, enter, speed};
-use super::newton::Newton;
+use super::newton::{Newton, State};
 use super::tracks::{AIR, Line, LineRef, Reading, SharedLine, TRACKS, Track, tracks_of};
 use crate::air::Law;
 use crate::chain::Stage;
@@ -17,6 +17,7 @@ pub(crate) struct Pass {
 struct Memory {
     tracks: [Track; TRACKS],
     recorded_speed: SharedLine,
+    newton: State,
 }
 
 /// One term at work: the derivative to one of its parameters may be wanted.
@@ -28,6 +29,7 @@ impl Pass {
             memory: Box::new(Memory {
                 tracks: [const { Track::new() }; TRACKS],
                 recorded_speed: SharedLine::of(0.0),
+                newton: State::new(),
             }),
         }
     }
@@ -53,30 +55,36 @@ impl Pass {
         Steps(&self.memory).through(model, reading, |stage| stage <= last, seed)
     }
 
-    /// The distance at which a block's values are reached in a stage, by Newton's method as in
-    /// [`Model::invert`]; NaN where there is none. `times`: the values are times, which become first guesses
-    /// at the speed in the recorded air.
-    pub(crate) fn invert(
-        &mut self,
+    /// The distances at which a block's values are reached in a stage, by Newton's method as in
+    /// [`Model::invert`]; NaN where there is none. `times`: the values are times.
+    pub(crate) fn invert<'a>(
+        &'a mut self,
         model: &Model,
-        block: &Reading<'_>,
+        mut block: Reading<'a>,
         last: Stage,
         times: bool,
-        found: &mut Line,
-    ) {
-        let (steps, mut block) = (Steps(&self.memory), *block);
-        let speed = times.then(|| steps.recorded_speed(model.law(), &mut block));
-        let newton = Newton::new(&block, speed);
-        let here = block.to_distance(true).at_line(newton.distance());
-        let mut here = steps.through(model, here, |stage| stage <= last, None);
-        for _ in 0..ENOUGH {
-            if newton.settle(&here, last) {
+    ) -> &'a [f64] {
+        let steps = Steps(&self.memory);
+        let newton = Newton::new(&block, &self.memory.newton);
+        if times {
+            let near = !model.is_straight();
+            let speed = near.then(|| steps.recorded_speed(model.law(), &mut block));
+            block = block.at_line(newton.guess(speed));
+        }
+        let mut here = steps.through(model, block.to_distance(true), |stage| stage <= last, None);
+        if model.is_straight() {
+            return newton.arrive(&here, last);
+        }
+        here = newton.approach(here, last, true);
+        let again = |stage| stage <= last && !is_of_air(model, stage);
+        for _ in 1..ENOUGH {
+            if !newton.goes_on() {
                 break;
             }
-            let again = |stage| stage <= last && !is_of_air(model, stage);
             here = steps.through(model, here.to_distance(true), again, None);
+            here = newton.approach(here, last, false);
         }
-        newton.found(found);
+        newton.found(&here)
     }
 
     /// Takes a block that a model brought to the end through what one more effect changes.
@@ -169,19 +177,20 @@ impl<'a> Steps<'a> {
         wanted: impl Fn(Stage) -> bool,
         seed: Option<(usize, usize)>,
     ) -> Reading<'a> {
-        for stage in Stage::ALL.into_iter().filter(|&stage| wanted(stage)) {
+        let mut terms = model.terms().iter().enumerate().peekable();
+        for stage in Stage::ALL {
+            let wanted = wanted(stage);
             let still = seed.is_none() && (!reading.varies() || is_of_air(model, stage));
-            self.enter(model, stage, still, &mut reading);
-            let terms = model.terms().iter().enumerate();
-            for (position, term) in terms.filter(|(_, t)| t.facts().stage == stage) {
+            if wanted {
+                self.enter(model, stage, still, &mut reading);
+            }
+            while let Some((position, term)) = terms.next_if(|(_, t)| t.facts().stage == stage) {
                 let own = seed.filter(|&(of, _)| of == position);
                 let seed = own.map(|(_, parameter)| parameter);
-                self.apply(
-                    (term.index, &term.parameters, seed),
-                    None,
-                    still,
-                    &mut reading,
-                );
+                if wanted {
+                    let term = (term.index, &term.parameters[..], seed);
+                    self.apply(term, None, still, &mut reading);
+                }
             }
         }
         reading
@@ -269,8 +278,8 @@ impl<'a> Steps<'a> {
             target: &self.0.tracks[tracks.clone()],
             prepared,
         };
-        effects::visit(index, work);
-        for track in tracks {
+        let changed = effects::visit(index, work);
+        for (track, _) in tracks.zip(changed).filter(|&(_, changed)| changed) {
             reading.place(track, &self.0.tracks[track], still);
         }
     }

@@ -4,12 +4,17 @@ use super::tracks::{Line, LineRef, Reading};
 use crate::batch::{Column, Precision};
 use crate::conditions::Quantity;
 
+/// How many columns: the quantity that a model is applied to, then every recorded one.
+const COLUMNS: usize = 1 + Quantity::COUNT;
+
 /// Columns of a batch, of which blocks are read where they lie if they can be.
 pub(crate) struct BlockReader {
     precision: Precision,
-    columns: [Column; 1 + Quantity::COUNT],
-    buffers: Box<[Line; 1 + Quantity::COUNT]>,
-    filled: [bool; 1 + Quantity::COUNT],
+    columns: [Column; COLUMNS],
+    buffers: Box<[Line; COLUMNS]>,
+    /// The columns whose rows differ; most quantities are one number, and read once.
+    varying: Vec<usize>,
+    begun: bool,
 }
 
 impl BlockReader {
@@ -20,11 +25,13 @@ impl BlockReader {
         recorded: [Column; Quantity::COUNT],
     ) -> Self {
         let column = |k: usize| if k == 0 { first } else { recorded[k - 1] };
+        let columns: [Column; COLUMNS] = core::array::from_fn(column);
         Self {
             precision,
-            columns: core::array::from_fn(column),
-            buffers: Box::new([Line::of(0.0); 1 + Quantity::COUNT]),
-            filled: [false; 1 + Quantity::COUNT],
+            columns,
+            buffers: Box::new([Line::of(0.0); COLUMNS]),
+            varying: (0..COLUMNS).filter(|&k| columns[k].stride != 0).collect(),
+            begun: false,
         }
     }
 
@@ -36,49 +43,49 @@ impl BlockReader {
     pub(crate) unsafe fn block(&mut self, first: usize, count: usize) -> Reading<'_> {
         const WIDEST: usize = 16;
         let padded = count.next_multiple_of(WIDEST);
-        let double = self.precision == Precision::Double;
-        let in_place = |column: Column| {
-            double && column.stride == size_of::<f64>().cast_signed() && padded == count
-        };
-        for k in 0..self.columns.len() {
-            if !in_place(self.columns[k]) {
-                // SAFETY: the caller's.
-                unsafe { self.fill(k, first, count, padded) };
+        let direct = self.precision == Precision::Double && padded == count;
+        let in_place = |column: Column| direct && column.stride == size_of::<f64>().cast_signed();
+        if !self.begun {
+            // SAFETY: the caller's.
+            unsafe { self.fill_constants() };
+            self.begun = true;
+        }
+        for &k in &self.varying {
+            let column = self.columns[k];
+            if !in_place(column) {
+                let line = &mut self.buffers[k].0;
+                // SAFETY: the caller guarantees the rows.
+                unsafe { self.precision.get(column.skip(first), &mut line[..count]) };
+                // the last one fills up the vectors
+                let last = line[count - 1];
+                line[count..padded].fill(last);
             }
         }
-        let place = |k: usize| {
-            let column: Column = self.columns[k];
+        let mut places: [LineRef<'_>; COLUMNS] =
+            core::array::from_fn(|k| LineRef::fixed(&self.buffers[k]));
+        for &k in &self.varying {
+            let column = self.columns[k];
             if in_place(column) {
                 // SAFETY: the caller guarantees `count` rows, which are all that is read.
-                unsafe { LineRef::new(column.skip(first).start.cast()) }
-            } else {
-                LineRef::fixed(&self.buffers[k])
+                places[k] = unsafe { LineRef::new(column.skip(first).start.cast()) };
             }
-        };
-        let recorded = core::array::from_fn(|q| place(1 + q));
-        Reading::new(place(0), recorded, padded)
+        }
+        let recorded = core::array::from_fn(|q| places[1 + q]);
+        Reading::new(places[0], recorded, padded)
     }
 
-    /// Copies rows of a column side by side; the last one fills up to `padded`.
+    /// Fills the lines of the columns that are one number.
     ///
     /// # Safety
-    /// As for [`Self::block`].
-    unsafe fn fill(&mut self, k: usize, first: usize, count: usize, padded: usize) {
-        let (column, line) = (self.columns[k], &mut self.buffers[k].0);
-        let rows = column.skip(first);
-        if column.stride == 0 {
-            if !self.filled[k] {
-                // SAFETY: the caller guarantees a number.
-                unsafe { self.precision.get(rows, &mut line[..1]) };
-                let number = line[0];
-                line.fill(number);
-                self.filled[k] = true;
+    /// Each column has a number of the precision.
+    unsafe fn fill_constants(&mut self) {
+        for (column, line) in self.columns.iter().zip(self.buffers.iter_mut()) {
+            if column.stride == 0 {
+                // SAFETY: the caller's.
+                unsafe { self.precision.get(*column, &mut line.0[..1]) };
+                let number = line.0[0];
+                line.0.fill(number);
             }
-            return;
         }
-        // SAFETY: the caller guarantees the rows.
-        unsafe { self.precision.get(rows, &mut line[..count]) };
-        let last = line[count - 1];
-        line[count..padded].fill(last);
     }
 }

@@ -4,6 +4,7 @@ use crate::air::Air;
 use crate::chain::{Chain, Stage};
 use crate::conditions::{Conditions, Quantity};
 use crate::dual::Dual;
+use crate::effects::Facts;
 use crate::simd::Vector;
 use core::cell::Cell;
 use core::marker::PhantomData;
@@ -135,6 +136,22 @@ pub(crate) const fn tracks_of(stage: Stage) -> Range<usize> {
     }
 }
 
+/// Which of its stage's variables an effect changes: the others are read on from where they are.
+pub(super) const fn changed(facts: &Facts) -> [bool; AIR.len()] {
+    let mut changed = [true; AIR.len()];
+    let mut track = 0;
+    while matches!(facts.stage, Stage::Air) && track < AIR.len() {
+        changed[track] = false;
+        let mut index = 0;
+        while index < facts.air.len() {
+            changed[track] |= facts.air[index] as usize == AIR[track] as usize;
+            index += 1;
+        }
+        track += 1;
+    }
+    changed
+}
+
 /// Where each number of a block is read: recorded quantities, the distance, and the variables.
 ///
 /// What it reads lives as long as `'a`. A reading that a [`Pass`](super::Pass) made holds the pass
@@ -208,21 +225,21 @@ impl<'a> Reading<'a> {
         (self.value[track], self.slope[track])
     }
 
-    /// The rows of one of this block's lines.
-    fn numbers(&self, line: LineRef<'a>) -> &[f64] {
-        // SAFETY: the line has the rows of the block. While a reading is in use outside of this module,
-        // nothing writes to them; see above.
+    /// The rows of a line.
+    pub(super) fn numbers(&self, line: LineRef<'a>) -> &'a [f64] {
+        // SAFETY: the line has the rows of the block. While a reading, or what it lent, is in use outside of
+        // this module, nothing writes to them; see above.
         unsafe { from_raw_parts(line.start, self.rows) }
     }
 
     /// Derivatives of a variable.
-    pub(crate) fn slope(&self, track: usize) -> &[f64] {
+    pub(crate) fn slope(&self, track: usize) -> &'a [f64] {
         self.numbers(self.slope[track])
     }
 
-    /// Copies the values of a stage's variable.
-    pub(crate) fn values(&self, stage: Stage, into: &mut Line) {
-        into.0[..self.rows].copy_from_slice(self.numbers(self.of(stage).0));
+    /// The values of a stage's variable.
+    pub(crate) fn values(&self, stage: Stage) -> &'a [f64] {
+        self.numbers(self.of(stage).0)
     }
 
     /// Copies the derivatives of a stage's variable.
