@@ -33,12 +33,12 @@ with an array of one row, divided by the rows. *Memory*: the memory case at this
 """
 MODELS = """## Models of four effects
 
-{rows:,} rows, one thread, float64. A model computes the speed of sound as `distance` does: once in the recorded
-air, where the device's own arithmetic begins, and once more where an effect changes the air on the path. So with
-such an effect `indicate` and `correct` cannot take less than twice the time of `distance`; a model's own `distance`
-does not need the device's arithmetic. `indicate` goes through the chain once. `distance` and `correct` invert the
-chain by Newton's method. Where no effect bends the line that the time is over the distance, as here, one step with
-a derivative arrives.
+{rows:,} rows, one thread, float64. A model computes the speed of sound as `distance` does: once in the
+recorded air, where the device's own arithmetic begins, and once more where an effect changes the air on the
+path. So with such an effect `indicate` and `correct` cannot take less than twice the time of `distance`; a
+model's own `distance` does not need the device's arithmetic. `indicate` goes through the chain once.
+`distance` and `correct` invert the chain by Newton's method. Where no effect bends the line that the time
+is over the distance, as here, one step with a derivative arrives.
 
 """
 

@@ -118,6 +118,20 @@ def test_the_same_bytes_by_each_way(table: tuple[str, Layout], size: int, missin
     assert all(other == first for other in others), found
 
 
+@pytest.mark.parametrize("field", ["\ufeff20", "-INF", "inf", "+Infinity", "-nan", "\ufeff"])
+def test_odd_numbers_at_the_start_of_a_block(field: str, tmp_path: Path) -> None:
+    """Arrow leaves out the mark of UTF-8 there; it takes infinities for numbers."""
+    rows = [f"{field},11660,50,a"] + ["20,11660,50,a"] * 3
+    for lines in (rows, rows[::-1]):
+        source = tmp_path / "in.csv"
+        source.write_text("\n".join(["temperature_C,echo_us,humidity_percent,remark", *lines, ""]), "utf-8")
+        found = []
+        for name in ("core", "arrow", "field by field"):
+            with way(name, 64):
+                found.append(told(source, echocal.Model("cramer"), 1))
+        assert found[1:] == found[:1] * 2
+
+
 def test_the_core_is_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What would be left to the other ways, unseen, would only be slow."""
     monkeypatch.setattr(parse.Parser, "_by_arrow", None)

@@ -3,6 +3,7 @@
 Both ways give the same numbers to the last bit: each is the double next to its decimal digits.
 """
 
+import codecs
 import csv
 import io
 import re
@@ -27,6 +28,7 @@ __all__ = ["Lines", "Parser"]
 
 _CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)  # what Arrow takes for numbers, too
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ class Parser:
 
         names, separator = list(self._place.values()), self._head.separator.encode()
         indented = data.startswith(b" ") or b"\n " in data or separator + b" " in data
-        if indented and b'"' in data:
+        if (indented and b'"' in data) or _loses_a_mark(data):
             return None
         try:
             table = reader.read_csv(
@@ -208,6 +210,8 @@ class Parser:
 
     def _by_arrow(self, data: bytes, rows: int, columns: Sequence[str]) -> pd.DataFrame | None:
         """By Arrow; None where it does not take the text for what it is."""
+        if _loses_a_mark(data):
+            return None
         pa = arrow("reading text")
         from pyarrow import csv as reader
 
@@ -236,8 +240,9 @@ class Parser:
             )
         except (pa.ArrowException, KeyError):
             return None
-        if len(table) != rows:
-            return None
+        numbers = [own for own in table.columns if own.type == pa.float64()]
+        if len(table) != rows or any(pa.compute.any(pa.compute.is_inf(own)).as_py() for own in numbers):
+            return None  # some texts of infinity mean that there is no number
         return to_pandas(table.rename_columns(list(columns)))
 
     def _records(self, block: Block) -> Lines:
@@ -316,12 +321,19 @@ class Parser:
             plain = text.strip().replace(self._head.decimal, ".")
             if plain in absent:
                 numbers.append(np.nan)
-            elif _NUMBER.fullmatch(plain) and (self._head.decimal == "." or "." not in text):
+            elif _NOT_FINITE.fullmatch(plain) or (
+                _NUMBER.fullmatch(plain) and (self._head.decimal == "." or "." not in text)
+            ):
                 numbers.append(float(plain))
             else:
                 swapped = [own.replace(self._head.decimal, ".") for own in texts]
                 return pd.Series(swapped, dtype=object)
         return pd.Series(numbers, dtype=np.float64)
+
+
+def _loses_a_mark(data: bytes) -> bool:
+    """Whether Arrow leaves out the mark of UTF-8, which in a block of rows is a part of the first field."""
+    return data.startswith(codecs.BOM_UTF8)
 
 
 def _is_plain(head: Head, absent: frozenset[str] | None) -> bool:
