@@ -1,5 +1,6 @@
 """The columns of all effects that the data can show."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 
@@ -56,9 +57,16 @@ def _why_not(effect: Effect, scene: Scene) -> str:
         return f"not recorded: {', '.join(missing)}"
     if superseded:
         return f"recorded: {', '.join(superseded)}"
+    if "hour_angle" in effect.requires and _span(recorded) < scene.settings.search.shortest_day:
+        return "the rows do not span half a day"
     if assumed:
         return f"assumed by the base: {', '.join(assumed)}"
     return no_thermometer(scene) if read_from_thermometers(effect) else ""
+
+
+def _span(recorded: Mapping[str, Column]) -> float:
+    """Time from the first row to the last one [s]."""
+    return float(np.ptp(recorded["elapsed_time"])) if "elapsed_time" in recorded else np.inf
 
 
 def _why_no_arithmetic(effect: Effect, scene: Scene) -> str:

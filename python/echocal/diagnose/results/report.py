@@ -108,8 +108,9 @@ def _causes(
 ) -> tuple[Cause, ...]:
     recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
     if validation.withheld is not None:
-        why = _unearned(validation.withheld.gain)
-        doubts |= {c.cause: why for c in validation.claims if c.cause not in doubts}
+        why = _unearned(validation.withheld.gain, [*selection.unusual.values()])
+        out = [c.cause for c in validation.claims if c not in validation.kept]
+        doubts |= {cause: why for cause in out if cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     others = [claim for claim in others if claim.cause not in refuted]
@@ -153,8 +154,8 @@ def _cause(
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone)
 
 
-def _unearned(gain: Gain) -> str:
-    """Why no cause is named: the gain may be chance."""
+def _unearned(gain: Gain, sizes: Sequence[str]) -> str:
+    """Why no cause is named: the gain may be chance. `sizes` are sentences on those that are unusual."""
     low, high = (1e3 * end for end in gain.interval_95)
     if low == high == 0.0:
         return (
@@ -171,9 +172,10 @@ def _unearned(gain: Gain) -> str:
     first, last = gain.log_score_interval_95 or (0.0, 0.0)
     if gain.earned:
         return (
-            f"{rows} gains {low:.2f} to {high:.2f} mm over the base (95 % interval). But a size is far "
-            "beyond the usual ones. Then a gain is a proof only if distances are known: something else may "
-            "follow the same conditions. The model leaves it out, and no cause is named"
+            f"{rows} gains {low:.2f} to {high:.2f} mm over the base (95 % interval). "
+            f"But {'; '.join(sizes)}. Then a gain is no proof: something else may follow these conditions. "
+            "It is one if distances are known and the model holds outside of the conditions of its fit. The "
+            "model leaves it out, and no cause is named"
         )
     return (
         f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "

@@ -43,8 +43,9 @@ class Selection:
         Claims whose size is not constant, each with a sentence on its sizes.
     implausible : mapping of str to str
         Claims whose size is far beyond the prior, each with a sentence on it.
-    unusual : frozenset of str
-        Claims whose size is so large that the log density under the noise is no proof of their gain.
+    unusual : mapping of str to str
+        Claims whose size is so large that the log density under the noise is no proof of their gain, each
+        with a sentence on it.
     later : mapping of str to str
         Claims of a set that is not the most probable one, each with a sentence on that.
     between : mapping of str to ndarray
@@ -63,7 +64,7 @@ class Selection:
     effects: Ids
     varying: Mapping[str, str] = field(default_factory=dict)
     implausible: Mapping[str, str] = field(default_factory=dict)
-    unusual: frozenset[str] = frozenset()
+    unusual: Mapping[str, str] = field(default_factory=dict)
     later: Mapping[str, str] = field(default_factory=dict)
     between: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     carried: Mapping[str, str] = field(default_factory=dict)
@@ -112,7 +113,7 @@ def select(
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
         best, likely = _left_out(best, likely, varying.keys() - steady.between.keys(), reduced)
     large = implausible(likely, ranking, settings.implausible)
-    unusual = frozenset(implausible(likely, ranking, settings.unusual))
+    unusual = implausible(likely, ranking, settings.unusual)
     likely = resized(likely, varied(best, steady.between)) if steady.between else likely
     return Selection(
         best, every_claim, likely, noise, term, effects, varying, large, unusual, between=steady.between

@@ -16,7 +16,7 @@ class NoiseSettings(CauseSettings):
     ----------
     found : float
     harmless, negligible : float
-    sets, segments, segment_rows : float
+    sets, sets_alike, segments, segment_rows : float
     considered, worth, subtracted : float
     scattered_part, scattered_apart, scattered_gain : float
     autocorrelated, convection_behind : float
@@ -33,6 +33,12 @@ class NoiseSettings(CauseSettings):
         1.5e-4, "m", "standard deviation below which a quantization is negligible for users of such sensors"
     )
     sets: int = threshold(4, "1", "most probable sets of effects beside which noises are compared; judgement")
+    sets_alike: int = threshold(
+        40,
+        "1",
+        "most probable further sets, which have the noises of the set among these whose residual is nearest; "
+        "more than the members of a class that the data cannot separate",
+    )
     segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
     segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")
     considered: float = threshold(

@@ -42,6 +42,12 @@ class SearchSettings:
         "memory: each takes two columns of the sums; chosen by hand",
     )
     shortlist_least: int = number(8, "columns", "fewest further columns on the shortlist", "chosen by hand")
+    shortest_day: float = number(
+        43_200.0,
+        "s",
+        "a table that spans less has no effect of the clock's daylight",
+        "argument: half a day; a shorter part of the sun's arc looks like a drift or an offset",
+    )
     onset_resolution: float = number(
         0.5, "rows", "resolution of the search for an onset", "rows show no more"
     )

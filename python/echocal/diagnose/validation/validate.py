@@ -68,7 +68,7 @@ class Validation:
     overruled : bool
         Whether claims that the folds do not refute were dropped with the model.
     withheld : Withheld or None
-        Claims that the model does not have, because their gain is not proven.
+        Claims of which the model has some or none, because their gain together is not proven.
     """
 
     kept: tuple[Claim, ...]
@@ -106,7 +106,8 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     causes are refuted, unless the interval of the log score is above zero: then slow noise decides the
     error, and they are possible. If the error is smaller, but the interval of the gain or of the log score is
     not above zero, its causes are possible, and the model is the base. The same holds for a size that is
-    unusual, unless distances are known.
+    unusual, unless distances are known, and for one that is implausible, unless the model holds at distances
+    and in air that it is not fitted to.
 
     Parameters
     ----------
@@ -126,11 +127,9 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         low, _ = score.interval(case.settings.validation)
         rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
-    unusual = any(claim.cause in selection.unusual for claim in rest.kept)
-    if rest.kept and not (gain.earned and (not unusual or case.table.reference is not None)):
+    if rest.kept and not (gain.earned and _sizes_hold(case, rest, selection, gain)):
         withheld = Withheld(rest.kept, gain)
-        rest = _base_alone(rest, before)
-        gain = _gain(trials, judge, rest, before, selection)
+        rest, gain = _plausible_part(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
     overruled = len(rest.kept) < len(claimed) and withheld is None
     return Validation(
@@ -152,12 +151,43 @@ def _smaller(one: HeldOut, other: HeldOut) -> bool:
     return not after.rms >= before.rms
 
 
-def _base_alone(rest: Rest, before: HeldOut) -> Rest:
-    """The base without any claim."""
+def _sizes_hold(case: Case, rest: Rest, selection: Selection, gain: Gain) -> bool:
+    """Whether nothing speaks against the sizes of a model.
+
+    Other things may follow the same conditions and lend a cause a size beyond the usual ones. Two such sizes
+    cancel each other where they are fitted, and nowhere else.
+    """
+    kept = {claim.cause for claim in rest.kept}
+    if not kept.isdisjoint(selection.implausible):
+        elsewhere = {one.against: one.rms_after_m < one.rms_before_m for one in gain.shifted}
+        return "distance" in elsewhere and all(elsewhere.values())
+    return kept.isdisjoint(selection.unusual) or case.table.reference is not None
+
+
+def _plausible_part(
+    trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: Selection
+) -> tuple[Rest, Gain]:
+    """The claims without those of implausible sizes, if their gain is proven; else the base."""
+    large = [claim for claim in rest.kept if claim.cause in selection.implausible]
+    if large and len(large) < len(rest.kept):
+        part = _less(rest, large)
+        part = judge.judged(trials, replace(part, after=judge.sized(trials, part)))
+        if part.kept and _smaller(part.after, before):
+            score = judge.score(part.after, before, selection.noise)
+            gain = _gain(trials, judge, part, before, selection, score)
+            if gain.earned and _sizes_hold(trials.case, part, selection, gain):
+                return part, gain
+    alone = replace(_less(rest, rest.kept), after=before)
+    return alone, _gain(trials, judge, alone, before, selection)
+
+
+def _less(rest: Rest, claims: Sequence[Claim]) -> Rest:
+    """The same without some claims; its errors are those of before."""
     hypothesis = rest.hypothesis
-    for claim in rest.kept:
+    for claim in claims:
         hypothesis = without(hypothesis, claim.cause)
-    return replace(rest, hypothesis=hypothesis, kept=(), after=before)
+    kept = tuple(claim for claim in rest.kept if claim not in claims)
+    return replace(rest, hypothesis=hypothesis, kept=kept)
 
 
 def _fit(trials: Trials, rest: Rest, selection: Selection) -> HypothesisFit:

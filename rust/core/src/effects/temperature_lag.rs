@@ -14,15 +14,16 @@ impl Effect for TemperatureLag {
         stage: Stage::Air,
         sentence: "The thermometer follows the air with a time constant: warming air is warmer than recorded.",
         formula: "T' = T + time_constant dT/ds, from the recorded rate of change",
-        source: "SMT160 data sheet: 60 s in still air, 13.5 s at 3 m/s; in a box or a screen 2 to 10 min (general \
-                 knowledge), of which the prior holds 95 %",
+        source: "SMT160 data sheet: 60 s in still air, 13.5 s at 3 m/s; a screen without a fan some 3 to 20 min, the \
+                 calmer the longer (Harrison 2010, Q. J. R. Meteorol. Soc. 136, 253, doi:10.1002/qj.537), of which \
+                 the prior holds 95 %",
         reads: &[Quantity::TemperatureRate],
         requires: &[Quantity::Temperature, Quantity::TemperatureRate],
         parameters: &[ParameterFacts {
             name: "time_constant",
             unit: "s",
             bounds: (0.0, 7200.0),
-            prior_scale: 300.0,
+            prior_scale: 600.0,
             ..ParameterFacts::USUAL
         }],
         domain: "rows closer in time than a few time constants",

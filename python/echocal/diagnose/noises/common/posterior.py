@@ -21,6 +21,8 @@ __all__ = ["NoisePosterior", "Traced", "infer_noises", "sampled"]
 
 Ids = tuple[str, ...]
 
+_SAME = 0.01  # log evidence
+
 
 @dataclass
 class NoisePosterior:
@@ -105,6 +107,7 @@ def infer_noises(
     for ids in chosen:
         trace = traced.left_by(best[ids], reduced.likeliest(best[ids])[0])
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
+    gains |= _gains_alike(traced, best, gains, settings)
     least = min(gains.values())
     shares.fits = sorted(
         (w.raised(gains.get(w.hypothesis.ids, least)) for w in fits),
@@ -123,6 +126,25 @@ def infer_noises(
     )
     _doubt(shares, nuisances)
     return shares
+
+
+def _gains_alike(
+    traced: "Traced", best: Mapping[Ids, HypothesisFit], gains: Mapping[Ids, float], settings: NoiseSettings
+) -> dict[Ids, float]:
+    """Log evidence that the noises add beside further sets: that of the set with the nearest residual.
+
+    A noise depends on a set through its residual alone, and sets that the data cannot separate leave the
+    same one.
+    """
+    if max(gains.values()) - min(gains.values()) < _SAME:
+        return {}
+    known = {ids: traced.case.left(best[ids], traced.rows) for ids in gains}
+    found = {}
+    for ids in [ids for ids in best if ids not in gains][: settings.sets_alike]:
+        left = traced.case.left(best[ids], traced.rows)
+        nearest = min(known, key=lambda other: float(np.sum((left - known[other]) ** 2)))
+        found[ids] = gains[nearest]
+    return found
 
 
 def _with_nothing(case: Case, fits: list[HypothesisFit], reduced: Stack) -> list[HypothesisFit]:
