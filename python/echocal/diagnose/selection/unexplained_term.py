@@ -10,15 +10,20 @@ from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.selection.claims import Claim, Ranking, resized, sizes, without
+from echocal.diagnose.selection.slow_noise import LeastFavorable
 
 __all__ = ["sized_apart", "unexplained"]
 
 
-def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
-    """The most probable unexplained term, if the terms together are probable enough."""
+def unexplained(case: Case, ranking: Ranking, slow: LeastFavorable | None = None) -> Unexplained | None:
+    """The most probable unexplained term, if the terms together are probable enough.
+
+    In few rows they must be so under each single autoregression, too (`slow`).
+    """
     terms = ranking.unexplained_terms()
     total = sum(terms.values())
-    if total < case.settings.claims.unexplained_from:
+    least = total if slow is None else min(total, slow.term)
+    if least < case.settings.claims.unexplained_from:
         return None
     against = max(terms, key=lambda name: terms[name])
     for fit in ranking.fits:
