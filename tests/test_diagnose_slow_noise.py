@@ -55,7 +55,7 @@ def test_the_bound_is_the_posterior_under_the_least_favorable_autoregression(
     whole = infer(case)
     found = least_favorable(case, rank(whole.fits, case.found.competing, case.settings), whole.reduced)
     assert found is not None
-    none, nothing, term, total = [], [], [], []
+    none, nothing, total = [], [], []
     for rho in RHOS:
         fits = infer(inferred(given, [rho]).case).fits
         log = np.array([fit.log_posterior for fit in fits])
@@ -64,13 +64,12 @@ def test_the_bound_is_the_posterior_under_the_least_favorable_autoregression(
         of = [fit.hypothesis for fit in fits]
         none.append(share[[not one.effects for one in of]].sum())
         nothing.append(share[[not one.variants for one in of]].sum())
-        term.append(share[[bool(one.term) for one in of]].sum())
     limit = max(total) - case.settings.claims.possible_autoregression
     expected = [  # an autoregression may be on the very limit
-        (np.array(none)[counts].max(), np.array(nothing)[counts].max(), np.array(term)[counts].min())
+        (np.array(none)[counts].max(), np.array(nothing)[counts].max())
         for counts in (np.array(total) > limit + 0.05, np.array(total) > limit - 0.05)
     ]
-    values = found.no_effect, found.nothing, found.term
+    values = found.no_effect, found.nothing
     assert any(values == pytest.approx(one, abs=0.02) for one in expected), (values, expected)
     assert total[RHOS.index(found.rho)] > limit - 0.05
 

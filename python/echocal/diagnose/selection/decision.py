@@ -8,6 +8,7 @@ from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Claim, Ranking, claims
 from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.slow_noise import LeastFavorable
+from echocal.diagnose.selection.unexplained_term import term_is_told
 
 __all__ = ["claim_or_not", "is_claimed", "threshold_of"]
 
@@ -30,10 +31,8 @@ def claim_or_not(
     best = ranking.best()
     if best is None:
         raise RuntimeError("no hypothesis was fitted")
-    settings = ranking.settings.claims
-    if slow is not None and slow.no_effect >= settings.claim_below_of_few:
-        told = min(slow.term, sum(ranking.unexplained_terms().values())) >= settings.unexplained_from
-        return ranking.without_effects(term=told) or best, []
+    if slow is not None and slow.no_effect >= ranking.settings.claims.claim_below_of_few:
+        return ranking.without_effects(term=term_is_told(ranking, slow)) or best, []
     threshold = threshold_of(len(case.table), ranking, shares)
     while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
         ids = best.hypothesis.effects

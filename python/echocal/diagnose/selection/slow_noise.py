@@ -26,15 +26,12 @@ class LeastFavorable:
         Largest probability of no effect, with or without an unexplained term.
     nothing : float
         Largest probability of no effect and no unexplained term.
-    term : float
-        Smallest probability of an unexplained term.
     rho : float
         Autoregressive coefficient of the largest `no_effect`.
     """
 
     no_effect: float
     nothing: float
-    term: float
     rho: float
 
 
@@ -73,7 +70,6 @@ def least_favorable(case: Case, ranking: Ranking, reduced: Stack) -> LeastFavora
     return LeastFavorable(
         no_effect=float(no_effect.max()),
         nothing=float(of(lambda one: not one.variants).max()),
-        term=float(of(lambda one: bool(one.term)).min()),
         rho=float(np.array(rhos)[usual][no_effect.argmax()]),
     )
 
