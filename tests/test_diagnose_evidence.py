@@ -13,13 +13,13 @@ from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of
 from echocal.diagnose.candidates.variant import Candidates, Variant
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypotheses, fit_hypothesis
 from echocal.diagnose.inference.innovation import innovation
-from echocal.diagnose.inference.noise import Convection, Noise, all_convections, noises
+from echocal.diagnose.inference.noise import Convection, Noise, all_convections, growing_noises, noises
 from echocal.diagnose.inference.sums import Sums, Whitened
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings import NoiseModelSettings, TermSettings
 
 MODELS = NoiseModelSettings()
-CONVECTIONS = all_convections(MODELS)
+CONVECTIONS = (*all_convections(MODELS), *growing_noises(MODELS))
 
 
 def sums(

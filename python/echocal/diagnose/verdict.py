@@ -29,7 +29,7 @@ def verdict(
     steady = [c.probability for c in validation.kept if c.cause not in selection.doubts]
     if any(probability >= named for probability in steady):
         return "named"
-    shifted = not validation.kept and _shifted(ranking)
+    shifted = not validation.kept and _shifted(ranking, selection)
     dropped = validation.overruled or validation.withheld is not None
     is_open = len(steady) < len(validation.kept) or dropped or shifted
     if not is_open and any(f.probability >= named for f in joint.decisive):
@@ -41,9 +41,15 @@ def verdict(
     return "nothing" if left is None or left.by_chance else "unknown"
 
 
-def _shifted(ranking: Ranking) -> bool:
-    """Whether an effect, or an unexplained term, has a probability above that of ``named`` (0.9)."""
-    return sum(p for ids, p in ranking.sets if not ids) < 1 - ranking.settings.claims.named
+def _shifted(ranking: Ranking, selection: Selection) -> bool:
+    """Whether an effect, or an unexplained term, has a probability above that of ``named`` (0.9).
+
+    In few rows it must have it under each single autoregression, too.
+    """
+    nothing = sum(p for ids, p in ranking.sets if not ids)
+    if selection.slow is not None:
+        nothing = max(nothing, selection.slow.nothing)
+    return nothing < 1 - ranking.settings.claims.named
 
 
 def credible_set(joint: Joint) -> tuple[tuple[str, ...], ...]:

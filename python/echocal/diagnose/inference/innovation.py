@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings import NoiseModelSettings
 
@@ -36,7 +36,7 @@ def innovation(left: Column, order: Order, noise: Noise) -> Column:
         count = np.bincount(order.groups)
         shrunken = np.bincount(order.groups, left) * noise.station_ratio / (1 + noise.station_ratio * count)
         left = left - shrunken[order.groups]
-    if noise.rho == 0.0:
+    if noise.correlation is WHITE:
         return left
     series = (np.ascontiguousarray(left), order.starts, order.distance)
     white, log_variance = _core.whitened(noise.correlation, noise.rho, noise.first_weight, *series)

@@ -7,7 +7,16 @@ from typing import NamedTuple
 
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
 
-__all__ = ["VARIANCE_FLOOR", "WHITE", "Convection", "Noise", "NoiseCorrelation", "all_convections", "noises"]
+__all__ = [
+    "VARIANCE_FLOOR",
+    "WHITE",
+    "Convection",
+    "Noise",
+    "NoiseCorrelation",
+    "all_convections",
+    "growing_noises",
+    "noises",
+]
 
 VARIANCE_FLOOR = 1e-9
 """Smallest standard deviation of noise that is assumed [m]; simulated data may have none."""
@@ -16,7 +25,7 @@ VARIANCE_FLOOR = 1e-9
 class Convection(NamedTuple):
     """Warm cells in the path: white noise, and autocorrelated noise that grows with the distance.
 
-    docs/method.md, Eq. 4.
+    docs/method.md, Eq. 4. With a coefficient of 0 it is noise without autocorrelation that grows.
 
     Attributes
     ----------
@@ -68,11 +77,9 @@ class Noise:
     @property
     def correlation(self) -> NoiseCorrelation:
         """What a pass over the rows must sum for it."""
-        if self.rho == 0.0:
-            return WHITE
         if self.growth:
             return Convection(self.rho, self.growth, self.whole_path)
-        return self.moving_average
+        return self.moving_average if self.rho else WHITE
 
     @property
     def white_part(self) -> float:
@@ -99,6 +106,11 @@ def all_convections(settings: NoiseModelSettings) -> tuple[Convection, ...]:
     return (*(Convection(*one) for one in cells), *(Convection(*one, whole_path=True) for one in whole))
 
 
+def growing_noises(settings: NoiseModelSettings) -> tuple[Convection, ...]:
+    """List the noises without autocorrelation whose variance grows with the distance."""
+    return tuple(Convection(0.0, growth, whole_path=True) for growth in settings.white_growths)
+
+
 @lru_cache(maxsize=8)
 def noises(
     settings: NoiseModelSettings,
@@ -114,7 +126,8 @@ def noises(
     stations : bool
         Whether stations may err, each by itself.
     convections : tuple of Convection
-        Those that are considered. If there are any, the other convections lose their prior.
+        Those that are considered. If there are any, the other convections lose their prior. Those without
+        autocorrelation have half the prior of white noise.
     levels : bool
         Whether the stations are the levels of a column, whose errors may be larger.
 
@@ -124,10 +137,13 @@ def noises(
     """
     alike = [(m, r) for m, rhos in settings.autoregressions for r in rhos if r]
     correlated = 1.0 - settings.white
-    half = correlated / 2 if convections else correlated
-    rows = [(0.0, 0.0, 0.0, False, settings.white)]
+    drifting, growing = ([c for c in convections if bool(c.rho) == moves] for moves in (True, False))
+    half = correlated / 2 if drifting else correlated
+    white = settings.white / 2 if growing else settings.white
+    rows = [(0.0, 0.0, 0.0, False, white)]
     rows += [(m, r, 0.0, False, half / len(alike)) for m, r in alike]
-    rows += [(0.0, *c, half / len(all_convections(settings))) for c in convections]
+    rows += [(0.0, *c, half / len(all_convections(settings))) for c in drifting]
+    rows += [(0.0, *c, white / len(growing)) for c in growing]
     grid = settings.level_ratios if levels else settings.station_ratios
     none = settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}

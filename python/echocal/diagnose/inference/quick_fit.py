@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates.scene import Scene
 from echocal.diagnose.candidates.unexplained_terms import Basis, degrees_of
 from echocal.diagnose.inference.innovation import innovation
-from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.noise import WHITE, Noise
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings import TermSettings
 
@@ -68,7 +68,7 @@ class QuickFit:
             groups = np.unique(self.order.groups, return_inverse=True)[1]
             rows = np.bincount(groups)
             columns = columns - np.array([np.bincount(groups, one) / rows for one in columns])[:, groups]
-        if self.noise.rho == 0.0:
+        if self.noise.correlation is WHITE:
             return columns
         return np.array([innovation(column, self.order, self.noise) for column in columns])
 

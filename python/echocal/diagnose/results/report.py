@@ -87,6 +87,7 @@ def report(
             *selection.doubts.values(),
             *_varying_a_little(selection, validation),
             *_not_claimed(ranking, selection, validation),
+            *_slow_noise(case, ranking, selection),
             *notes(case, observations, validation, inference.stack, steps),
             *_outside(case.table, validation),
         ),
@@ -207,6 +208,19 @@ def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation)
         "smooth function or an offset explains these rows equally well"
         for id_ in likely
         if ranking.of([id_]) >= ranking.settings.claims.named
+    ]
+
+
+def _slow_noise(case: Case, ranking: Ranking, selection: Selection) -> list[str]:
+    """Say that few rows show no more than slow noise, where an effect would be claimed otherwise."""
+    slow, none, limit = selection.slow, ranking.of_set(()), case.settings.claims.claim_below_of_few
+    if slow is None or none >= limit or slow.no_effect < limit:
+        return []
+    return [
+        f"an effect has a probability of {1 - none:.2f}, but none is claimed: {len(case.table)} rows do not "
+        "separate it from noise that follows the rows before, with a coefficient of "
+        f"{slow.rho:.2f}. To separate them, measure the same conditions again in another order, or at a "
+        "second distance"
     ]
 
 

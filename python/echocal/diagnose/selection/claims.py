@@ -84,6 +84,11 @@ class Ranking:
             probability[effects] = probability.get(effects, 0.0) + p
         return probability
 
+    def without_effects(self, *, term: bool) -> HypothesisFit | None:
+        """Most probable hypothesis without an effect, with or without an unexplained term."""
+        alone = (one for one in self.fits if not one.hypothesis.effects)
+        return next((one for one in alone if bool(one.hypothesis.term) == term), None)
+
     def best(self, beyond: Ids | None = None) -> HypothesisFit | None:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 

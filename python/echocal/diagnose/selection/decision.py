@@ -7,22 +7,32 @@ from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Claim, Ranking, claims
 from echocal.diagnose.selection.parsimony import Ids
+from echocal.diagnose.selection.slow_noise import LeastFavorable
+from echocal.diagnose.selection.unexplained_term import term_is_told
 
 __all__ = ["claim_or_not", "is_claimed", "threshold_of"]
 
 
 def claim_or_not(
-    case: Case, ranking: Ranking, reduced: Stack, shares: NoisePosterior
+    case: Case,
+    ranking: Ranking,
+    reduced: Stack,
+    shares: NoisePosterior,
+    slow: LeastFavorable | None = None,
 ) -> tuple[HypothesisFit, list[Claim]]:
     """Find the best hypothesis, extend it while a further effect is claimed, and list its claims.
 
     If the best set of effects is not empty, the threshold is not tested. The hypothesis that is tried
     next is that of the best set with one effect more (`Ranking.best`). The effect that it adds
     represents its class: the effect and its rivals, which the data cannot separate from it.
+
+    Nothing is claimed if few rows do not show an effect under each single autoregression (`slow`).
     """
     best = ranking.best()
     if best is None:
         raise RuntimeError("no hypothesis was fitted")
+    if slow is not None and slow.no_effect >= ranking.settings.claims.claim_below_of_few:
+        return ranking.without_effects(term=term_is_told(ranking, slow)) or best, []
     threshold = threshold_of(len(case.table), ranking, shares)
     while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
         ids = best.hypothesis.effects

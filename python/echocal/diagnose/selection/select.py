@@ -15,6 +15,7 @@ from echocal.diagnose.selection.claims import Claim, Ranking, beside_a_term, res
 from echocal.diagnose.selection.decision import claim_or_not
 from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.plausibility import implausible
+from echocal.diagnose.selection.slow_noise import LeastFavorable, least_favorable
 from echocal.diagnose.selection.steadiness import steadiness, varied
 from echocal.diagnose.selection.unexplained_term import sized_apart, unexplained
 
@@ -54,6 +55,8 @@ class Selection:
         Claims that a few rows carry, each with a sentence on these rows.
     unconfirmed : mapping of str to str
         Claims that the rows which judge the model do not show beside the others, each with a sentence.
+    slow : LeastFavorable or None
+        What few rows show under each single autoregression; None if there are rows enough.
     """
 
     best: HypothesisFit
@@ -69,6 +72,7 @@ class Selection:
     between: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     carried: Mapping[str, str] = field(default_factory=dict)
     unconfirmed: Mapping[str, str] = field(default_factory=dict)
+    slow: LeastFavorable | None = None
 
     @property
     def doubts(self) -> dict[str, str]:
@@ -96,10 +100,11 @@ def select(
     whether a fold names them.
     """
     settings = case.settings.claims
-    best, every_claim = claim_or_not(case, ranking, reduced, shares)
+    slow = least_favorable(case, ranking, reduced)
+    best, every_claim = claim_or_not(case, ranking, reduced, shares, slow)
     whole = best
     noise, _ = reduced.likeliest(best)
-    term = unexplained(case, ranking)
+    term = unexplained(case, ranking, slow)
     if term is not None:
         against = term.against
         every_claim = beside_a_term(every_claim, case.found, reduced, against, term.rms_m, settings)
@@ -107,7 +112,7 @@ def select(
     likely = [c for c in every_claim if c.probability >= settings.modeled_from] or every_claim
     effects = whole.hypothesis.effects
     if term is None and not doubt:
-        return Selection(best, every_claim, likely, noise, term, effects)
+        return Selection(best, every_claim, likely, noise, term, effects, slow=slow)
     steady = steadiness(case, likely, noise, whole)
     varying = steady.varying
     if term is not None:  # a cause whose size varies fits a part of the unexplained term
@@ -115,9 +120,8 @@ def select(
     large = implausible(likely, ranking, settings.implausible)
     unusual = implausible(likely, ranking, settings.unusual)
     likely = resized(likely, varied(best, steady.between)) if steady.between else likely
-    return Selection(
-        best, every_claim, likely, noise, term, effects, varying, large, unusual, between=steady.between
-    )
+    given = best, every_claim, likely, noise, term, effects, varying, large, unusual
+    return Selection(*given, between=steady.between, slow=slow)
 
 
 def _left_out(

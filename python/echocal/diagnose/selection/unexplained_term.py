@@ -10,15 +10,19 @@ from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.selection.claims import Claim, Ranking, resized, sizes, without
+from echocal.diagnose.selection.slow_noise import LeastFavorable
 
-__all__ = ["sized_apart", "unexplained"]
+__all__ = ["sized_apart", "term_is_told", "unexplained"]
 
 
-def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
-    """The most probable unexplained term, if the terms together are probable enough."""
+def unexplained(case: Case, ranking: Ranking, slow: LeastFavorable | None = None) -> Unexplained | None:
+    """The most probable unexplained term, if the terms together are probable enough.
+
+    In few rows, noise alone must be improbable under each single autoregression, too (`slow`).
+    """
     terms = ranking.unexplained_terms()
     total = sum(terms.values())
-    if total < case.settings.claims.unexplained_from:
+    if not term_is_told(ranking, slow):
         return None
     against = max(terms, key=lambda name: terms[name])
     for fit in ranking.fits:
@@ -27,6 +31,13 @@ def unexplained(case: Case, ranking: Ranking) -> Unexplained | None:
                 signal = case.signal(variant, fit.mean[place])
                 return _described(case, against, signal, total)
     return None
+
+
+def term_is_told(ranking: Ranking, slow: LeastFavorable | None) -> bool:
+    """Whether unexplained terms are probable enough to be reported."""
+    settings = ranking.settings.claims
+    probable = sum(ranking.unexplained_terms().values()) >= settings.unexplained_from
+    return probable and (slow is None or slow.nothing < settings.claim_below_amid_noise)
 
 
 def _described(case: Case, against: str, signal: NDArray[np.float64], probability: float) -> Unexplained:

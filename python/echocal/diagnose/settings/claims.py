@@ -22,9 +22,16 @@ class ClaimSettings:
     claim_below_of_few: float = number(
         0.44,
         "P(no effect)",
-        "the same, if there are too few rows to detect autocorrelated noise",
+        "the same, if there are too few rows to detect autocorrelated noise; then also under each single "
+        "autoregression of the noise",
         "the prior of no cause: the data must support an effect. 539 nulls of design a were run, see "
         "docs/method.md, section 7",
+    )
+    possible_autoregression: float = number(
+        3.0,
+        "log odds",
+        "an autoregression under which few rows are less probable by more, whatever acts, does not count",
+        "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572)",
     )
     few_rows: int = number(
         100, "rows", "fewer rows are too few to detect autocorrelated noise", "chosen by hand"

@@ -62,6 +62,12 @@ class NoiseModelSettings:
         "and its ratio of variances at one meter; it grows with the square of the distance",
         "chosen by hand",
     )
+    white_growths: tuple[float, ...] = number(
+        (0.1, 0.3, 1.0, 3.0, 10.0, 100.0),
+        "1",
+        "the same without autocorrelation, where noise_growth is more probable than not",
+        "chosen by hand",
+    )
     white: float = number(
         0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
     )

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from echocal import _core
-from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings import ValidationSettings
@@ -146,7 +146,7 @@ class _Whitening:
 
 def _white(values: Column, order: Order, noise: Noise) -> Column:
     """Innovations of a column: docs/method.md, Eq. 3 and 4."""
-    if noise.rho == 0.0:
+    if noise.correlation is WHITE:
         return values
     given = np.ascontiguousarray(values), order.starts, order.distance
     white, _ = _core.whitened(noise.correlation, noise.rho, noise.first_weight, *given)
