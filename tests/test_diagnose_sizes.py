@@ -1,0 +1,107 @@
+"""Sizes beyond the usual ones, and members of a class beside a noise."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import echocal
+from echocal.registry import find_effect
+
+ROWS = 360
+
+
+def speed(celsius: np.ndarray) -> np.ndarray:
+    return 331.4 + 0.6 * celsius
+
+
+def wrong_slope(random: np.random.Generator, distance: np.ndarray) -> pd.DataFrame:
+    """The air warms three tenths more than the thermometer says: far beyond any usual thermometer or law."""
+    celsius = (
+        20.0 + 10.0 * np.sin(np.linspace(0.0, 12.0, len(distance))) + random.normal(0.0, 0.3, len(distance))
+    )
+    reading = distance * speed(celsius) / speed(celsius + 0.3 * (celsius - 20.0))
+    reading += random.normal(0.0, 0.5e-3, len(distance))
+    return pd.DataFrame({"temperature_C": celsius, "distance_m": distance, "reading_m": reading})
+
+
+def in_the_model(diagnosis: echocal.Diagnosis) -> dict[str, float]:
+    """Largest size of each effect of a model, in prior standard deviations."""
+    return {
+        id_: max(
+            (
+                abs(sizes[p.name]) / p.prior_scale
+                for p in find_effect(id_).parameters
+                if p.role == "size" and not p.known
+            ),
+            default=0.0,
+        )
+        for id_, sizes in diagnosis.model.effects.items()
+    }
+
+
+@pytest.mark.statistical
+def test_no_implausible_size_where_the_distance_does_not_vary(random: np.random.Generator) -> None:
+    diagnosis = echocal.diagnose(wrong_slope(random, np.full(ROWS, 2.0)))
+    assert max(in_the_model(diagnosis).values(), default=0.0) <= 5.0
+    assert diagnosis.gain is not None
+    assert diagnosis.gain.rms_after_m <= diagnosis.gain.rms_before_m
+    doubts = [cause.doubt for cause in diagnosis.causes if cause.kind == "effect"]
+    assert any("times the usual one" in doubt for doubt in doubts)
+
+
+@pytest.mark.statistical
+def test_such_a_size_is_kept_where_it_holds_at_other_distances(random: np.random.Generator) -> None:
+    diagnosis = echocal.diagnose(wrong_slope(random, random.uniform(0.4, 3.5, ROWS)))
+    large = {id_ for id_, size in in_the_model(diagnosis).items() if size > 5.0}
+    assert large
+    assert diagnosis.gain is not None
+    assert diagnosis.gain.rms_after_m < 0.3 * diagnosis.gain.rms_before_m
+    assert all(cause.doubt for cause in diagnosis.causes if cause.id in large)
+
+
+@pytest.mark.statistical
+def test_members_of_a_class_keep_their_odds_beside_a_noise(random: np.random.Generator) -> None:
+    """In a room at one temperature a delay and an offset are the same, whatever the noise is."""
+    distance = np.repeat(np.linspace(0.4, 3.4, 12), ROWS // 12)
+    celsius = 21.0 + random.normal(0.0, 0.05, ROWS)
+    late = 80e-6 + random.exponential(60e-6, ROWS)  # the pin is polled
+    echo = 2.0 * distance / speed(celsius) + late + random.normal(0.0, 2e-6, ROWS)
+    table = pd.DataFrame({"temperature_C": celsius, "distance_m": distance, "echo_us": 1e6 * echo})
+    posterior: dict[str, float] = {"fixed_delay": 0.0, "zero_error": 0.0}
+    diagnosis = echocal.diagnose(table)
+    assert "polling_jitter" in {cause.id for cause in diagnosis.causes}
+    for ids, probability in diagnosis.posterior:
+        for id_ in posterior:
+            posterior[id_] += probability * (id_ in ids)
+    assert sum(posterior.values()) > 0.9
+    assert 1 / 4 < posterior["fixed_delay"] / posterior["zero_error"] < 4
+
+
+@pytest.mark.parametrize("hours", [1.0, 30.0])
+def test_an_hour_of_the_sun_is_no_daylight(random: np.random.Generator, hours: float) -> None:
+    time = pd.date_range("2026-06-01T10:00", periods=ROWS, freq=pd.Timedelta(hours=hours / ROWS))
+    celsius = 20.0 + random.normal(0.0, 0.5, ROWS)
+    distance = random.uniform(0.5, 3.0, ROWS)
+    reading = distance * (1.0 + 2e-3 * np.linspace(0.0, 1.0, ROWS)) + random.normal(0.0, 1e-3, ROWS)
+    table = pd.DataFrame(
+        {"time": time.astype(str), "temperature_C": celsius, "distance_m": distance, "reading_m": reading}
+    )
+    sets = [ids for ids, _ in echocal.diagnose(table).posterior]
+    assert any("temperature_daylight" in ids for ids in sets) == (hours > 12.0)
+
+
+@pytest.mark.statistical
+def test_a_thermometer_in_a_screen_without_a_fan_is_named(random: np.random.Generator) -> None:
+    """It lags by a quarter of an hour, and nobody knows the distance."""
+    seconds = 300.0 * np.arange(2000)
+    air = 12.0 + 7.0 * np.sin(2 * np.pi * seconds / 86400.0) + np.cumsum(random.normal(0.0, 0.15, 2000))
+    shown = air.copy()
+    for row in range(1, 2000):
+        shown[row] = shown[row - 1] + (air[row] - shown[row - 1]) * (1.0 - np.exp(-300.0 / 950.0))
+    reading = 2.0 * speed(shown) / speed(air) + random.normal(0.0, 1e-3, 2000)
+    table = pd.DataFrame({"time_s": seconds, "temperature_C": shown, "reading_m": reading})
+    diagnosis = echocal.diagnose(table, constant_distance=True)
+    (lag,) = (cause for cause in diagnosis.causes if cause.id == "temperature_lag")
+    assert lag.in_model
+    assert not lag.doubt
+    assert lag.parameters[0].value == pytest.approx(950.0, rel=0.25)
