@@ -138,7 +138,8 @@ def _moved(view: View, first: int, shift: int) -> Observations:
     reading = None if observations.reading is None else observations.reading[source]
     echo_time = observations.echo_time[source]
     if reading is not None:
-        echo_time = 2 * view.indication[source] / speed
+        moved = 2 * view.indication[source] / speed
+        echo_time = np.where(np.arange(n) < first, observations.echo_time, moved)
     unusable = observations.unusable.astype(object)
     unusable[lost & (unusable == "")] = FACTS.id
     return replace(observations, echo_time=echo_time, reading=reading, unusable=unusable.astype(str))

@@ -13,7 +13,8 @@ impl Effect for DoubleCorrection {
         stage: Stage::Firmware,
         sentence: "A reading that the device had corrected for temperature was corrected once more.",
         formula: "c_device' = c_device (1 + weight (c_device / speed - 1)); weight 1 is the second correction",
-        source: "arithmetic of distance_2 = distance_1 c(T) / speed; 343.4 m/s is 331.4 + 0.6 T at 20 degC",
+        source: "distance_2 = distance_1 c(T) / speed; 343.4 m/s is 331.4 + 0.6 T at 20 degC; 331.4 m/s that of \
+                 rangers whose readings are multiplied by sqrt(T / 273.15 K) (SR50)",
         parameters: &[
             ParameterFacts {
                 name: "weight",
@@ -28,7 +29,7 @@ impl Effect for DoubleCorrection {
                 neutral: 343.4,
                 bounds: (300.0, 400.0),
                 prior_scale: 1.0,
-                known: &[340.0, 343.0, 343.4],
+                known: &[331.4, 340.0, 343.0, 343.4],
                 ..ParameterFacts::USUAL
             },
         ],

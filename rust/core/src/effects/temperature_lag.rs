@@ -14,9 +14,8 @@ impl Effect for TemperatureLag {
         stage: Stage::Air,
         sentence: "The thermometer follows the air with a time constant: warming air is warmer than recorded.",
         formula: "T' = T + time_constant dT/ds, from the recorded rate of change",
-        source: "SMT160 data sheet: 60 s in still air, 13.5 s at 3 m/s; a screen without a fan some 3 to 20 min, the \
-                 calmer the longer (Harrison 2010, Q. J. R. Meteorol. Soc. 136, 253, doi:10.1002/qj.537), of which \
-                 the prior holds 95 %",
+        source: "SMT160 data sheet: 60 s in still air; a screen without a fan 3 to 20 min (Harrison 2010, Q. J. R. \
+                 Meteorol. Soc. 136, 253, doi:10.1002/qj.537): 95 % of the prior",
         reads: &[Quantity::TemperatureRate],
         requires: &[Quantity::Temperature, Quantity::TemperatureRate],
         parameters: &[ParameterFacts {
