@@ -123,7 +123,9 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         level_steps: list[int] = []
         while True:
             work.begin("building columns")
-            table = prepare(observations, base, distance, constant, settings.rows, level_steps)
+            table = prepare(
+                observations, base, distance, constant, settings.rows, level_steps, faults.rounding
+            )
             steps = weigh_steps(table, base, request.seed, settings, level_steps)
             table = table if steps is None else steps.kept(steps.case.folds.fit)
             folds = Folds.of(table, settings.rows)
