@@ -181,8 +181,9 @@ def _sizes_text(claim: Claim, sizes: Sequence[Size]) -> str:
     texts = []
     for i, (name, scale) in enumerate(zip(claim.variant.names, claim.variant.scales, strict=True)):
         unit = next(p.unit for p in find_effect(claim.cause).parameters if p.name == name)
+        at = claim.variant.at.get(name, 0.0)
         parts = [
-            parameter_text(name, scale * value[i], scale * float(np.sqrt(covariance[i, i])), unit)
+            parameter_text(name, at + scale * value[i], scale * float(np.sqrt(covariance[i, i])), unit)
             for value, covariance in sizes
         ]
         texts.append(f"{name} is {', '.join(part.partition(' = ')[2] for part in parts)}")
