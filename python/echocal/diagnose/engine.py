@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from echocal.diagnose.pipeline import run
+from echocal.diagnose.preprocess.presumed import presume
 from echocal.diagnose.preprocess.reading import Reading, read
 from echocal.diagnose.progress import Progress, Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.presumed import without_presumed
 from echocal.diagnose.results.stated import with_stated
 from echocal.diagnose.settings import Settings
 from echocal.model import Model
@@ -127,9 +129,14 @@ def diagnose(
     if not isinstance(observations, Observations):
         how["reading_speed"] = request.base.reading_speed if reading_speed is None else reading_speed
     reading = read(observations, how)
-    diagnosis = run(reading, request, work)
+    simulated, rest = presume(request.base, reading.observations)
+    diagnosis = run(replace(reading, observations=rest), replace(request, base=simulated), work)
+    diagnosis = without_presumed(diagnosis, simulated.presumed)
     if reading.observations.stated:
         diagnosis = with_stated(
-            diagnosis, reading.observations, lambda other: run(Reading(other), request, Steps(None))
+            diagnosis,
+            reading.observations,
+            {one.quantity: id_ for id_, one in simulated.presumed.items()},
+            lambda other: run(Reading(other), request, Steps(None)),
         )
     return replace(diagnosis, seconds=time.perf_counter() - start)

@@ -112,7 +112,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         refuse_contradiction(whole, distance, constant)
         after = request.hold_out_after
         observations, _ = split(whole, after, settings.rows.fewest)
-        faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises)
+        faults = find_faults(observations, base.assumed, distance, constant, settings.faults, settings.noises)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
         if why := still_refused(faults.observations):  # a repair of one column hides no other one
@@ -124,7 +124,9 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         level_steps: list[int] = []
         while True:
             work.begin("building columns")
-            table = prepare(observations, base, distance, constant, settings.rows, level_steps)
+            table = prepare(
+                observations, base, distance, constant, settings.rows, level_steps, faults.rounding
+            )
             steps = weigh_steps(table, base, request.seed, settings, level_steps)
             table = table if steps is None else steps.kept(steps.case.folds.fit)
             folds = Folds.of(table, settings.rows)

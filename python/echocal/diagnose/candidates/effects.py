@@ -19,6 +19,8 @@ __all__ = ["effect_candidates"]
 
 Column = NDArray[np.float64]
 
+_HALF_STEP = 0.05  # of a prior standard deviation: half the difference that stands for a derivative
+
 
 def effect_candidates(found: Candidates, scene: Scene) -> None:
     """Add the columns of all effects that the data can show.
@@ -32,7 +34,9 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
             found.skipped[effect.id] = reason
             continue
         sizes = [p for p in effect.parameters if p.role == "size"]
-        if quantity := read_from_thermometers(effect):
+        if effect.id in scene.base.presumed:
+            variants = [_presumed(found, effect, scene)]
+        elif quantity := read_from_thermometers(effect):
             variants = bound_forms(found, effect, quantity, scene, _free)
         else:
             form = _known if all(p.known for p in sizes) else _free
@@ -152,6 +156,26 @@ def _free(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
                 )
             )
     return variants
+
+
+def _presumed(found: Candidates, effect: Effect, scene: Scene) -> Variant:
+    """A condition that is stated and may be wrong: its tangent at the stated value."""
+    (size,), base = effect.parameters, scene.base
+    scale, at = base.presumed[effect.id].scale, base.effects[effect.id][size.name]
+    ends = np.clip([at - _HALF_STEP * scale, at + _HALF_STEP * scale], *size.bounds).tolist()
+    low, high = (
+        base.model({effect.id: {size.name: end}}).indicate(scene.distance, **scene.conditions) for end in ends
+    )
+    column = found.columns.store(scale * (high - low) / (ends[1] - ends[0]))
+    bounds = tuple((bound - at) / scale for bound in size.bounds)
+    return Variant(
+        effect.id,
+        {size.name: at},
+        free=(column,),
+        names=(size.name,),
+        scales=(scale,),
+        bounds=((bounds[0], bounds[1]),),
+    )
 
 
 def _forms(effect: Effect, scene: Scene) -> list[tuple[dict[str, float], float]]:

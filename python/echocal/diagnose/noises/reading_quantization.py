@@ -3,17 +3,20 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, find_grid
+from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, QuantizationGrid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
+
+_WHOLE = 1e-3  # of a step by which a multiple may miss it: what converting a unit leaves
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     observations = view.observations
     if observations.reading is None:
         return None
-    grid = find_grid(np.where(view.good, observations.reading, np.nan))
+    grid = view.grid
     if grid is None or grid.step < FINEST_STEP:
         return None
     step = grid.step
@@ -63,7 +66,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
     kind = "cut off: half a step is added" if cut else "rounded"
     because = (
-        f"all {grid.distinct} different readings are multiples of {1e3 * step:.4g} mm, {kind}; the step "
+        f"{_multiples(grid, observations.reading[view.good])} {1e3 * step:.4g} mm, {kind}; the step "
         f"makes {100 * share:.2g} % of the variance of the noise"
     )
     parameters = (Parameter("step", step, 0.0, "m"), Parameter("cut", float(cut), 0.0, "1"))
@@ -85,6 +88,14 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
         1.0 if cut else share,
         step / 12**0.5,
     )
+
+
+def _multiples(grid: QuantizationGrid, readings: NDArray[np.float64]) -> str:
+    """What is a multiple of the step: the readings, or only their differences."""
+    steps = readings / grid.step
+    if np.abs(steps - np.round(steps)).max() < _WHOLE:
+        return f"all {grid.distinct} different readings are multiples of"
+    return f"all {grid.distinct} different readings differ by multiples of"
 
 
 def _cut(view: View, step: float, own: Thresholds) -> bool:

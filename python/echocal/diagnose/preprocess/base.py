@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Real
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,27 @@ from echocal.errors import ModelError, UsageError
 from echocal.model import Model
 from echocal.registry import Effect, find_effect
 
-__all__ = ["Base"]
+__all__ = ["Base", "Presumed"]
 
 Column = NDArray[np.float64]
 Parameters = Mapping[str, Mapping[str, float]]
+
+
+class Presumed(NamedTuple):
+    """A condition that the user states for all rows.
+
+    Attributes
+    ----------
+    quantity : str
+    value : float
+        [SI].
+    scale : float
+        Prior standard deviation of the true value [SI].
+    """
+
+    quantity: str
+    value: float
+    scale: float
 
 
 @dataclass(frozen=True)
@@ -38,12 +55,15 @@ class Base:
         Values that the base assumes for quantities that are not recorded.
     device_speed : float or None
         Speed with which the device converts all echoes [m/s]; None: that of the law.
+    presumed : mapping of str to Presumed
+        Those of `effects` that stand for a stated condition, which may be wrong.
     """
 
     law: str
     effects: Parameters
     air: Mapping[str, float] = field(default_factory=dict)
     device_speed: float | None = None
+    presumed: Mapping[str, Presumed] = field(default_factory=dict)
 
     @classmethod
     def of(cls, base: "str | float | Model") -> "Base":
@@ -75,6 +95,13 @@ class Base:
         return self.model()
 
     @property
+    def assumed(self) -> "Base":
+        """The same air with stated conditions as values of the law, not as effects."""
+        effects = {id_: own for id_, own in self.effects.items() if id_ not in self.presumed}
+        air = {**self.air, **{one.quantity: one.value for one in self.presumed.values()}}
+        return Base(self.law, effects, air, self.device_speed)
+
+    @property
     def reading_speed(self) -> str:
         """Speed that a device converts with by default, as the name of a law or an expression."""
         return self.law if self.device_speed is None else str(self.device_speed)
@@ -96,7 +123,7 @@ class Base:
     def allows(self, effect: Effect) -> bool:
         """Whether an effect can extend this base."""
         if effect.id in self.effects:
-            return False
+            return effect.id in self.presumed
         terms = [(id_, list(own.items())) for id_, own in self.effects.items()]
         try:
             _core.Model(self.law, [*terms, (effect.id, [])])
@@ -106,5 +133,5 @@ class Base:
 
     def to_dict(self) -> dict[str, Any]:
         """As in ``echocal.diagnosis/1``."""
-        effects = {id_: dict(parameters) for id_, parameters in self.effects.items()}
+        effects = {id_: dict(own) for id_, own in self.assumed.effects.items()}
         return {"law": self.law, "effects": effects, "device_speed": self.device_speed}

@@ -30,15 +30,20 @@ class QuantizationGrid:
         Number of different values among the rows that were used.
     rows : int
         Number of rows that were used.
+    repeated : int or None
+        Rows that repeat a reading at its distance, where they alone are evidence of the step.
     """
 
     step: float
     distinct: int
     rows: int
+    repeated: int | None = None
 
     @property
     def evidence(self) -> float:
         """Log Bayes factor against continuous values, which hit the grid or repeat only by chance."""
+        if self.repeated is not None:
+            return min(self.repeated * 2.0, 60.0)
         return float(min((self.distinct - 3) * 6.0 + (self.rows - self.distinct) * 2.0, 60.0))
 
 

@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.base import Base
-from echocal.diagnose.preprocess.quantization_grid import find_grid
+from echocal.diagnose.preprocess.quantization_grid import QuantizationGrid, find_grid
+from echocal.diagnose.preprocess.tape import printed_grid, step_of_the_tape
+from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 
@@ -41,19 +43,22 @@ class View:
         Reference distance of every row [m], if the user gives it.
     known : bool
         Whether there is a reference distance.
+    by_chance : float
+        Probability below which a step that readings share with the stations is not theirs.
     """
 
     observations: Observations
     base: Base
     given: float | None
     known: bool
+    by_chance: float = NoiseSettings.step_by_chance
 
     def __len__(self) -> int:
         return len(self.observations)
 
     def after(self, repaired: Observations) -> "View":
         """The view of a repaired table."""
-        return View(repaired, self.base, self.given, self.known)
+        return replace(self, observations=repaired)
 
     def without(self, rows: Mask, reason: str) -> Observations:
         """Mark rows as unusable, with the reason; all rows are kept."""
@@ -126,13 +131,27 @@ class View:
         least = max(_LEAST, _PER_STEP * self.resolution)
         return max(_MAD_TO_SD * median(np.abs(inside)), least) if len(inside) else least
 
+    @property
+    def _values(self) -> Column:
+        reading = self.observations.reading
+        return self.observations.echo_time if reading is None else reading
+
+    @cached_property
+    def grid(self) -> QuantizationGrid | None:
+        """Quantization of the recorded readings, or of the echo times where there are none."""
+        grid = find_grid(np.where(self.good, self._values, np.nan))
+        reading, reference = self.observations.reading, self.reference
+        if reading is None or reference is None or not self.good.any():
+            return grid
+        at = reading[self.good], reference[self.good]
+        if grid is None or step_of_the_tape(*at, grid.step, self.by_chance):
+            return printed_grid(*at)
+        return grid
+
     @cached_property
     def resolution(self) -> float:
         """Quantization step of the recorded readings or echo times [m]; 0 if there is none."""
-        values = (
-            self.observations.echo_time if self.observations.reading is None else self.observations.reading
-        )
-        grid = find_grid(np.where(self.good, values, np.nan))
+        grid, values = self.grid, self._values
         if grid is None:
             return 0.0
         scale = float(np.median(self.indication[self.good] / values[self.good])) if self.good.any() else 1.0

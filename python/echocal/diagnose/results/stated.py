@@ -17,21 +17,34 @@ __all__ = ["with_stated"]
 
 
 def with_stated(
-    diagnosis: Diagnosis, observations: Observations, again: Callable[[Observations], Diagnosis]
+    diagnosis: Diagnosis,
+    observations: Observations,
+    competing: Mapping[str, str],
+    again: Callable[[Observations], Diagnosis],
 ) -> Diagnosis:
     """Add the uncertainty of stated conditions to the parameters, and say whether the causes depend on it.
 
     The table is diagnosed once more with each condition one standard uncertainty lower and higher. The
-    parameters take the change of the corrected distances (JCGM 100:2008, 5.1.3, note 2).
+    parameters take the change of the corrected distances (JCGM 100:2008, 5.1.3, note 2). `competing` are the
+    causes, by quantity, that a stated condition is wrong: the causes were compared under each value of such a
+    condition, and where the model has this cause, the uncertainties of its parameters have it already.
     """
     for quantity, uncertainty in uncertain(observations).items():
+        if quantity in competing:
+            if competing[quantity] not in diagnosis.model.effects:
+                diagnosis = _wider(diagnosis, _change(diagnosis.model, observations, quantity, uncertainty))
+            continue
         low, high = (again(shifted(observations, quantity, step)) for step in (-uncertainty, uncertainty))
         change = _change(diagnosis.model, observations, quantity, uncertainty)
-        causes = tuple(_widened(cause, change) for cause in diagnosis.causes)
-        model = _model(diagnosis.model, change)
         note = _note(quantity, diagnosis, low, high)
-        diagnosis = replace(diagnosis, causes=causes, model=model, notes=(note, *diagnosis.notes))
+        diagnosis = replace(_wider(diagnosis, change), notes=(note, *diagnosis.notes))
     return diagnosis
+
+
+def _wider(diagnosis: Diagnosis, change: Mapping[str, float]) -> Diagnosis:
+    """The diagnosis with a further uncertainty of its parameters."""
+    causes = tuple(_widened(cause, change) for cause in diagnosis.causes)
+    return replace(diagnosis, causes=causes, model=_model(diagnosis.model, change))
 
 
 def _note(quantity: str, diagnosis: Diagnosis, low: Diagnosis, high: Diagnosis) -> str:

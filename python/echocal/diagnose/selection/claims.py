@@ -1,6 +1,6 @@
 """From fitted hypotheses to claims: causes with their sizes, their rivals and their probabilities."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -93,12 +93,13 @@ class Ranking:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 
         Of sets that are about equally probable, the one that most devices can compensate. With
-        `beyond`, only sets that have one effect more than these count; None if there is none. Sets
-        that are passed do not count.
+        `beyond`, only sets that have one effect more than these count, or more effects where all sets
+        with one more are too improbable beside larger ones to be mentioned; None if there is none. Sets that
+        are passed do not count.
         """
         probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0 and ids not in self.passed}
         if beyond is not None:
-            probability = {ids: p for ids, p in probability.items() if _is_larger(ids, beyond, by=1)}
+            probability = self._next_larger(probability, beyond)
         if not probability:
             return None
         near = self.settings.claims.nearly * max(probability.values())
@@ -107,6 +108,16 @@ class Ranking:
         same = [w for w in self.fits if w.hypothesis.effects == top]
         alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
         return preferred(alike, self.settings.search.form_preference)
+
+    def _next_larger(self, probability: Mapping[Ids, float], beyond: Ids) -> dict[Ids, float]:
+        """Sets with the fewest further effects that are not improbable beside those with more."""
+        larger = {ids: p for ids, p in probability.items() if _is_larger(ids, beyond)}
+        for count in sorted({len(ids) for ids in larger}):
+            some = {ids: p for ids, p in larger.items() if len(ids) == count}
+            rest = sum(p for ids, p in larger.items() if len(ids) > count)
+            if sum(some.values()) >= self.settings.claims.mentioned_from * rest:
+                return some
+        return {}
 
     def of_set(self, effects: Ids) -> float:
         """Probability of a set of effects, with or without an unexplained term."""
@@ -132,10 +143,9 @@ class Ranking:
         return against
 
 
-def _is_larger(ids: Ids, beyond: Ids, by: int | None = None) -> bool:
-    """Whether a set includes another one and has more effects, or `by` more."""
-    more = len(ids) - len(beyond)
-    return (more > 0 if by is None else more == by) and set(ids).issuperset(beyond)
+def _is_larger(ids: Ids, beyond: Ids) -> bool:
+    """Whether a set includes another one and has more effects."""
+    return len(ids) > len(beyond) and set(ids).issuperset(beyond)
 
 
 def _out_of_reach(ids: Sequence[str]) -> int:

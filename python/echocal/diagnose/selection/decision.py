@@ -23,7 +23,7 @@ def claim_or_not(
     """Find the best hypothesis, extend it while a further effect is claimed, and list its claims.
 
     If the best set of effects is not empty, the threshold is not tested. The hypothesis that is tried
-    next is that of the best set with one effect more (`Ranking.best`). The effect that it adds
+    next is that of the best set with one effect more, or more (`Ranking.best`). The effect that it adds
     represents its class: the effect and its rivals, which the data cannot separate from it.
 
     Nothing is claimed if few rows do not show an effect under each single autoregression (`slow`).
@@ -39,8 +39,9 @@ def claim_or_not(
         if not is_claimed(ids, *ranking.more(ids), threshold):
             break  # the class of the further effect is at most as probable as all larger sets together
         if ids:  # the empty set is extended whatever the class is
-            (more,) = _of(grown, case, ranking, reduced, ids)
-            if not is_claimed(ids, *ranking.more(ids, (more.cause, *more.rivals)), threshold):
+            more = _of(grown, case, ranking, reduced, ids)
+            of_class = [id_ for claim in more for id_ in (claim.cause, *claim.rivals)]
+            if not is_claimed(ids, *ranking.more(ids, of_class), threshold):
                 break
         best = grown
     return best, _of(best, case, ranking, reduced)

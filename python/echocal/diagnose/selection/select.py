@@ -109,7 +109,9 @@ def select(
         against = term.against
         every_claim = beside_a_term(every_claim, case.found, reduced, against, term.rms_m, settings)
         best, every_claim = sized_apart(best, every_claim, reduced, settings.blurred)
-    likely = [c for c in every_claim if c.probability >= settings.modeled_from] or every_claim
+    likely = [c for c in every_claim if c.probability >= settings.modeled_from] or [
+        c for c in every_claim if c.probability >= settings.modeled_at_all
+    ]
     effects = whole.hypothesis.effects
     if term is None and not doubt:
         return Selection(best, every_claim, likely, noise, term, effects, slow=slow)

@@ -16,6 +16,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Sta
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.selection.claims import Claim
+from echocal.diagnose.selection.shared_errors import Shared, with_shared_errors
 from echocal.registry import find_effect
 
 __all__ = ["Steadiness", "steadiness", "varied"]
@@ -72,7 +73,7 @@ def steadiness(case: Case, claims: Sequence[Claim], noise: Noise, best: Hypothes
     while left:  # the least constant first: the others change when it is taken out
         found = [
             (claim, _sizes(claim, fits))
-            for fits in _fits(families, left, noise, settings.steadiness_rows)
+            for fits in _fits(families, left, noise, best.variance, settings.steadiness_rows)
             for claim in left
         ]
         p_values = [_p_value(sizes) if claim.cause not in between else 1.0 for claim, sizes in found]
@@ -127,12 +128,15 @@ class Family:
         Position of a candidate's column in these sums.
     term : mapping of int to float
         Columns of the unexplained term that is subtracted first, and their coefficients.
+    shared : Shared
+        Errors that the rows of a placement share.
     """
 
     sums: Sums
     parts: tuple[NDArray[np.bool_], ...]
     place: Mapping[int, int]
     term: Mapping[int, float]
+    shared: Shared
 
 
 def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> list[Family]:
@@ -140,13 +144,14 @@ def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: Hypothesi
     term = _term(best)
     own = {column: column for claim in claims for column in claim.variant.columns}
     parts = tuple(blocks == block for block in blocks[case.folds.fit])
-    families = [Family(case.sums, parts, own, term)]
+    shared = Shared.of(case)
+    families = [Family(case.sums, parts, own, term, shared)]
     if best.hypothesis.term in _OF_ROWS and (np.diff(case.folds.blocks) < 0).any():
-        families.append(_runs(case, list(own), noise))
+        families.append(_runs(case, list(own), noise, shared))
     return families
 
 
-def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
+def _runs(case: Case, wanted: Sequence[int], noise: Noise, shared: Shared) -> Family:
     """Runs of equally many fitted rows; no term is subtracted, because it changes with the rows."""
     fit = case.folds.fit[case.folds.blocks]
     count = case.settings.claims.steadiness_runs
@@ -159,7 +164,7 @@ def _runs(case: Case, wanted: Sequence[int], noise: Noise) -> Family:
     sums = Sums.gather(columns, case.sums.order, runs, [noise.correlation])
     parts = tuple(np.arange(len(sums.rows)) == run for run in range(count))
     place = {column: at for at, column in enumerate(chosen[1:-1], 1)}
-    return Family(sums, parts, place, {})
+    return Family(sums, parts, place, {}, replace(shared, apart=False))
 
 
 def _p_value(sizes: Sequence[Size]) -> float:
@@ -176,8 +181,9 @@ def _sizes_text(claim: Claim, sizes: Sequence[Size]) -> str:
     texts = []
     for i, (name, scale) in enumerate(zip(claim.variant.names, claim.variant.scales, strict=True)):
         unit = next(p.unit for p in find_effect(claim.cause).parameters if p.name == name)
+        at = claim.variant.at.get(name, 0.0)
         parts = [
-            parameter_text(name, scale * value[i], scale * float(np.sqrt(covariance[i, i])), unit)
+            parameter_text(name, at + scale * value[i], scale * float(np.sqrt(covariance[i, i])), unit)
             for value, covariance in sizes
         ]
         texts.append(f"{name} is {', '.join(part.partition(' = ')[2] for part in parts)}")
@@ -195,9 +201,12 @@ def _term(best: HypothesisFit) -> dict[int, float]:
 
 
 def _fits(
-    families: Sequence[Family], claims: Sequence[Claim], noise: Noise, fewest: int
+    families: Sequence[Family], claims: Sequence[Claim], noise: Noise, variance: float, fewest: int
 ) -> list[list[HypothesisFit]]:
-    """All claims, fitted to each part alone; the unexplained term is that of the whole table."""
+    """All claims, fitted to each part alone; the unexplained term is that of the whole table.
+
+    `variance` is that of the innovations in the whole table [m^2].
+    """
     found = []
     for family in families:
         together = Hypothesis(tuple(_placed(claim.variant, family.place) for claim in claims), 1.0)
@@ -207,7 +216,10 @@ def _fits(
             if degrees >= fewest:
                 whitened = family.sums.whiten(noise, use)
                 whitened = replace(whitened, products=_less(whitened.products, family.term))
-                fits.append(fit_hypothesis(together, Stack.of([whitened], degrees), one_width=True))
+                fit = fit_hypothesis(together, Stack.of([whitened], degrees), one_width=True)
+                more = noise.station_ratio * max(variance - fit.variance, 0.0)  # the tape errs in each part
+                columns = [column for claim in claims for column in claim.variant.free]
+                fits.append(with_shared_errors(fit, family.shared, columns, use[family.sums.blocks], more))
         found.append(fits)
     return found
 

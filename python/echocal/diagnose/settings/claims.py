@@ -68,11 +68,17 @@ class ClaimSettings:
     modeled_from: float = number(
         0.5,
         "probability",
-        "from it on, a claim enters the model; if no claim reaches it, all do",
+        "from it on, a claim enters the model; if no claim reaches it, all from `modeled_at_all` on do",
         "more probable than not",
     )
+    modeled_at_all: float = number(
+        1e-3, "probability", "below it, a claim never enters the model", "chosen by hand: odds of 1 in 1,000"
+    )
     mentioned_from: float = number(
-        0.05, "probability", "from it on, another possible cause is listed", "chosen by hand"
+        0.05,
+        "probability",
+        "from it on, another possible cause is listed, and sets of effects beside larger ones are tried",
+        "chosen by hand",
     )
     unexplained_from: float = number(
         0.5, "probability", "from it on, an unexplained term is reported", "more probable than not"

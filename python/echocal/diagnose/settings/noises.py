@@ -14,7 +14,7 @@ class NoiseSettings(CauseSettings):
 
     Attributes
     ----------
-    found : float
+    found, step_by_chance : float
     harmless, negligible : float
     sets, sets_alike, segments, segment_rows : float
     considered, worth, subtracted : float
@@ -25,6 +25,12 @@ class NoiseSettings(CauseSettings):
 
     found: float = threshold(
         0.5, "1", "probability from which on a quantization counts as present: more likely than not"
+    )
+    step_by_chance: float = threshold(
+        0.05,
+        "1",
+        "probability, where the stations do not stand in a step of the readings, of errors that lie so close "
+        "within it; below, the step is that of the tape; convention",
     )
     harmless: float = threshold(
         0.01, "1", "part of the noise's variance below which a quantization is a note, not a cause"

@@ -46,6 +46,12 @@ class Faults:
         return [f.cause for f in self.accepted if f.facts.kind == "noise"]
 
     @property
+    def rounding(self) -> dict[str, float]:
+        """Standard deviation of the error of rounding of readings or echo times [m], by their column."""
+        found = {f.facts.needs[0]: f.rms for f in self.accepted if f.facts.kind == "noise"}
+        return {name: rms for name, rms in found.items() if name in {"reading", "echo_time"}}
+
+    @property
     def marks(self) -> dict[str, Any]:
         """What a model file keeps: rules for rows, and faults that no rule finds, as plain data.
 
@@ -125,7 +131,7 @@ def find_faults(
     """
     settings.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
     known = not constant and (given is not None or observations.reference_distance is not None)
-    view = View(observations, base, given, known)
+    view = View(observations, base, given, known, noise_settings.step_by_chance)
     found = []
     for fault in (*registry.of_kind("gross"), *registry.of_kind("row")):
         if fault.facts.kind == "row" and not view.good.any():
