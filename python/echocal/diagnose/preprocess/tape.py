@@ -10,6 +10,8 @@ __all__ = ["printed_grid", "step_of_the_tape"]
 Column = NDArray[np.float64]
 
 _DIGIT = 1e-6  # part of a step by which a printed value may miss it
+_COARSEST = -2  # power of ten [m]: no device gives decimeters, but stations stand at them
+_FEWEST = 3  # different readings: one or two have any step
 
 
 def step_of_the_tape(readings: Column, reference: Column, step: float, by_chance: float) -> bool:
@@ -36,16 +38,16 @@ def step_of_the_tape(readings: Column, reference: Column, step: float, by_chance
 
 
 def printed_grid(readings: Column, reference: Column) -> QuantizationGrid | None:
-    """Find the decimal step in which repeated readings are given: 1 cm, 1 mm, ...
+    """Find the decimal step in which repeated readings are given: 1 cm, 1 mm or less.
 
     The values themselves are multiples of it, not only their differences. Only the repetitions at a distance
     are evidence of a step, for the values of any table have an end.
     """
-    distinct, most = np.unique(readings), float(np.abs(readings).max())
-    if len(distinct) == len(readings) or most <= 0.0:
+    distinct = np.unique(readings)
+    if len(distinct) == len(readings) or len(distinct) < _FEWEST:
         return None
     repeated = len(readings) - len(np.unique(reference + 1j * readings))
-    for power in range(int(np.floor(np.log10(most))), int(np.floor(np.log10(FINEST_STEP))), -1):
+    for power in range(_COARSEST, int(np.floor(np.log10(FINEST_STEP))), -1):
         step = 10.0**power
         if repeated and np.abs(distinct / step - np.round(distinct / step)).max() < _DIGIT:
             return QuantizationGrid(step, len(distinct), len(readings), repeated)
