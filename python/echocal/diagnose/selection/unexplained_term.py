@@ -18,13 +18,19 @@ __all__ = ["sized_apart", "term_is_told", "unexplained"]
 def unexplained(case: Case, ranking: Ranking, slow: LeastFavorable | None = None) -> Unexplained | None:
     """The most probable unexplained term, if the terms together are probable enough.
 
+    Of columns that are about equally probable, one of a known quantity: a counter of rows follows the time.
+
     In few rows, noise alone must be improbable under each single autoregression, too (`slow`).
     """
     terms = ranking.unexplained_terms()
     total = sum(terms.values())
     if not term_is_told(ranking, slow):
         return None
-    against = max(terms, key=lambda name: terms[name])
+    near = ranking.settings.claims.nearly * max(terms.values())
+    known = case.table.known
+    against = max(
+        (name for name in terms if terms[name] >= near), key=lambda name: (name in known, terms[name])
+    )
     for fit in ranking.fits:
         for variant, place in fit.hypothesis.placed:
             if variant.cause == UNKNOWN and variant.against == against:
