@@ -21,7 +21,8 @@ __all__ = ["NoisePosterior", "Traced", "infer_noises", "sampled"]
 
 Ids = tuple[str, ...]
 
-_SAME = 0.01  # log evidence
+_SAME = 0.5  # log evidence: odds of 1.6 decide nothing
+_NEGLIGIBLE = 7.0  # log odds of a set that no noise makes probable: 1 in 1,100
 
 
 @dataclass
@@ -136,11 +137,19 @@ def _gains_alike(
     A noise depends on a set through its residual alone, and sets that the data cannot separate leave the
     same one.
     """
-    if max(gains.values()) - min(gains.values()) < _SAME:
+    most = max(gains.values())
+    if most - min(gains.values()) < _SAME:
         return {}
+    first = max(best[ids].log_posterior for ids in gains)
+    least = max(best[ids].log_posterior + gain for ids, gain in gains.items()) - most - _NEGLIGIBLE
+    wanted = [ids for ids in best if ids not in gains and best[ids].log_posterior > least]
+    probable = [gain for ids, gain in gains.items() if best[ids].log_posterior > first - _NEGLIGIBLE]
+    if max(probable) - min(probable) < _SAME:  # what fits about as well as these leaves about the same
+        near = [ids for ids in wanted if best[ids].log_posterior > first - _NEGLIGIBLE]
+        return dict.fromkeys(near, min(probable))
     known = {ids: traced.case.left(best[ids], traced.rows) for ids in gains}
     found = {}
-    for ids in [ids for ids in best if ids not in gains][: settings.sets_alike]:
+    for ids in wanted[: settings.sets_alike]:
         left = traced.case.left(best[ids], traced.rows)
         nearest = min(known, key=lambda other: float(np.sum((left - known[other]) ** 2)))
         found[ids] = gains[nearest]
