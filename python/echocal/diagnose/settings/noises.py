@@ -16,7 +16,8 @@ class NoiseSettings(CauseSettings):
     ----------
     found, step_by_chance : float
     harmless, negligible : float
-    sets, sets_alike, segments, segment_rows : float
+    sets, sets_alike, same_evidence, negligible_odds : float
+    segments, segment_rows : float
     considered, worth, subtracted : float
     scattered_part, scattered_apart, scattered_gain : float
     autocorrelated, convection_behind : float
@@ -44,6 +45,14 @@ class NoiseSettings(CauseSettings):
         "1",
         "most probable further sets, which have the noises of the set among these whose residual is nearest; "
         "more than the members of a class that the data cannot separate",
+    )
+    same_evidence: float = threshold(
+        0.5,
+        "log evidence",
+        "noises that add as much beside two sets are the same; odds of 1.6 decide nothing",
+    )
+    negligible_odds: float = threshold(
+        7.0, "log odds", "a set that is less probable by more, whatever the noise, has no share: 1 in 1,100"
     )
     segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
     segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")

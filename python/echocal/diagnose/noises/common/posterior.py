@@ -21,9 +21,6 @@ __all__ = ["NoisePosterior", "Traced", "infer_noises", "sampled"]
 
 Ids = tuple[str, ...]
 
-_SAME = 0.5  # log evidence: odds of 1.6 decide nothing
-_NEGLIGIBLE = 7.0  # log odds of a set that no noise makes probable: 1 in 1,100
-
 
 @dataclass
 class NoisePosterior:
@@ -137,15 +134,17 @@ def _gains_alike(
     A noise depends on a set through its residual alone, and sets that the data cannot separate leave the
     same one.
     """
-    most = max(gains.values())
-    if most - min(gains.values()) < _SAME:
+    most, reach = max(gains.values()), settings.negligible_odds
+    if most - min(gains.values()) < settings.same_evidence:
         return {}
     first = max(best[ids].log_posterior for ids in gains)
-    least = max(best[ids].log_posterior + gain for ids, gain in gains.items()) - most - _NEGLIGIBLE
+    least = max(best[ids].log_posterior + gain for ids, gain in gains.items()) - most - reach
     wanted = [ids for ids in best if ids not in gains and best[ids].log_posterior > least]
-    probable = [gain for ids, gain in gains.items() if best[ids].log_posterior > first - _NEGLIGIBLE]
-    if max(probable) - min(probable) < _SAME:  # what fits about as well as these leaves about the same
-        near = [ids for ids in wanted if best[ids].log_posterior > first - _NEGLIGIBLE]
+    probable = [gain for ids, gain in gains.items() if best[ids].log_posterior > first - reach]
+    if (
+        max(probable) - min(probable) < settings.same_evidence
+    ):  # what fits about as well as these leaves about the same
+        near = [ids for ids in wanted if best[ids].log_posterior > first - reach]
         return dict.fromkeys(near, min(probable))
     known = {ids: traced.case.left(best[ids], traced.rows) for ids in gains}
     found = {}
