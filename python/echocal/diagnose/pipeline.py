@@ -18,7 +18,7 @@ from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.inference.weigh_steps import weigh_steps
 from echocal.diagnose.noises.common.convection import convections
-from echocal.diagnose.noises.common.growing import NOISE_GROWTH, with_growing_noise
+from echocal.diagnose.noises.common.growing import NOISE_GROWTH, growth_of, with_growing_noise
 from echocal.diagnose.noises.common.offsets import without_offsets
 from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
 from echocal.diagnose.noises.common.rows_off import without_rows_off
@@ -139,11 +139,10 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             work.begin("comparing noises")
             tried = not_imitated(faults.quantizations)
             shares = infer_noises(case, inference.fits, inference.reduced, tried)
-            if grown := with_growing_noise(case, inference, shares):
-                case, inference = grown.case, grown.inference
+            if (grown := with_growing_noise(case, inference, shares)) is not None:
+                case, inference = grown
                 tried = tuple(noise for noise in tried if noise.facts.id != NOISE_GROWTH)
                 shares = infer_noises(case, inference.fits, inference.reduced, tried)
-                offsets += [] if grown.finding is None else [grown.finding]
             elif off := without_rows_off(case, inference, shares, tried):
                 case, inference = _with_convection(off.case, off.inference)
                 tried = tuple(noise for noise in tried if noise is not off.noise)
@@ -152,6 +151,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             elif (less := without_scattered_rows(case, inference, shares)) is not None:
                 case, inference = _with_convection(*less)
                 shares = infer_noises(case, inference.fits, inference.reduced, tried)
+            if grows := growth_of(case, inference):
+                offsets.append(grows)
             reduced = inference.reduced
             ranking = rank(shares.fits, case.found.competing, settings)
 

@@ -1,4 +1,4 @@
-"""Whether autocorrelation grows with the distance, as warm cells that drift through the path make it."""
+"""Whether noise grows with the distance, as warm cells that drift through the path make it."""
 
 from collections.abc import Sequence
 
@@ -7,13 +7,16 @@ import numpy as np
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack
 from echocal.diagnose.inference.innovation import log_likelihood
-from echocal.diagnose.inference.noise import Convection, Noise, all_convections
+from echocal.diagnose.inference.noise import Convection, Noise, all_convections, growing_noises
 
 __all__ = ["convections"]
 
 
 def convections(case: Case, fits: Sequence[HypothesisFit], reduced: Stack) -> list[Convection]:
     """Find the convections that may be the noise beside the best hypothesis, or beside the least.
+
+    Noise that grows with the distance but has no memory is among them: else convection would explain its
+    growth.
 
     Parameters
     ----------
@@ -35,7 +38,12 @@ def convections(case: Case, fits: Sequence[HypothesisFit], reduced: Stack) -> li
     found: set[Convection] = set()
     for one in {id(one): one for one in (fits[0], simplest)}.values():
         found |= _beside(case, one, reduced.likeliest(one)[0], settings.convection_behind)
-    return [one for one in all_convections(case.settings.noise_models) if one in found]
+    return [one for one in _every(case) if one in found]
+
+
+def _every(case: Case) -> tuple[Convection, ...]:
+    settings = case.settings.noise_models
+    return (*all_convections(settings), *growing_noises(settings))
 
 
 def _autocorrelated(fits: Sequence[HypothesisFit], reduced: Stack) -> float:
@@ -51,7 +59,7 @@ def _beside(case: Case, one: HypothesisFit, usual: Noise, behind: float) -> set[
     """Convections that are likely enough beside one hypothesis."""
     rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
     left, order = case.left(one, rows), case.sums.order.at(rows)
-    every = all_convections(case.settings.noise_models)
+    every = _every(case)
     noises = (Noise(0.0, each.rho, usual.station_ratio, 1.0, *each[1:]) for each in every)
     logs = [log_likelihood(left, order, noise) for noise in noises]
     least = max(log_likelihood(left, order, usual), *logs) - behind

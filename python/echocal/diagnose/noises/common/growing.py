@@ -1,44 +1,29 @@
 """Noise that grows with the distance: far rows count less in the comparison of causes."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.noise import growing_noises
+from echocal.diagnose.inference.noise import Noise, growing_noises
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.findings import noise_findings
-from echocal.diagnose.noises.common.posterior import NoisePosterior
+from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sampled
 
-__all__ = ["NOISE_GROWTH", "Growing", "with_growing_noise"]
+__all__ = ["NOISE_GROWTH", "growth_of", "with_growing_noise"]
 
 NOISE_GROWTH = "noise_growth"
 
 
-@dataclass(frozen=True)
-class Growing:
-    """Hypotheses beside noise that may grow with the distance.
-
-    Attributes
-    ----------
-    case : Case
-    inference : Inference
-    finding : Finding or None
-        None if other noise, as convection, explains the growth.
-    """
-
-    case: Case
-    inference: Inference
-    finding: Finding | None
-
-
-def with_growing_noise(case: Case, inference: Inference, shares: NoisePosterior) -> Growing | None:
+def with_growing_noise(
+    case: Case, inference: Inference, shares: NoisePosterior
+) -> tuple[Case, Inference] | None:
     """Compare the hypotheses once more, with noise that grows with the distance among the noise models.
 
-    Under a common variance, the far rows count too much: a cause may only follow them. The probability of
-    the noise is then that of these models, with its prior as a cause: docs/method.md, Eq. 26.
+    Under a common variance, the far rows count too much: a cause may only follow them.
 
     Parameters
     ----------
@@ -50,24 +35,58 @@ def with_growing_noise(case: Case, inference: Inference, shares: NoisePosterior)
 
     Returns
     -------
-    Growing or None
+    tuple of Case and Inference, or None
         None if such noise is not more probable than not.
     """
     settings = case.settings.noises
     if not case.at_distances or shares.probability(NOISE_GROWTH) < settings.subtracted:
         return None
+    if _without_memory(case.noises).any():
+        return case, inference
     case = case.with_correlations(growing_noises(case.settings.noise_models))
-    prior = sum(noise.prior for noise in case.noises if noise.growth and not noise.rho)
-    inference = infer(case)
+    return case, infer(case)
+
+
+def growth_of(case: Case, inference: Inference) -> Finding | None:
+    """Find noise that grows with the distance by the probability of its models: docs/method.md, Eq. 26.
+
+    Parameters
+    ----------
+    case : Case
+    inference : Inference
+        Hypotheses under the noises of the case.
+
+    Returns
+    -------
+    Finding or None
+        None if such noise is not among the models, or not more probable than not.
+    """
+    settings, own = case.settings.noises, _without_memory(case.noises)
+    (noise,) = (one for one in registry.fitted() if one.facts.id == NOISE_GROWTH)
+    if not own.any():
+        return None
+    probability = _probability(case, inference, settings.prior(noise.facts))
+    if probability < settings.subtracted:
+        return None
+    top, white = inference.fits[0], next(one for one in case.noises if not one.rho and not one.growth)
+    fitted = noise.fit(Traced.of(case, sampled(case, settings)).left_by(top, white), settings)
+    if fitted is None:
+        return None
+    found = NoisePosterior(inference.fits, likelihoods={(): {NOISE_GROWTH: fitted}})
+    (finding,) = noise_findings({(NOISE_GROWTH,): probability}, found, inference.reduced, probability)
+    return finding
+
+
+def _without_memory(noises: Sequence[Noise]) -> NDArray[np.bool_]:
+    return np.array([bool(noise.growth) and not noise.rho for noise in noises])
+
+
+def _probability(case: Case, inference: Inference, prior: float) -> float:
+    """Give the probability of such noise: that of its models, with the prior of the cause."""
     log = np.array([fit.log_posterior for fit in inference.fits])
     weight = np.exp(log - log.max())
-    own = np.array([bool(noise.growth) and not noise.rho for noise in inference.reduced.noises])
+    own = _without_memory(inference.reduced.noises)
     share = float(weight @ np.array([fit.noise for fit in inference.fits])[:, own].sum(axis=1) / weight.sum())
-    (facts,) = (noise.facts for noise in registry.fitted() if noise.facts.id == NOISE_GROWTH)
-    before = settings.prior(facts)
-    with_it, without = share / prior * before, (1.0 - share) / (1.0 - prior) * (1.0 - before)
-    probability = with_it / (with_it + without)
-    if probability < settings.subtracted:
-        return Growing(case, inference, None)
-    (finding,) = noise_findings({(NOISE_GROWTH,): probability}, shares, inference.reduced, probability)
-    return Growing(case, inference, finding)
+    assumed = float(np.array([noise.prior for noise in case.noises])[_without_memory(case.noises)].sum())
+    with_it, without = share / assumed * prior, (1.0 - share) / (1.0 - assumed) * (1.0 - prior)
+    return with_it / (with_it + without)
