@@ -62,8 +62,8 @@ def growth_of(case: Case, inference: Inference) -> Finding | None:
         None if such noise is not among the models, or not more probable than not.
     """
     settings, own = case.settings.noises, _without_memory(case.noises)
-    (noise,) = (one for one in registry.fitted() if one.facts.id == NOISE_GROWTH)
-    if not own.any():
+    noise = next((one for one in registry.fitted() if one.facts.id == NOISE_GROWTH), None)
+    if noise is None or not own.any():
         return None
     probability = _probability(case, inference, settings.prior(noise.facts))
     if probability < settings.subtracted:
