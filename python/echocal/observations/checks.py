@@ -208,7 +208,10 @@ def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask
 
 
 def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[str]:
-    """A sentence on each value that loggers write where they have none."""
+    """A sentence on each value that loggers write where they have none.
+
+    A single one between others is a value like any other.
+    """
     codes = (*assignment.form.error_codes.get(assignment.unit_name, ()), *CODES)
     least, most = seen
     found = {code: int((values == code).sum()) for code in codes if least <= code <= most}
@@ -216,7 +219,7 @@ def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[
     return [
         f'{column} holds {code:g} in {rows(count)}; if it is an error code: --missing "{column}={code:g}"'
         for code, count in found.items()
-        if count and not assignment.form.label
+        if count and not assignment.form.label and not (count == 1 and least < code < most)
     ]
 
 

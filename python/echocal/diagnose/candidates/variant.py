@@ -60,7 +60,7 @@ class Candidates:
 
     `aside` are further columns of the table without an unexplained term, because there are too many.
     `unread` are further thermometers that no cause reads, with the reasons. `steps` are columns of steps of
-    an unknown level, which no variant uses.
+    an unknown level, and `slow_air` those of air that differs from the thermometer; no variant uses these.
     """
 
     columns: Columns
@@ -71,6 +71,7 @@ class Candidates:
     aside: tuple[str, ...] = ()
     unread: dict[str, str] = field(default_factory=dict)
     steps: tuple[int, ...] = ()
+    slow_air: tuple[int, ...] = ()
 
     @property
     def competing(self) -> int:

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import Candidates, Variant
+from echocal.diagnose.inference.averaged_out import averaged_out, noise_variances
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack
 from echocal.diagnose.inference.noise import Convection, Noise, NoiseCorrelation, noises
 from echocal.diagnose.inference.sums import Sums
@@ -41,6 +43,8 @@ class Case:
         Hypotheses that were made before, by forms and prior.
     fits : dict
         Fits to some blocks under one noise that were made before, by noise, blocks and hypothesis.
+    stacks : dict
+        Whitened products that were made before, by noise and blocks.
     probable : tuple of Noise, or None
         Noises that are considered; None for all that the table allows.
     offsets : ndarray, shape (n,), or None
@@ -61,6 +65,7 @@ class Case:
     signals: dict[tuple[Any, ...], NDArray[np.float64]] = field(default_factory=dict, repr=False)
     hypotheses: dict[tuple[tuple[int, ...], float], Hypothesis] = field(default_factory=dict, repr=False)
     fits: dict[tuple[Any, ...], HypothesisFit] = field(default_factory=dict, repr=False)
+    stacks: dict[tuple[Noise, bytes], Stack] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
     remarks: tuple[str, ...] = ()
@@ -89,14 +94,22 @@ class Case:
         found = tuple(one for one in self.sums.correlations if isinstance(one, Convection))
         return tuple(
             noise
-            for noise in noises(self.settings.noise_models, self.at_stations, found, self.at_levels)
+            for noise in noises(
+                self.settings.noise_models, self.at_stations, found, self.at_levels, self.has_slow_air
+            )
             if self.sums.has(noise)
         )
 
     @property
     def usual_noises(self) -> tuple[Noise, ...]:
         """Those that do not depend on the distance, whether summed or not: each kind with all its prior."""
-        return noises(self.settings.noise_models, self.at_stations, levels=self.at_levels)
+        settings, slow = self.settings.noise_models, self.has_slow_air
+        return noises(settings, self.at_stations, levels=self.at_levels, slow_air=slow)
+
+    @property
+    def has_slow_air(self) -> bool:
+        """Whether the air along the path may differ from that at the thermometer, slowly."""
+        return bool(self.found.slow_air)
 
     @property
     def at_stations(self) -> bool:
@@ -125,9 +138,54 @@ class Case:
 
     def with_correlations(self, correlations: Sequence[NoiseCorrelation]) -> "Case":
         """The same, the rows summed for more noises: one more pass over them."""
-        return replace(self, sums=self.sums.with_correlations(self.found.columns, correlations))
+        return replace(self, sums=self.sums.with_correlations(self.found.columns, correlations), stacks={})
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
         """Whitened products over some blocks, one per noise."""
-        products, log_weight = self.sums.whiten_all(self.noises, blocks)
-        return Stack(products, log_weight, self.sums.degrees(blocks), self.noises)
+        return self._stack(self.noises, blocks)
+
+    def whitened(self, noise: Noise, blocks: NDArray[np.bool_]) -> Stack:
+        """The same of one noise, made once."""
+        key = noise, blocks.tobytes()
+        if key not in self.stacks:
+            self.stacks[key] = self._stack((noise,), blocks)
+        return self.stacks[key]
+
+    def _stack(self, noises: tuple[Noise, ...], blocks: NDArray[np.bool_]) -> Stack:
+        products, log_weight = self.sums.whiten_all(noises, blocks)
+        degrees = self.sums.degrees(blocks)
+        kelvin = np.array([noise.slow_air for noise in noises])
+        if (slow := kelvin > 0.0).any():
+            own, weight, width = products[slow], log_weight[slow], self.settings.noise_models.ridge_width
+            variance = (
+                noise_variances(own, degrees, width) / kelvin[slow] ** 2
+            )  # the columns are of one kelvin
+            products[slow], log_weight[slow] = averaged_out(own, weight, self.found.slow_air, variance)
+        return Stack(self.without_slow_air(products), log_weight, degrees, noises)
+
+    def without_slow_air(self, products: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Products in which air that differs from the thermometer explains nothing."""
+        if not self.has_slow_air:
+            return products
+        left, own = products.copy(), list(self.found.slow_air)
+        left[..., own, :] = left[..., :, own] = 0.0
+        return left
+
+    def slow_air_in(
+        self, residual: NDArray[np.float64], blocks: NDArray[np.bool_], noise: Noise
+    ) -> NDArray[np.float64]:
+        """Most probable part of air that differs from the thermometer in a residual of some blocks [m]."""
+        if not noise.slow_air:
+            return np.zeros_like(residual)
+        own = list(self.found.slow_air)
+        parts = self.found.columns.at(own)
+        columns = Columns(self.base.plain, np.ones_like(residual), {}, None)
+        for column in (self.found.columns[0], *parts, residual):
+            columns.store(column)
+        order, last = self.sums.order, len(own) + 1
+        sums = Sums.gather(columns, order, self.folds.blocks, [noise.correlation])
+        products, degrees = sums.whiten(noise, blocks).products, sums.degrees(blocks)
+        width = self.settings.noise_models.ridge_width
+        (variance,) = noise_variances(products[None], degrees, width)
+        among = products[1:last, 1:last] + variance / noise.slow_air**2 * np.eye(len(own))
+        return np.asarray(np.linalg.solve(among, products[1:last, last]) @ parts)

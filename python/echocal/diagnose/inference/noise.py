@@ -65,6 +65,9 @@ class Noise:
         Where not 0, the noise is that of a `Convection`; its growth at one meter.
     whole_path : bool
         Whether that convection is alike along the whole path.
+    slow_air : float
+        Standard deviation of the temperature along the path less that of the thermometer, which changes
+        slowly [K].
     """
 
     moving_average: float
@@ -73,6 +76,7 @@ class Noise:
     prior: float
     growth: float = 0.0
     whole_path: bool = False
+    slow_air: float = 0.0
 
     @property
     def correlation(self) -> NoiseCorrelation:
@@ -117,6 +121,7 @@ def noises(
     stations: bool,
     convections: tuple[Convection, ...] = (),
     levels: bool = False,
+    slow_air: bool = False,
 ) -> tuple[Noise, ...]:
     """List the noise models considered: the grid of docs/method.md, section 2.
 
@@ -130,6 +135,8 @@ def noises(
         autocorrelation have half the prior of white noise.
     levels : bool
         Whether the stations are the levels of a column, whose errors may be larger.
+    slow_air : bool
+        Whether each is considered with air that differs from the thermometer, too.
 
     Returns
     -------
@@ -148,4 +155,15 @@ def noises(
     none = settings.no_station_error
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
-    return tuple(Noise(m, r, s, p * q, growth, whole) for m, r, growth, whole, p in rows for s, q in each)
+    each = [*each]
+    air = [(0.0, settings.no_slow_air if slow_air else 1.0)]
+    if slow_air:
+        air += [
+            (kelvin, (1.0 - settings.no_slow_air) / len(settings.slow_airs)) for kelvin in settings.slow_airs
+        ]
+    return tuple(
+        Noise(m, r, s, p * q * a, growth, whole, slow)
+        for slow, a in air
+        for m, r, growth, whole, p in rows
+        for s, q in each
+    )

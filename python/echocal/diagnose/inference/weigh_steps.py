@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
 from echocal.diagnose.candidates.variant import Variant
+from echocal.diagnose.inference.averaged_out import averaged_out
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
@@ -158,23 +159,17 @@ class _Tried:
 
     @classmethod
     def of(cls, case: Case, blocks: Mask, steps: Labels) -> "_Tried":
-        products, log_weight = case.sums.whiten_all(case.noises, blocks)
-        rows = int(case.sums.rows[blocks].sum())
-        return cls(
-            case, products, log_weight, case.sums.degrees(blocks), rows, _variance(case, blocks, steps), {}
-        )
+        rows, stack = int(case.sums.rows[blocks].sum()), case.stack(blocks)
+        variance = _variance(case, blocks, steps)
+        return cls(case, stack.products, stack.log_weight, stack.degrees, rows, variance, {})
 
     def averaged(self, steps: Set, columns: Sequence[int] | None = None) -> Stack:
         """Products of some columns, or of all, whose rows have these steps: Eq. 41."""
         own = [self.case.found.steps[place] for place in steps]
         last = self.products.shape[-1] - 1
         kept = np.arange(last + 1) if columns is None else np.array([0, *columns, last])
-        products, log_weight = self.products[:, kept[:, None], kept], self.log_weight + self._log_prior(steps)
-        if own:
-            among = self.products[:, np.array(own)[:, None], own] + self.variance * np.eye(len(own))
-            along = self.products[:, np.array(own)[:, None], kept]
-            products = products - np.swapaxes(along, 1, 2) @ np.linalg.solve(among, along)
-            log_weight = log_weight - 0.5 * (np.linalg.slogdet(among)[1] - len(own) * np.log(self.variance))
+        log_weight = self.log_weight + self._log_prior(steps)
+        products, log_weight = averaged_out(self.products, log_weight, own, self.variance, kept)
         return Stack(products, log_weight, self.degrees, self.case.noises)
 
     def _log_prior(self, steps: Set) -> float:

@@ -44,6 +44,7 @@ NOISES: tuple[NoiseEntry, ...] = tuple(
         "noise_growth",
         "polling_jitter",
         "correlated_noise",
+        "slow_air",
         "reference_error",
     )
 )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.findings.sentences import rows_text
+from echocal.diagnose.inference.averaged_out import averaged_out, noise_variances
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
@@ -82,13 +83,20 @@ def _supported(case: Case, whole: Hypothesis, cause: str, noise: Noise, carriers
     """Log Bayes factor of a cause beside the others of a hypothesis, on the rows that do not carry it."""
     wanted = list(dict.fromkeys(whole.columns))
     columns = Columns(case.base.model(), case.residual, case.table.conditions, None)
-    for column in case.found.columns.at([0, *wanted, len(case.found.columns) - 1]):
+    slow_air = case.found.slow_air
+    for column in case.found.columns.at([0, *wanted, *slow_air, len(case.found.columns) - 1]):
         columns.store(column)
     labels = np.where(case.folds.fitted, 0, 1)
     labels[carriers] = 1
     sums = Sums.gather(columns, case.sums.order, labels, [noise.correlation])
     others = np.arange(len(sums.rows)) == 0
     stack = Stack.of([sums.whiten(noise, others)], sums.degrees(others))
+    if noise.slow_air:
+        own = range(1 + len(wanted), 1 + len(wanted) + len(slow_air))
+        variance = noise_variances(stack.products, stack.degrees, case.settings.noise_models.ridge_width)
+        variance = variance / noise.slow_air**2
+        products, weight = averaged_out(stack.products, stack.log_weight, own, variance)
+        stack = replace(stack, products=products, log_weight=weight)
     place = {column: at for at, column in enumerate(wanted, 1)}
     hypothesis = Hypothesis(tuple(_placed(variant, place) for variant in whole.variants), 1.0)
     with_it, without_it = (

@@ -77,14 +77,15 @@ def least_favorable(case: Case, ranking: Ranking, reduced: Stack) -> LeastFavora
 def _weights(case: Case, noises: tuple[Noise, ...]) -> tuple[Matrix, list[float]]:
     """New prior over old prior of each noise (rows) if one autoregression has all (columns)."""
     whole = 1.0 - case.settings.noise_models.white
-    usual = {(n.rho, n.station_ratio): n.prior for n in case.usual_noises if n.moving_average == 0.0}
+    plain = [n for n in case.usual_noises if n.moving_average == 0.0]
+    usual = {(n.rho, n.station_ratio, n.slow_air): n.prior for n in plain}
     rhos = sorted({n.rho for n in noises if n.rho > 0.0 and n.moving_average == 0.0 and not n.growth})
     weights = np.zeros((len(noises), len(rhos)))
     for row, noise in enumerate(noises):
         if noise.rho == 0.0:
             weights[row] = 1.0
         elif noise.moving_average == 0.0 and not noise.growth:
-            own = sum(prior for (rho, _), prior in usual.items() if rho == noise.rho)
-            share = usual[noise.rho, noise.station_ratio] / own
+            own = sum(prior for (rho, *_), prior in usual.items() if rho == noise.rho)
+            share = usual[noise.rho, noise.station_ratio, noise.slow_air] / own
             weights[row, rhos.index(noise.rho)] = whole * share / noise.prior
     return weights, rhos

@@ -11,6 +11,7 @@ from scipy.special import chdtrc
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.sentences import parameter_text
+from echocal.diagnose.inference.averaged_out import averaged_out
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
@@ -130,6 +131,8 @@ class Family:
         Columns of the unexplained term that is subtracted first, and their coefficients.
     shared : Shared
         Errors that the rows of a placement share.
+    slow_air : tuple of int
+        Columns of air that differs from the thermometer, in these sums.
     """
 
     sums: Sums
@@ -137,6 +140,7 @@ class Family:
     place: Mapping[int, int]
     term: Mapping[int, float]
     shared: Shared
+    slow_air: tuple[int, ...]
 
 
 def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: HypothesisFit) -> list[Family]:
@@ -145,7 +149,7 @@ def _families(case: Case, claims: Sequence[Claim], noise: Noise, best: Hypothesi
     own = {column: column for claim in claims for column in claim.variant.columns}
     parts = tuple(blocks == block for block in blocks[case.folds.fit])
     shared = Shared.of(case)
-    families = [Family(case.sums, parts, own, term, shared)]
+    families = [Family(case.sums, parts, own, term, shared, case.found.slow_air)]
     if best.hypothesis.term in _OF_ROWS and (np.diff(case.folds.blocks) < 0).any():
         families.append(_runs(case, list(own), noise, shared))
     return families
@@ -157,14 +161,16 @@ def _runs(case: Case, wanted: Sequence[int], noise: Noise, shared: Shared) -> Fa
     count = case.settings.claims.steadiness_runs
     runs = np.full(len(fit), count)
     runs[fit] = np.arange(fit.sum()) * count // fit.sum()
-    chosen = [0, *wanted, len(case.found.columns) - 1]  # first the column of the groups, last the residual
+    last = len(case.found.columns) - 1
+    chosen = [0, *wanted, *case.found.slow_air, last]  # first the column of the groups, last the residual
     columns = Columns(case.base.model(), case.residual, case.table.conditions, None)
     for column in case.found.columns.at(chosen):
         columns.store(column)
     sums = Sums.gather(columns, case.sums.order, runs, [noise.correlation])
     parts = tuple(np.arange(len(sums.rows)) == run for run in range(count))
     place = {column: at for at, column in enumerate(chosen[1:-1], 1)}
-    return Family(sums, parts, place, {}, replace(shared, apart=False))
+    slow_air = tuple(place[column] for column in case.found.slow_air)
+    return Family(sums, parts, place, {}, replace(shared, apart=False), slow_air)
 
 
 def _p_value(sizes: Sequence[Size]) -> float:
@@ -215,8 +221,12 @@ def _fits(
             degrees = family.sums.degrees(use)
             if degrees >= fewest:
                 whitened = family.sums.whiten(noise, use)
-                whitened = replace(whitened, products=_less(whitened.products, family.term))
-                fit = fit_hypothesis(together, Stack.of([whitened], degrees), one_width=True)
+                less = _less(whitened.products, family.term)[None]
+                weight = np.array([whitened.log_weight])
+                if noise.slow_air:
+                    known = variance / noise.slow_air**2
+                    less, weight = averaged_out(less, weight, family.slow_air, known)
+                fit = fit_hypothesis(together, Stack(less, weight, degrees, (noise,)), one_width=True)
                 more = noise.station_ratio * max(variance - fit.variance, 0.0)  # the tape errs in each part
                 columns = [column for claim in claims for column in claim.variant.free]
                 fits.append(with_shared_errors(fit, family.shared, columns, use[family.sums.blocks], more))

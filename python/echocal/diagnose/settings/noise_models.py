@@ -68,6 +68,27 @@ class NoiseModelSettings:
         "the same without autocorrelation, where noise_growth is more probable than not",
         "chosen by hand",
     )
+    slow_airs: tuple[float, ...] = number(
+        (0.1, 0.3),
+        "K",
+        "standard deviation of the temperature along the path less that of the thermometer, where it changes",
+        "WMO-No. 8, annex 1.A: 0.1 K are achievable at the thermometer; layers of air beside it; judgement",
+    )
+    no_slow_air: float = number(
+        0.5, "probability", "prior of no such change", "half for the usual assumption"
+    )
+    slow_air_times: tuple[float, ...] = number(
+        (600.0, 3600.0),
+        "s",
+        "its correlation times, each with an equal part of its variance",
+        "judgement: a heater or a cloud, a room or the sun",
+    )
+    slow_air_parts: int = number(
+        8, "1", "most functions of time that this difference is made of", "computing time"
+    )
+    slow_air_least: float = number(
+        0.02, "1", "least part of its variance that a function has", "chosen by hand"
+    )
     white: float = number(
         0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
     )

@@ -10,8 +10,8 @@ from scipy.special import ndtri, stdtrit
 
 from echocal import _core
 from echocal.diagnose.findings.parts import Gain, Ladder
+from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
-from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.folds import Folds, Rows
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.settings import ValidationSettings
@@ -197,15 +197,17 @@ def _squares(values: Column) -> float:
     return float(np.einsum("i,i->", values, values))  # one pass, one thread
 
 
-def floor(sums: Sums, held: Mask, variance: float, ridge_width: float) -> float:
+def floor(case: Case, variance: float) -> float:
     """Error that all columns together reach on the rows of the folds, without what chance removes [m].
 
     From a ridge regression whose prior has `ridge_width` times the standard deviation of the priors. The
     residual sum of squares is divided by the rows less the effective number of coefficients. It is R_f of
     docs/method.md, Eq. 31.
     """
-    white = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products
-    given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, ridge_width)
+    sums, held = case.sums, case.folds.judged
+    white = case.without_slow_air(sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products)
+    width = case.settings.noise_models.ridge_width
+    given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, width)
     return float(np.sqrt(_core.residual_variance(white, *given)))
 
 

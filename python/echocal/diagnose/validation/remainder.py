@@ -41,7 +41,7 @@ def remainder(
     far = gain.rms_after_m**2 - gain.rms_floor_m**2 > settings.far * gain.rms_after_m**2
     if not far and not offered:
         return None
-    products = case.sums.whiten(noise, case.folds.fit).products
+    (products,) = case.whitened(noise, case.folds.fit).products
     width = case.settings.noise_models.ridge_width
     p_value, degrees = explained(products, case.sums.degrees(case.folds.fit), width)
     none = sum(p for ids, p in ranking.sets if not ids)

@@ -95,7 +95,10 @@ def _choice(
     folds = case.folds
     seen = [folds.fit, *(folds.fit & ~held for held in folds.held if judge.held is None)]
     seen = seen if judgment.kept else seen[:1]  # the base is one model
-    residuals = [np.nan_to_num(errors(case.table, models(blocks), blocks[folds.blocks])) for blocks in seen]
+    residuals = []
+    for blocks in seen:
+        left = np.nan_to_num(errors(case.table, models(blocks), blocks[folds.blocks]))
+        residuals.append(left - case.slow_air_in(left, blocks, noise))
     smoother = Smoother.of(case, able, residuals, noise)
     places = {blocks.tobytes(): place for place, blocks in enumerate(seen)}
     first = smoother.places[-1].stop

@@ -213,7 +213,7 @@ def _gain(
         _ladder(trials, judge, rest, before),
         before,
         rest.after if rest.kept else before,
-        floor(case.sums, case.folds.judged, variance, settings.noise_models.ridge_width),
+        floor(case, variance),
         judge.scheme,
         selection.noise.rho,
         case.seed,

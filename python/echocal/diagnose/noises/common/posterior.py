@@ -209,6 +209,9 @@ class Traced:
     def left_by(self, fit: HypothesisFit, noise: Noise) -> Trace:
         """What a hypothesis leaves."""
         left, groups = self.case.left(fit, self.rows), self.order.groups
+        if noise.slow_air:
+            whole = self.case.left(fit, np.arange(len(self.case.table)))
+            left -= self.case.slow_air_in(whole, self.case.folds.fit, noise)[self.rows]
         flat = self.case.sums.flat_level
         if flat:  # each segment has a level of its own
             left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]

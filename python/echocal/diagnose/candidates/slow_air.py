@@ -1,0 +1,55 @@
+"""Air along the path that differs from that at the thermometer, slowly: a part of the noise."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.candidates.scene import Scene
+from echocal.diagnose.candidates.variant import Candidates
+from echocal.diagnose.settings.noise_models import NoiseModelSettings
+
+__all__ = ["slow_air_columns"]
+
+Column = NDArray[np.float64]
+
+_TIMES = 200  # at which the covariance is taken
+
+
+def slow_air_columns(found: Candidates, scene: Scene) -> tuple[int, ...]:
+    """Add what warmer air along the path does to the readings, as functions of time: docs/method.md, Eq. 5a.
+
+    Parameters
+    ----------
+    found : Candidates
+    scene : Scene
+
+    Returns
+    -------
+    tuple of int
+        Columns of one kelvin each [m]. None without recorded times, and where the table is much
+        longer than the difference lasts: it averages out.
+    """
+    settings = scene.settings.noise_models
+    columns = scene.columns()
+    warmer = columns[columns.tangent("temperature_offset", {"offset": 0.0}, "offset", 1.0)]
+    if not np.isfinite(warmer).all() or not warmer.any():
+        return ()
+    time = scene.conditions.get("elapsed_time")
+    parts = [] if time is None else _parts(np.asarray(time), settings)
+    return tuple(found.columns.store(warmer * part) for part in parts)
+
+
+def _parts(time: Column, settings: NoiseModelSettings) -> list[Column]:
+    """Largest principal components of exponential correlations in time, each times its deviation.
+
+    The mean over the rows is taken off: what lasts as long as the table is an error of the thermometer.
+    """
+    taken = np.unique(np.quantile(time, np.linspace(0.0, 1.0, _TIMES)))
+    apart = np.abs(taken[:, None] - taken)
+    centered = np.eye(len(taken)) - 1.0 / len(taken)
+    alike = np.mean([np.exp(-apart / lasting) for lasting in settings.slow_air_times], axis=0)
+    covariance = centered @ alike @ centered
+    shares, vectors = np.linalg.eigh(covariance / len(taken))
+    wanted = [
+        k for k in np.argsort(-shares)[: settings.slow_air_parts] if shares[k] >= settings.slow_air_least
+    ]
+    return [np.interp(time, taken, np.sqrt(shares[k] * len(taken)) * vectors[:, k]) for k in wanted]

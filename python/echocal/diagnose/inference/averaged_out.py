@@ -1,0 +1,75 @@
+"""Columns with sizes of their own in every hypothesis, averaged out of the products of all columns."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal import _core
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR
+
+__all__ = ["averaged_out", "noise_variances"]
+
+Matrix = NDArray[np.float64]
+
+
+def averaged_out(
+    products: Matrix,
+    log_weight: Matrix,
+    columns: Sequence[int],
+    variance: NDArray[np.floating[Any]] | float,
+    kept: NDArray[np.int64] | None = None,
+) -> tuple[Matrix, Matrix]:
+    """Average columns out whose sizes are normal with standard deviation 1: docs/method.md, Eq. 41.
+
+    Parameters
+    ----------
+    products : ndarray, shape (noises, k, k)
+        Whitened products of all columns.
+    log_weight : ndarray, shape (noises,)
+    columns : sequence of int
+        Those that are averaged out.
+    variance : float or ndarray, shape (noises,)
+        Variance of the innovations [m^2].
+    kept : ndarray of int, optional
+        Columns of the result; default: all.
+
+    Returns
+    -------
+    products : ndarray, shape (noises, kept, kept)
+    log_weight : ndarray, shape (noises,)
+    """
+    kept = np.arange(products.shape[-1]) if kept is None else kept
+    left, own = products[:, kept[:, None], kept], np.array(columns, dtype=np.int64)
+    if not len(own):
+        return left, log_weight
+    variance = np.broadcast_to(variance, len(products))
+    among = products[:, own[:, None], own] + variance[:, None, None] * np.eye(len(own))
+    along = products[:, own[:, None], kept]
+    left = left - np.swapaxes(along, 1, 2) @ np.linalg.solve(among, along)
+    return left, log_weight - 0.5 * (np.linalg.slogdet(among)[1] - len(own) * np.log(variance))
+
+
+def noise_variances(products: Matrix, degrees: int, ridge_width: float) -> Matrix:
+    """Mean square of what all columns together leave of the last one, under each noise [m^2].
+
+    Parameters
+    ----------
+    products : ndarray, shape (noises, k, k)
+    degrees : int
+        Rows less unknown levels.
+    ridge_width : float
+        Width of the prior of every column, in its standard deviations.
+
+    Returns
+    -------
+    ndarray, shape (noises,)
+    """
+    least = VARIANCE_FLOOR**2
+    begun = [max(float(own[-1, -1]) / degrees, least) for own in products]
+    found = [
+        _core.residual_variance(own, degrees, variance, least, ridge_width)
+        for own, variance in zip(products, begun, strict=True)
+    ]
+    return np.maximum(found, least)
