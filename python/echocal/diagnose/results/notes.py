@@ -19,7 +19,6 @@ from echocal.registry import find_effect
 
 __all__ = ["notes"]
 
-_LASTS = 2.0  # shift by the model over that by air of a session, up to which the model may be the session's
 _SHOWN = 8  # columns, or steps of the level, that are listed
 
 
@@ -44,7 +43,7 @@ def notes(
             f"{cause} acts in too few stations or segments: a fit without them does not find its size. The "
             f"{rows} neither confirm nor refute it"
         )
-    said += [*_both(case, observations), *_unread(case), *_aside(case), *_one_session(case, validation)]
+    said += [*_both(case, observations), *_unread(case), *_aside(case)]
     if passing := ", ".join(validation.model.campaign_effects):
         said.append(
             f"the model includes {passing} for this campaign only. For other campaigns, leave it out "
@@ -69,29 +68,6 @@ def notes(
             "these data cannot separate the two"
         )
     return tuple(text for text in said if text)
-
-
-def _one_session(case: Case, validation: Validation) -> list[str]:
-    """Whether the model corrects no more than air may do that lasts as long as a short table."""
-    time, table = case.table.conditions.get("elapsed_time"), case.table
-    settings = case.settings.noise_models
-    short = time is not None and np.ptp(time) <= max(settings.slow_air_times)
-    allowed = case.base.allows(find_effect("temperature_offset"))
-    if time is None or not short or not allowed or not validation.model.effects:
-        return []
-    usual, plain = max(settings.slow_airs), table.correct(case.base.model())
-    warmer = case.base.model({"temperature_offset": {"offset": usual}})
-    moved, air = (
-        float(np.sqrt(np.nanmean((table.correct(model) - plain) ** 2)))
-        for model in (validation.model, warmer)
-    )
-    if moved > _LASTS * air:
-        return []
-    return [
-        f"all rows are of one session of {np.ptp(time) / 60:.0f} min, and the model corrects "
-        f"{1e3 * moved:.2f} mm (RMS). Air that is {usual:g} K warmer or colder than the thermometer for as "
-        f"long does {1e3 * air:.2f} mm. To see what lasts, measure in another session"
-    ]
 
 
 def _both(case: Case, observations: Observations) -> list[str]:

@@ -109,7 +109,8 @@ def _causes(
 ) -> tuple[Cause, ...]:
     recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
     if validation.withheld is not None:
-        why = _unearned(validation.withheld.gain, [*selection.unusual.values()])
+        sizes = [*selection.unusual.values()]
+        why = validation.withheld.session or _unearned(validation.withheld.gain, sizes)
         out = [c.cause for c in validation.claims if c not in validation.kept]
         doubts |= {cause: why for cause in out if cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []

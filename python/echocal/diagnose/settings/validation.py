@@ -44,6 +44,19 @@ class ValidationSettings:
         "if less can be removed, the fraction of it is not reported",
         "chosen by hand",
     )
+    session_air: float = number(
+        2.0,
+        "1",
+        "a model of a session of an hour that does what air does is withheld up to this multiple of the "
+        "largest `slow_airs`",
+        "two standard deviations",
+    )
+    session_alike: float = number(
+        0.75,
+        "of the mean square of its correction",
+        "a model does what air does if this part of it is in proportion to it",
+        "chosen by hand",
+    )
     shifted_inner: tuple[float, float] = number(
         (0.2, 0.8),
         "quantiles",

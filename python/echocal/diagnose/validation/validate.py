@@ -22,6 +22,7 @@ from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.selection.steadiness import varied
 from echocal.diagnose.validation.gain import HeldOut, floor, on_common_rows, summarize
 from echocal.diagnose.validation.judges import Judge
+from echocal.diagnose.validation.one_session import of_one_session
 from echocal.diagnose.validation.refute import Rest, against_the_base
 from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
@@ -35,17 +36,20 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Withheld:
-    """Claims whose gain may be chance.
+    """Claims whose gain may be chance, or that of one session.
 
     Attributes
     ----------
     claims : tuple of Claim
     gain : Gain
         Of the model that has them.
+    session : str
+        A sentence where they may be those of one session.
     """
 
     claims: tuple[Claim, ...]
     gain: Gain
+    session: str = ""
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     error, and they are possible. If the error is smaller, but the interval of the gain or of the log score is
     not above zero, its causes are possible, and the model is the base. The same holds for a size that is
     unusual, unless distances are known, and for one that is implausible, unless the model holds at distances
-    and in air that it is not fitted to.
+    and in air that it is not fitted to; and for a model that may be that of one short session.
 
     Parameters
     ----------
@@ -130,6 +134,9 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     if rest.kept and not (gain.earned and _sizes_hold(case, rest, selection, gain)):
         withheld = Withheld(rest.kept, gain)
         rest, gain = _plausible_part(trials, judge, rest, before, selection)
+    elif rest.kept and (session := of_one_session(case, _model(trials, rest, selection, gain))):
+        withheld = Withheld(rest.kept, gain, session)
+        rest, gain = _base_alone(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
     overruled = len(rest.kept) < len(claimed) and withheld is None
     return Validation(
@@ -177,6 +184,12 @@ def _plausible_part(
             gain = _gain(trials, judge, part, before, selection, score)
             if gain.earned and _sizes_hold(trials.case, part, selection, gain):
                 return part, gain
+    return _base_alone(trials, judge, rest, before, selection)
+
+
+def _base_alone(
+    trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: Selection
+) -> tuple[Rest, Gain]:
     alone = replace(_less(rest, rest.kept), after=before)
     return alone, _gain(trials, judge, alone, before, selection)
 
@@ -188,6 +201,10 @@ def _less(rest: Rest, claims: Sequence[Claim]) -> Rest:
         hypothesis = without(hypothesis, claim.cause)
     kept = tuple(claim for claim in rest.kept if claim not in claims)
     return replace(rest, hypothesis=hypothesis, kept=kept)
+
+
+def _model(trials: Trials, rest: Rest, selection: Selection, gain: Gain) -> Model:
+    return _extended(trials.case, _fit(trials, rest, selection), rest.kept, gain)
 
 
 def _fit(trials: Trials, rest: Rest, selection: Selection) -> HypothesisFit:

@@ -1,0 +1,55 @@
+"""Whether a model may be that of one short session: of air that differed from the thermometer."""
+
+import numpy as np
+
+from echocal.diagnose.inference.case import Case
+from echocal.model import Model
+from echocal.registry import find_effect
+
+__all__ = ["of_one_session"]
+
+_OFFSET = "temperature_offset"
+
+
+def of_one_session(case: Case, model: Model) -> str:
+    """Compare what a model corrects with air that differs from the thermometer for a whole session.
+
+    Folds of one session share its air, so they cannot refute such a model: docs/method.md, section 7, "One
+    session".
+
+    Parameters
+    ----------
+    case : Case
+    model : Model
+        The base with its causes.
+
+    Returns
+    -------
+    str
+        A sentence on the model; empty if it corrects more, or something else, than such air does, and where
+        the table is longer or its times or distances are not recorded.
+    """
+    time, table, settings = case.table.conditions.get("elapsed_time"), case.table, case.settings
+    if time is None or table.reference is None or not case.base.allows(find_effect(_OFFSET)):
+        return ""
+    if np.ptp(time) > max(settings.noise_models.slow_air_times):
+        return ""
+    kelvin = max(settings.noise_models.slow_airs)
+    warmer = case.base.model({_OFFSET: {"offset": kelvin}})
+    plain, one, other = (table.correct(m) for m in (case.base.model(), warmer, model))
+    known = np.isfinite(plain) & np.isfinite(other)
+    air, moved = (one - plain)[known], (other - plain)[known]
+    among, square = float(air @ air), float(moved @ moved)
+    if among == 0.0 or square == 0.0:
+        return ""
+    factor = float(air @ moved) / among
+    alike = factor**2 * among >= settings.validation.session_alike * square
+    if not alike or abs(factor) > settings.validation.session_air:
+        return ""
+    rms = [1e3 * float(np.sqrt(np.mean(each**2))) for each in (moved, air)]
+    return (
+        f"all rows are of one session of {np.ptp(time) / 60:.0f} min, and a model with it corrects "
+        f"{rms[0]:.2f} mm (RMS). Air that is {kelvin:g} K warmer or colder than the thermometer for as long "
+        f"does {rms[1]:.2f} mm. So the model leaves it out, and no cause is named. To see what lasts, "
+        "measure in another session"
+    )
