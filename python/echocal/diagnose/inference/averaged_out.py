@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR
 
 __all__ = ["averaged_out", "noise_variances"]
@@ -40,13 +39,14 @@ def averaged_out(
     products : ndarray, shape (noises, kept, kept)
     log_weight : ndarray, shape (noises,)
     """
-    kept = np.arange(products.shape[-1]) if kept is None else kept
-    left, own = products[:, kept[:, None], kept], np.array(columns, dtype=np.int64)
+    own = np.array(columns, dtype=np.int64)
+    left = products if kept is None else products[:, kept[:, None], kept]
     if not len(own):
         return left, log_weight
+    along = products[:, own]
     variance = np.broadcast_to(variance, len(products))
-    among = products[:, own[:, None], own] + variance[:, None, None] * np.eye(len(own))
-    along = products[:, own[:, None], kept]
+    among = along[:, :, own] + variance[:, None, None] * np.eye(len(own))
+    along = along if kept is None else along[:, :, kept]
     left = left - np.swapaxes(along, 1, 2) @ np.linalg.solve(among, along)
     return left, log_weight - 0.5 * (np.linalg.slogdet(among)[1] - len(own) * np.log(variance))
 
@@ -66,10 +66,10 @@ def noise_variances(products: Matrix, degrees: int, ridge_width: float) -> Matri
     -------
     ndarray, shape (noises,)
     """
-    least = VARIANCE_FLOOR**2
-    begun = [max(float(own[-1, -1]) / degrees, least) for own in products]
-    found = [
-        _core.residual_variance(own, degrees, variance, least, ridge_width)
-        for own, variance in zip(products, begun, strict=True)
-    ]
-    return np.maximum(found, least)
+    least, last = VARIANCE_FLOOR**2, products[:, -1, -1]
+    added = np.maximum(last / degrees, least) / ridge_width**2
+    among = products[:, 1:-1, 1:-1] + added[:, None, None] * np.eye(products.shape[-1] - 2)
+    along = products[:, 1:-1, -1]
+    sizes = np.linalg.solve(among, along[..., None])[..., 0]
+    explained = np.einsum("ij,ij->i", sizes, along) + added * np.einsum("ij,ij->i", sizes, sizes)
+    return np.asarray(np.maximum((last - explained) / degrees, least))

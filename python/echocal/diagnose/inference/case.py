@@ -152,24 +152,28 @@ class Case:
         return self.stacks[key]
 
     def _stack(self, noises: tuple[Noise, ...], blocks: NDArray[np.bool_]) -> Stack:
-        products, log_weight = self.sums.whiten_all(noises, blocks)
-        degrees = self.sums.degrees(blocks)
-        kelvin = np.array([noise.slow_air for noise in noises])
-        if (slow := kelvin > 0.0).any():
-            own, weight, width = products[slow], log_weight[slow], self.settings.noise_models.ridge_width
-            variance = (
-                noise_variances(own, degrees, width) / kelvin[slow] ** 2
-            )  # the columns are of one kelvin
-            products[slow], log_weight[slow] = averaged_out(own, weight, self.found.slow_air, variance)
+        degrees, kelvin = self.sums.degrees(blocks), np.array([noise.slow_air for noise in noises])
+        if not kelvin.any():
+            products, log_weight = self.sums.whiten_all(noises, blocks)
+            return Stack(self.without_slow_air(products), log_weight, degrees, noises)
+        still = [replace(noise, slow_air=0.0, prior=1.0) for noise in noises]
+        each = list(dict.fromkeys(still))  # the same for each difference of the air
+        at = np.array([each.index(noise) for noise in still])
+        products, log_weight = self.sums.whiten_all(each, blocks)
+        variance = noise_variances(products, degrees, self.settings.noise_models.ridge_width)
+        products, log_weight = products[at], log_weight[at] + np.log([noise.prior for noise in noises])
+        slow = kelvin > 0.0
+        variance = variance[at][slow] / kelvin[slow] ** 2  # the columns are of one kelvin
+        own, columns = products[slow], self.found.slow_air
+        products[slow], log_weight[slow] = averaged_out(own, log_weight[slow], columns, variance)
         return Stack(self.without_slow_air(products), log_weight, degrees, noises)
 
     def without_slow_air(self, products: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Products in which air that differs from the thermometer explains nothing."""
-        if not self.has_slow_air:
-            return products
-        left, own = products.copy(), list(self.found.slow_air)
-        left[..., own, :] = left[..., :, own] = 0.0
-        return left
+        """Products in which air that differs from the thermometer explains nothing: the same, changed."""
+        if self.has_slow_air:
+            own = list(self.found.slow_air)
+            products[..., own, :] = products[..., :, own] = 0.0
+        return products
 
     def slow_air_in(
         self, residual: NDArray[np.float64], blocks: NDArray[np.bool_], noise: Noise
