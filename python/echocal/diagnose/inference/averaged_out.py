@@ -12,6 +12,8 @@ __all__ = ["averaged_out", "noise_variances"]
 
 Matrix = NDArray[np.float64]
 
+_SINGULAR = 1e-12  # of a sum of squares; columns that the rest explains to rounding leave no less
+
 
 def averaged_out(
     products: Matrix,
@@ -44,8 +46,10 @@ def averaged_out(
     if not len(own):
         return left, log_weight
     along = products[:, own]
-    variance = np.broadcast_to(variance, len(products))
-    among = along[:, :, own] + variance[:, None, None] * np.eye(len(own))
+    among = along[:, :, own]
+    variance = np.maximum(variance, _SINGULAR * np.trace(among, axis1=1, axis2=2))
+    variance = np.where(variance > 0.0, variance, 1.0)  # the columns are zero
+    among = among + variance[:, None, None] * np.eye(len(own))
     along = along if kept is None else along[:, :, kept]
     left = left - np.swapaxes(along, 1, 2) @ np.linalg.solve(among, along)
     return left, log_weight - 0.5 * (np.linalg.slogdet(among)[1] - len(own) * np.log(variance))
@@ -67,7 +71,8 @@ def noise_variances(products: Matrix, degrees: int, ridge_width: float) -> Matri
     ndarray, shape (noises,)
     """
     least, last = VARIANCE_FLOOR**2, products[:, -1, -1]
-    added = np.maximum(last / degrees, least) / ridge_width**2
+    size = np.trace(products[:, 1:-1, 1:-1], axis1=1, axis2=2)
+    added = np.maximum(np.maximum(last / degrees, least) / ridge_width**2, _SINGULAR * size)
     among = products[:, 1:-1, 1:-1] + added[:, None, None] * np.eye(products.shape[-1] - 2)
     along = products[:, 1:-1, -1]
     sizes = np.linalg.solve(among, along[..., None])[..., 0]

@@ -63,12 +63,13 @@ def examine(
     if steps is not None:
         found.steps = _step_columns(found, table, steps, settings.rows.step_height)
     effect_candidates(found, scene)
-    found.slow_air = slow_air_columns(found, scene)
     order, rows = table.order, np.flatnonzero(folds.fit[folds.blocks])
     found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))
     recorded = {**table.known, **table.extra}
     against = {name: column for name, column in recorded.items() if name not in found.aside}
     term_candidates(found, against, settings.terms, known_distance=groups is None)
+    if len(found.columns) <= settings.noise_models.slow_air_width:
+        found.slow_air = slow_air_columns(found, scene)
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))
     sums = drop_infinite(found, sums)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from echocal._core import speed_of_sound
+from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
@@ -54,6 +55,14 @@ def because(values: Values) -> str:
     )
 
 
+def rivals(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:
+    """Any slow function of time looks the same where targets were measured one after the other."""
+    del values, degrees
+    return (UNKNOWN,), (
+        "; an effect outside the catalogue that changes with time would look the same: measure again"
+    )
+
+
 def draw(table: Columns, random: np.random.Generator) -> None:
     """Let the air along the path come and go by one kelvin within a quarter of an hour."""
     rows = len(table["reading_m"])
@@ -64,5 +73,11 @@ def draw(table: Columns, random: np.random.Generator) -> None:
 
 
 NOISE = NuisanceNoise(
-    facts=FACTS, draw=draw, concerns=concerns, parameters=parameters, because=because, is_answer=False
+    facts=FACTS,
+    draw=draw,
+    concerns=concerns,
+    parameters=parameters,
+    because=because,
+    rivals=rivals,
+    is_answer=False,
 )

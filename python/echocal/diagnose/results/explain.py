@@ -7,6 +7,7 @@ from echocal.diagnose.findings.sentences import enumerated, parameter_text, quan
 from echocal.diagnose.noises.registry import listed_only
 from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import remainder_text, smooth_text
+from echocal.diagnose.validation.one_session import ONE_SESSION
 
 __all__ = [
     "class_texts",
@@ -95,7 +96,9 @@ def _questions(cause: Cause) -> str:
 
 def _left_open(diagnosis: Outcome) -> str:
     if any(cause.doubt and not cause.in_model for cause in diagnosis.causes):
-        return "Causes fit it, but their gain may be chance, or of this session, so the model is the base"
+        session = any(ONE_SESSION in cause.doubt for cause in diagnosis.causes)
+        gain = "they may be of this session alone" if session else "their gain may be chance"
+        return f"Causes fit it, but {gain}, so the model is the base"
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
         return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"

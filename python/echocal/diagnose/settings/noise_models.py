@@ -86,6 +86,12 @@ class NoiseModelSettings:
     slow_air_parts: int = number(
         8, "1", "most functions of time that this difference is made of", "computing time"
     )
+    slow_air_width: int = number(
+        250,
+        "columns",
+        "of a wider table no such difference is considered",
+        "memory: three times the products",
+    )
     slow_air_least: float = number(
         0.02, "1", "least part of its variance that a function has", "chosen by hand"
     )

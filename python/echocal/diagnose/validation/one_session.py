@@ -6,7 +6,9 @@ from echocal.diagnose.inference.case import Case
 from echocal.model import Model
 from echocal.registry import find_effect
 
-__all__ = ["of_one_session"]
+__all__ = ["ONE_SESSION", "of_one_session"]
+
+ONE_SESSION = "all rows are of one session"
 
 _OFFSET = "temperature_offset"
 
@@ -48,7 +50,7 @@ def of_one_session(case: Case, model: Model) -> str:
         return ""
     rms = [1e3 * float(np.sqrt(np.mean(each**2))) for each in (moved, air)]
     return (
-        f"all rows are of one session of {np.ptp(time) / 60:.0f} min, and a model with it corrects "
+        f"{ONE_SESSION} of {np.ptp(time) / 60:.0f} min, and a model with it corrects "
         f"{rms[0]:.2f} mm (RMS). Air that is {kelvin:g} K warmer or colder than the thermometer for as long "
         f"does {rms[1]:.2f} mm. So the model leaves it out, and no cause is named. To see what lasts, "
         "measure in another session"
