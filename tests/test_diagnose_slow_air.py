@@ -84,10 +84,26 @@ def test_a_model_that_may_be_the_sessions_is_withheld(random: np.random.Generato
     small = echocal.diagnose({**table, "reading_m": table["reading_m"] * recorded / true}, base="linear")
     assert not small.model.effects
     assert any("one session of 30 min" in cause.doubt for cause in small.causes)
+    assert small.smooth is not None
+    assert small.smooth.session
+    assert not small.smooth.offered
+    with pytest.raises(echocal.UsageError, match="one session of 30 min"):
+        _ = small.model_with_smooth
     for other in (table["reading_m"] * 1.02, table["reading_m"] + 0.01):
         large = echocal.diagnose({**table, "reading_m": other}, base="linear")
         assert large.model.effects
         assert not any("session" in cause.doubt for cause in large.causes)
+
+
+def test_a_clock_that_stands_still_is_no_session(random: np.random.Generator) -> None:
+    table = session(random, 0.0)
+    recorded, true = (
+        echocal.speed_of_sound(table["temperature_C"] + one, law="linear") for one in (0.0, 0.4)
+    )
+    table |= {"reading_m": table["reading_m"] * recorded / true, "time_s": np.zeros(ROWS)}
+    answer = echocal.diagnose(table, base="linear")
+    assert answer.model.effects
+    assert not any("session" in cause.doubt for cause in answer.causes)
 
 
 def test_two_sessions_can_tell(random: np.random.Generator) -> None:

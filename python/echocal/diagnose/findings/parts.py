@@ -173,6 +173,8 @@ class SmoothCorrection:
         Columns that each fold chooses by itself.
     rows_outside : int
         Rows of this table outside of a column's range, which keep the correction of the model.
+    session : str
+        A sentence where it may be that of one short session; then it is not offered.
     """
 
     tried: tuple[str, ...]
@@ -186,6 +188,7 @@ class SmoothCorrection:
     variance_removed_interval_95: tuple[float, float] | None = None
     chosen_by_folds: tuple[tuple[str, ...], ...] = ()
     rows_outside: int = 0
+    session: str = ""
 
     @property
     def recurs(self) -> bool:
@@ -194,10 +197,11 @@ class SmoothCorrection:
 
     @property
     def offered(self) -> bool:
-        """Whether it may extend the model: it recurs, and the interval of its gain is above zero."""
+        """Whether it may extend the model: it recurs, is not of one session, and its gain is above zero."""
         return (
             self.smooth is not None
             and self.recurs
+            and not self.session
             and self.interval_95 is not None
             and self.interval_95[0] > 0.0
         )

@@ -211,7 +211,7 @@ class Diagnosis(Shown, Outcome):
         ------
         UsageError
             If none is offered: the interval of its gain on rows that neither its choice nor its fit has
-            seen is not above zero.
+            seen is not above zero, or it may be that of one short session.
 
         Examples
         --------

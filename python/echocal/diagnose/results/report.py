@@ -110,7 +110,12 @@ def _causes(
     recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
     if validation.withheld is not None:
         sizes = [*selection.unusual.values()]
-        why = validation.withheld.session or _unearned(validation.withheld.gain, sizes)
+        session = validation.withheld.session
+        why = (
+            f"{session}. The model leaves it out, and no cause is named"
+            if session
+            else _unearned(validation.withheld.gain, sizes)
+        )
         out = [c.cause for c in validation.claims if c not in validation.kept]
         doubts |= {cause: why for cause in out if cause not in doubts}
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []

@@ -19,9 +19,8 @@ def smooth_text(found: SmoothCorrection) -> str:
     ranges = "; ".join(_range(term) for term in found.smooth.terms)
     what = f"a sum of smooth functions without a known cause ({ranges})"
     if not found.offered:
-        return (
-            f"no smooth correction is offered: {what} was tried. {_gain(found)}. The interval is not above 0"
-        )
+        why = found.session or "The interval is not above 0"
+        return f"no smooth correction is offered: {what} was tried. {_gain(found)}. {why[0].upper()}{why[1:]}"
     rows = f" ({found.rows_outside} rows of this table)" if found.rows_outside else ""
     return (
         f"a smooth correction can be added to the model on request: {what}. {_gain(found)}. Outside of these "

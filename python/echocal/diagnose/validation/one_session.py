@@ -13,7 +13,7 @@ ONE_SESSION = "all rows are of one session"
 _OFFSET = "temperature_offset"
 
 
-def of_one_session(case: Case, model: Model) -> str:
+def of_one_session(case: Case, model: Model, without: Model | None = None) -> str:
     """Compare what a model corrects with air that differs from the thermometer for a whole session.
 
     Folds of one session share its air, so they cannot refute such a model: docs/method.md, section 7, "One
@@ -23,24 +23,27 @@ def of_one_session(case: Case, model: Model) -> str:
     ----------
     case : Case
     model : Model
-        The base with its causes.
+        The base with its causes, or a model with a smooth correction.
+    without : Model, optional
+        The same without them; default: the base.
 
     Returns
     -------
     str
-        A sentence on the model; empty if it corrects more, or something else, than such air does, and where
-        the table is longer or its times or distances are not recorded.
+        What both do; empty if the model corrects more, or something else, than such air does, and where
+        the table is longer, its times or distances are not recorded, or its clock stands still.
     """
     time, table, settings = case.table.conditions.get("elapsed_time"), case.table, case.settings
     if time is None or table.reference is None or not case.base.allows(find_effect(_OFFSET)):
         return ""
-    if np.ptp(time) > max(settings.noise_models.slow_air_times):
+    if not 0.0 < np.ptp(time) <= max(settings.noise_models.slow_air_times):
         return ""
     kelvin = max(settings.noise_models.slow_airs)
     warmer = case.base.model({_OFFSET: {"offset": kelvin}})
-    plain, one, other = (table.correct(m) for m in (case.base.model(), warmer, model))
-    known = np.isfinite(plain) & np.isfinite(other)
-    air, moved = (one - plain)[known], (other - plain)[known]
+    plain = case.base.model()
+    base, one, before, after = (table.correct(m) for m in (plain, warmer, without or plain, model))
+    known = np.isfinite(one - base) & np.isfinite(after - before)
+    air, moved = (one - base)[known], (after - before)[known]
     among, square = float(air @ air), float(moved @ moved)
     if among == 0.0 or square == 0.0:
         return ""
@@ -50,8 +53,7 @@ def of_one_session(case: Case, model: Model) -> str:
         return ""
     rms = [1e3 * float(np.sqrt(np.mean(each**2))) for each in (moved, air)]
     return (
-        f"{ONE_SESSION} of {np.ptp(time) / 60:.0f} min, and a model with it corrects "
-        f"{rms[0]:.2f} mm (RMS). Air that is {kelvin:g} K warmer or colder than the thermometer for as long "
-        f"does {rms[1]:.2f} mm. So the model leaves it out, and no cause is named. To see what lasts, "
-        "measure in another session"
+        f"{ONE_SESSION} of {np.ptp(time) / 60:.0f} min, and the correction is {rms[0]:.2f} mm (RMS). Air "
+        f"that is {kelvin:g} K warmer or colder than the thermometer for as long does {rms[1]:.2f} mm. To "
+        "see what lasts, measure in another session"
     )

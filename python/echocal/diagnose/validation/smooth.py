@@ -13,6 +13,7 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.smoothing import Smoother, values_of
 from echocal.diagnose.validation.gain import errors, intervals, on_common_rows
 from echocal.diagnose.validation.judges import Judge
+from echocal.diagnose.validation.one_session import of_one_session
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model, Shape, Smooth
 from echocal.observations.quantiles import quantiles, spread
@@ -80,6 +81,7 @@ def smooth_correction(
         variance_removed_interval_95=removed,
         chosen_by_folds=tuple(folds),
         rows_outside=int(whole.outside(given).sum()),
+        session=of_one_session(case, judgment.model.with_shape(whole), judgment.model),
     )
 
 
