@@ -60,6 +60,19 @@ def test_such_a_size_is_kept_where_it_holds_at_other_distances(random: np.random
 
 
 @pytest.mark.statistical
+def test_no_implausible_gain_where_the_air_is_the_same(random: np.random.Generator) -> None:
+    """A scale of -1.7 % that follows slow air within half a kelvin is no gain of -0.5 of the thermometer."""
+    celsius = 20.4 + 0.3 * np.sin(np.linspace(0.0, 3.0, 2 * ROWS))
+    distance = random.uniform(0.4, 3.5, len(celsius))
+    reading = distance * speed(celsius) / speed(celsius - 0.45 * celsius)
+    reading += random.normal(0.0, 0.1e-3, len(celsius))
+    table = pd.DataFrame({"temperature_C": celsius, "distance_m": distance, "reading_m": reading})
+    diagnosis = echocal.diagnose(table)
+    assert diagnosis.gain is not None
+    assert "temperature_gain" not in {id_ for id_, size in in_the_model(diagnosis).items() if size > 5.0}
+
+
+@pytest.mark.statistical
 def test_members_of_a_class_keep_their_odds_beside_a_noise(random: np.random.Generator) -> None:
     """In a room at one temperature a delay and an offset are the same, and a clock and a tape."""
     distance = np.repeat(np.linspace(0.4, 3.4, 12), ROWS // 12)

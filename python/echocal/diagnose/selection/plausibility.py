@@ -1,6 +1,6 @@
 """Whether the size of a cause is one that such devices and such air have: docs/method.md, Eq. 46."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.findings.sentences import parameter_text
+from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.selection.claims import Claim, Ranking, parameters
 from echocal.registry import find_effect
 
-__all__ = ["implausible"]
+__all__ = ["beyond_a_bound", "implausible"]
 
 
 def implausible(claims: Sequence[Claim], ranking: Ranking, most: float) -> dict[str, str]:
@@ -42,6 +43,15 @@ def implausible(claims: Sequence[Claim], ranking: Ranking, most: float) -> dict[
             continue
         said[claim.cause] = _sentence(claim)
     return said
+
+
+def beyond_a_bound(causes: Collection[str], fit: HypothesisFit) -> bool:
+    """Whether the rows ask for a size that a cause cannot have, so that the model has the bound instead."""
+    for variant, place in fit.hypothesis.placed:
+        named = zip(fit.mean[place][: len(variant.names)].tolist(), variant.bounds, strict=False)
+        if variant.cause in causes and any(not low <= size <= high for size, (low, high) in named):
+            return True
+    return False
 
 
 def _largest(variant: Variant, mean: NDArray[np.floating[Any]]) -> float:

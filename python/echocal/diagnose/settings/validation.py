@@ -63,6 +63,18 @@ class ValidationSettings:
         "middle range of a column: the model is fitted inside and its error is measured outside",
         "chosen by hand",
     )
+    untried_span: float = number(
+        0.1,
+        "of the range in the field",
+        "air that differs by less is one air, in which a wrong slope is as good as a wrong offset",
+        "chosen by hand: 8 K",
+    )
+    untried_share: float = number(
+        0.25,
+        "of a correction",
+        "a cause of an implausible size is left out if its part changes by more in air that the table lacks",
+        "chosen by hand",
+    )
     shifted_values: int = number(
         5, "distinct values", "a column with fewer has no middle range", "chosen by hand"
     )

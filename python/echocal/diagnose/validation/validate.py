@@ -18,6 +18,7 @@ from echocal.diagnose.selection.claims import (
     parameters,
     without,
 )
+from echocal.diagnose.selection.plausibility import beyond_a_bound
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.selection.steadiness import varied
 from echocal.diagnose.validation.gain import HeldOut, floor, on_common_rows, summarize
@@ -27,6 +28,7 @@ from echocal.diagnose.validation.refute import Rest, against_the_base
 from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
+from echocal.diagnose.validation.untried_air import differs_in_untried_air
 from echocal.model import Model
 
 __all__ = ["Validation", "Withheld", "validate"]
@@ -111,7 +113,8 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
     error, and they are possible. If the error is smaller, but the interval of the gain or of the log score is
     not above zero, its causes are possible, and the model is the base. The same holds for a size that is
     unusual, unless distances are known, and for one that is implausible, unless the model holds at distances
-    and in air that it is not fitted to; and for a model that may be that of one short session.
+    and in air that it is not fitted to, and its size is within the bounds of the cause; and for a model that
+    may be that of one short session.
 
     Parameters
     ----------
@@ -131,7 +134,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         low, _ = score.interval(case.settings.validation)
         rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
-    if rest.kept and not (gain.earned and _sizes_hold(case, rest, selection, gain)):
+    if rest.kept and not (gain.earned and _sizes_hold(trials, rest, selection, gain)):
         withheld = Withheld(rest.kept, gain)
         rest, gain = _plausible_part(trials, judge, rest, before, selection)
     elif rest.kept and (session := of_one_session(case, _model(trials, rest, selection, gain))):
@@ -158,16 +161,23 @@ def _smaller(one: HeldOut, other: HeldOut) -> bool:
     return not after.rms >= before.rms
 
 
-def _sizes_hold(case: Case, rest: Rest, selection: Selection, gain: Gain) -> bool:
+def _sizes_hold(trials: Trials, rest: Rest, selection: Selection, gain: Gain) -> bool:
     """Whether nothing speaks against the sizes of a model.
 
     Other things may follow the same conditions and lend a cause a size beyond the usual ones. Two such sizes
     cancel each other where they are fitted, and nowhere else.
     """
-    kept = {claim.cause for claim in rest.kept}
-    if not kept.isdisjoint(selection.implausible):
+    case, kept = trials.case, {claim.cause for claim in rest.kept}
+    large = sorted(kept & selection.implausible.keys())
+    if large:
+        fit = _fit(trials, rest, selection)
         elsewhere = {one.against: one.rms_after_m < one.rms_before_m for one in gain.shifted}
-        return "distance" in elsewhere and all(elsewhere.values())
+        return (
+            "distance" in elsewhere
+            and all(elsewhere.values())
+            and not beyond_a_bound(large, fit)
+            and not differs_in_untried_air(case, case.base.model(effects_of(fit, large)))
+        )
     return kept.isdisjoint(selection.unusual) or case.table.reference is not None
 
 
@@ -182,7 +192,7 @@ def _plausible_part(
         if part.kept and _smaller(part.after, before):
             score = judge.score(part.after, before, selection.noise)
             gain = _gain(trials, judge, part, before, selection, score)
-            if gain.earned and _sizes_hold(trials.case, part, selection, gain):
+            if gain.earned and _sizes_hold(trials, part, selection, gain):
                 return part, gain
     return _base_alone(trials, judge, rest, before, selection)
 
