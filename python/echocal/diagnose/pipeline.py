@@ -42,6 +42,7 @@ from echocal.diagnose.selection.within_days import unseen_within_days
 from echocal.diagnose.validation.hand_over import select_and_refute
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
+from echocal.diagnose.validation.misstated_speed import misstated_speed
 from echocal.diagnose.validation.remainder import remainder
 from echocal.diagnose.validation.smooth import smooth_correction
 from echocal.diagnose.validation.unconfirmed import unconfirmed
@@ -172,7 +173,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             work.level_steps = len(level_steps)
 
         doubts = unconfirmed(case, validation, judge, selection.noise)
-        selection = replace(selection, unconfirmed=doubts)
+        misstated = misstated_speed(case, validation)
+        selection = replace(selection, unconfirmed=doubts, misstated=misstated)
         smooth = smooth_correction(case, validation, judge, selection.noise)
         left = remainder(case, ranking, validation, smooth, selection.noise)
 

@@ -55,6 +55,8 @@ class Selection:
         Claims that a few rows carry, each with a sentence on these rows.
     unconfirmed : mapping of str to str
         Claims that the rows which judge the model do not show beside the others, each with a sentence.
+    misstated : mapping of str to str
+        Claims that another reading speed than the stated one explains as well, each with a sentence.
     slow : LeastFavorable or None
         What few rows show under each single autoregression; None if there are rows enough.
     """
@@ -72,12 +74,13 @@ class Selection:
     between: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     carried: Mapping[str, str] = field(default_factory=dict)
     unconfirmed: Mapping[str, str] = field(default_factory=dict)
+    misstated: Mapping[str, str] = field(default_factory=dict)
     slow: LeastFavorable | None = None
 
     @property
     def doubts(self) -> dict[str, str]:
         """Why a claim is not named, whatever its probability is."""
-        return {**self.unconfirmed, **self.doubts_of_size}
+        return {**self.unconfirmed, **self.doubts_of_size, **self.misstated}
 
     @property
     def doubts_of_size(self) -> dict[str, str]:

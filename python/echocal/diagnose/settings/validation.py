@@ -57,6 +57,18 @@ class ValidationSettings:
         "a model does what air does if this part of it is in proportion to it",
         "chosen by hand",
     )
+    proportional: float = number(
+        0.05,
+        "of the rms error of a cause",
+        "what is left after a part in proportion to the distance; a larger rest is no scale error",
+        "chosen by hand",
+    )
+    alike_speeds: float = number(
+        3.0,
+        "standard uncertainties",
+        "a scale error is alike that of another reading speed within so many",
+        "argument: 1 in 370",
+    )
     shifted_inner: tuple[float, float] = number(
         (0.2, 0.8),
         "quantiles",
