@@ -22,13 +22,15 @@ def verdict(
     shift is open if it is more probable than the threshold of ``named`` and no claim is kept, if a kept
     claim has no constant or no plausible size, or if claims were dropped because their model is not, or
     not certainly, better than the base on rows that its choice has not seen. An open shift is never
-    ``nothing``, even if every claim is refuted. Neither is an error that recorded columns
-    can lower: `left` says so.
+    ``nothing``, even if every claim is refuted. Neither is an error that recorded columns, or rows that take
+    turns, can lower: `left` says so.
     """
     named = ranking.settings.claims.named
     steady = [c.probability for c in validation.kept if c.cause not in selection.doubts]
     if any(probability >= named for probability in steady):
         return "named"
+    if left is not None and left.turns:
+        return "unknown"
     shifted = not validation.kept and _shifted(ranking, selection)
     dropped = validation.overruled or validation.withheld is not None
     is_open = len(steady) < len(validation.kept) or dropped or shifted

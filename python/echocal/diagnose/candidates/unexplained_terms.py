@@ -1,6 +1,6 @@
 """Unexplained terms: smooth functions of one column without a cause, which compete with the effects."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,7 +85,12 @@ def smooth_functions(known: Mapping[str, Column], rows: Labels, settings: TermSe
 
 
 def term_candidates(
-    found: Candidates, against: Mapping[str, Column], settings: TermSettings, *, known_distance: bool
+    found: Candidates,
+    against: Mapping[str, Column],
+    settings: TermSettings,
+    *,
+    known_distance: bool,
+    further: Collection[str] = (),
 ) -> None:
     """Add an unexplained term against each column with enough values.
 
@@ -105,12 +110,14 @@ def term_candidates(
     settings : TermSettings
     known_distance : bool
         Whether the distance of every row is known. An unknown level includes the mean.
+    further : collection of str
+        Columns that are no known quantities.
     """
     constant = np.full(len(next(iter(against.values()))), settings.size)
     mean = [found.columns.store(constant)] if known_distance else []
     line = list(mean)
     for name, column in against.items():
-        if most := degrees_of(column, settings):
+        if most := degrees_of(column, settings, further=name in further):
             basis = Basis.of(name, column, settings)
             own, first = mean, 1
             if name == "distance":
@@ -131,12 +138,23 @@ def term_candidates(
         found.variants.append(_term([*mean, *waves], HOUR))
 
 
-def degrees_of(column: Column, settings: TermSettings) -> int:
-    """Highest degree of a term against a column; 0 if the column has gaps or too few values."""
+def degrees_of(column: Column, settings: TermSettings, *, further: bool = False) -> int:
+    """Highest degree of a term against a column; 0 if the column has gaps or too few values.
+
+    A `further` column is no known quantity. With few values it is a switch or a version, and has a line.
+    """
     most = max(settings.degrees)
     enough = most * settings.values_per_degree
     values = _distinct(column, enough) if np.isfinite(column).all() else 0
-    return min(most, values // settings.values_per_degree) if values >= settings.fewest_values else 0
+    if values >= settings.fewest_values:
+        return min(most, values // settings.values_per_degree)
+    return int(further and values > 1 and _switches(column, settings))
+
+
+def _switches(column: Column, settings: TermSettings) -> bool:
+    """Whether the ends of a column with few values are of several rows each."""
+    low, high = quantiles(spread(column), settings.range)
+    return low < high and min(np.sum(column == low), np.sum(column == high)) >= settings.rows_of_a_value
 
 
 def _distinct(column: Column, enough: int) -> int:

@@ -18,7 +18,8 @@ __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
-_SHIFTS = (1, 2, 3, -1, -2, -3)
+_FARTHEST = 12
+_SHIFTS = tuple(sign * rows for rows in range(1, _FARTHEST + 1) for sign in (1, -1))
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         first = len(suffix) - 1 - int(np.argmax(suffix[::-1]))
         best = max(best, (float(suffix[first]), first, shift))
     total, first, shift = best
-    if total <= 0:
+    if total <= 0 or abs(shift) == _FARTHEST:  # the best of all may be farther still
         return None
     evidence = min(_evidence(view, first, shift, own), settings.cap)
     if evidence <= 0:

@@ -227,6 +227,8 @@ class Remainder:
         Columns that were tried.
     by_chance : bool
         Whether noise as autocorrelated as that of the table may be all that there is.
+    turns : str
+        A sentence where rows that take turns, and no column, explain most of the error; else empty.
     """
 
     rms_m: float
@@ -236,6 +238,7 @@ class Remainder:
     no_effect: float
     against: tuple[str, ...]
     by_chance: bool
+    turns: str = ""
 
 
 @dataclass(frozen=True)

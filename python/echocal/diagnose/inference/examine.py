@@ -67,7 +67,7 @@ def examine(
     found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))
     recorded = {**table.known, **table.extra}
     against = {name: column for name, column in recorded.items() if name not in found.aside}
-    term_candidates(found, against, settings.terms, known_distance=groups is None)
+    term_candidates(found, against, settings.terms, known_distance=groups is None, further=table.extra)
     if len(found.columns) <= settings.noise_models.slow_air_width:
         found.slow_air = slow_air_columns(found, scene)
     found.columns.store(residual)  # last: what is to be explained

@@ -61,7 +61,7 @@ def set_aside(
         The next best comes first.
     """
     terms, search = scene.settings.terms, scene.settings.search
-    able = [name for name, column in further.items() if degrees_of(column, terms)]
+    able = [name for name, column in further.items() if degrees_of(column, terms, further=True)]
     others += sum(degrees_of(column, terms) for column in known.values())
     most = max((search.most_columns - others) // max(terms.degrees), search.shortlist_least)
     if len(able) <= most:

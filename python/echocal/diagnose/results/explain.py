@@ -67,7 +67,18 @@ def lead(diagnosis: Outcome) -> str:
             acts = "act" if len(ids) > 1 else "acts"
             said.append(f"They {also}name {enumerated(ids)}, which {acts} on {what}")
             also = "also "
+    if not effects:
+        said += _in_the_model(diagnosis)
     return ". ".join([*said, *([f"They also show {_OUTSIDE}"] if diagnosis.unexplained else [])])
+
+
+def _in_the_model(diagnosis: Outcome) -> list[str]:
+    """A sentence on effects that the model has, though none is named."""
+    modeled = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
+    if not modeled:
+        return []
+    each = enumerated([f"{_class(cause)} ({cause.probability:.2f})" for cause in modeled])
+    return [f"The model has {each}, which {'are' if len(modeled) > 1 else 'is'} not certain"]
 
 
 def without_a_cause(diagnosis: Outcome) -> list[str]:

@@ -69,6 +69,7 @@ def report(
     if observations.reading_speed:
         origin["reading_speed"] = observations.reading_speed
     validation = replace(validation, model=validation.model.with_provenance(origin))
+    shown = left if term is None and word in ("unknown", "nothing") else None
     return Diagnosis(
         verdict=word,
         causes=causes,
@@ -76,7 +77,7 @@ def report(
         credible_set=credible_set(joint),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
         smooth=smooth,
-        remainder=left if term is None and word in ("unknown", "nothing") else None,
+        remainder=shown,
         refuted=validation.refuted,
         gain=validation.gain,
         next_measurements=proposals,
@@ -88,6 +89,7 @@ def report(
             *_varying_a_little(selection, validation),
             *_not_claimed(ranking, selection, validation),
             *_slow_noise(case, ranking, selection),
+            *([left.turns] if left is not None and left.turns and shown is None else []),
             *notes(case, observations, validation, inference.stack, steps),
             *_outside(case.table, validation),
         ),

@@ -40,6 +40,8 @@ def refusal(found: SmoothCorrection | None) -> str:
 
 def remainder_text(left: Remainder) -> str:
     """What is known of an effect that neither a cause nor an unexplained term describes."""
+    if left.turns:
+        return left.turns
     chance = "below 1e-12" if left.p_value < 1e-12 else f"{left.p_value:.1g}"
     known = (
         f"the RMS error of the model is {1e3 * left.rms_m:.2f} mm, and all recorded columns together could "

@@ -93,7 +93,15 @@ class TermSettings:
         "needed for each degree",
         "argument: with fewer values, a term would fit an error of each value",
     )
-    fewest_values: int = number(6, "distinct values", "with fewer, there is no term", "chosen by hand")
+    fewest_values: int = number(
+        6,
+        "distinct values",
+        "with fewer, there is no term, or a line if it is no known quantity",
+        "chosen by hand",
+    )
+    rows_of_a_value: int = number(
+        8, "rows", "have the least, and the largest, value of a column of few values", "chosen by hand"
+    )
     harmonics: int = number(2, "1", "harmonics of the day", "chosen by hand")
     fewest_days: float = number(
         2.0, "d", "if a table spans more, a term against the hour of the day is tried", "chosen by hand"

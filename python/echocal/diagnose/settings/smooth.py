@@ -58,3 +58,12 @@ class SmoothSettings:
         "and if chance removes as much with less than this probability",
         "chosen by hand: the noise models are a grid, and with the nearest one p-values are too small",
     )
+    rows_of_a_turn: int = number(
+        8, "rows", "of each turn, where rows are tried for a period in their order", "chosen by hand"
+    )
+    other_turns: float = number(
+        0.1,
+        "of the variance",
+        "of a recorded column between the turns, from which on the column may be the reason",
+        "chosen by hand",
+    )

@@ -8,6 +8,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Ranking
+from echocal.diagnose.selection.plausibility import implausible
 from echocal.diagnose.selection.select import Selection, select
 from echocal.diagnose.validation.refute import Rest, refute
 from echocal.diagnose.validation.trials import Trials
@@ -29,7 +30,7 @@ def select_and_refute(
     first: tuple[Selection, Rest] | None = None
     found: list[Refuted] = []
     for _ in range(settings.validation.sets_tried):
-        selection = select(case, ranking, shares, reduced, doubt=doubt)
+        selection = _of_usual_sizes(case, ranking, shares, reduced, doubt=doubt)
         effects = selection.effects
         if first is not None and ranking.of_set(effects) < settings.claims.mentioned_from:
             break
@@ -46,6 +47,23 @@ def select_and_refute(
         found += [r for r in rest.refuted if r.id not in {other.id for other in found}]
     assert first is not None
     return first
+
+
+def _of_usual_sizes(
+    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool
+) -> Selection:
+    """The best set; of sets that are about as probable, one without implausible sizes."""
+    settings = case.settings
+    best = selection = select(case, ranking, shares, reduced, doubt=doubt)
+    rest, least = ranking, settings.claims.nearly * ranking.of_set(best.effects)
+    for _ in range(settings.validation.sets_tried):
+        if not implausible(selection.claims, ranking, settings.claims.implausible):
+            return selection
+        rest = rest.without(selection.effects)
+        selection = select(case, rest, shares, reduced, doubt=doubt)
+        if not selection.effects or ranking.of_set(selection.effects) < least:
+            break
+    return best
 
 
 def _later(selection: Selection, rest: Rest, refuted: Sequence[Refuted]) -> tuple[Selection, Rest]:

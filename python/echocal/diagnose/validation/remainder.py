@@ -8,6 +8,7 @@ from echocal.diagnose.findings.parts import Remainder, SmoothCorrection
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.selection.claims import Ranking
+from echocal.diagnose.validation.turns import in_turns
 from echocal.diagnose.validation.validate import Validation
 
 __all__ = ["explained", "remainder"]
@@ -34,9 +35,13 @@ def remainder(
     Returns
     -------
     Remainder or None
-        None if the columns cannot remove enough.
+        None if neither the columns nor rows that take turns remove enough.
     """
     gain, settings = judgment.gain, case.settings.smooth
+    none = sum(p for ids, p in ranking.sets if not ids)
+    if turns := in_turns(case, judgment.model):
+        said, floor, degrees, p_value = turns
+        return Remainder(gain.rms_after_m, floor, p_value, degrees, none, (), False, said)
     offered = smooth is not None and smooth.offered
     far = gain.rms_after_m**2 - gain.rms_floor_m**2 > settings.far * gain.rms_after_m**2
     if not far and not offered:
@@ -44,7 +49,6 @@ def remainder(
     (products,) = case.whitened(noise, case.folds.fit).products
     width = case.settings.noise_models.ridge_width
     p_value, degrees = explained(products, case.sums.degrees(case.folds.fit), width)
-    none = sum(p for ids, p in ranking.sets if not ids)
     by_chance = p_value >= settings.far_from_chance and not offered
     against = tuple(case.found.terms)
     return Remainder(gain.rms_after_m, gain.rms_floor_m, p_value, degrees, none, against, by_chance)

@@ -135,6 +135,30 @@ impl Candidates<'_> {
         made
     }
 
+    /// Some hypotheses beside an unexplained term, each without one of its causes.
+    pub fn without_one(&self, larger: &[&Candidate], unexplained: &[usize]) -> Vec<Candidate> {
+        let odds = self.prior.unexplained / self.explained;
+        let share = odds / unexplained.len().max(1) as f64;
+        let mut made: Vec<Candidate> = Vec::new();
+        for set in larger {
+            let (terms, known): (Vec<usize>, Vec<usize>) =
+                set.variants.iter().partition(|v| unexplained.contains(v));
+            if terms.is_empty() || known.is_empty() {
+                continue;
+            }
+            let prior =
+                self.explained * self.prior.of_set(known.len() - 1, self.causes.len()) * share;
+            for out in &known {
+                let rest = known.iter().filter(|v| *v != out).copied();
+                let smaller = self.candidate(rest.chain(terms.iter().copied()).collect(), prior);
+                if made.iter().all(|other| other.variants != smaller.variants) {
+                    made.push(smaller);
+                }
+            }
+        }
+        made
+    }
+
     /// Scores all candidates by estimates of their log evidence.
     pub fn scored(&self, mut candidates: Vec<Candidate>) -> Vec<Candidate> {
         let scores = self.each(&candidates, EvidenceSolver::estimate);

@@ -150,7 +150,33 @@ fn competitors(of: &Candidates<'_>, unexplained: &[usize]) -> Vec<Candidate> {
     let beside = short.beside(&bases, unexplained);
     let beside = scored_if_they_matter(&short, beside, &found, None);
     found.extend(beside);
+    without_needless(&short, &mut found, unexplained);
     found
+}
+
+/// Adds hypotheses beside an unexplained term without one of their causes, while that makes a better one.
+///
+/// The sets of causes are found without a term. Beside one, a cause may be needless that took its place.
+fn without_needless(of: &Candidates<'_>, found: &mut Vec<Candidate>, unexplained: &[usize]) {
+    for _ in 0..MOST_CAUSES {
+        let mut best: Vec<&Candidate> = found.iter().collect();
+        best.sort_by(|a, b| b.score.total_cmp(&a.score));
+        best.truncate(EXTENDED);
+        let mut smaller = of.without_one(&best, unexplained);
+        smaller.retain(|one| found.iter().all(|known| !same(known, one)));
+        let before = top(found);
+        let smaller = scored_if_they_matter(of, smaller, found, None);
+        found.extend(smaller);
+        if top(found) <= before {
+            break;
+        }
+    }
+}
+
+/// Whether two hypotheses have the same variants.
+fn same(one: &Candidate, other: &Candidate) -> bool {
+    one.variants.len() == other.variants.len()
+        && one.variants.iter().all(|v| other.variants.contains(v))
 }
 
 fn top(found: &[Candidate]) -> f64 {

@@ -1,0 +1,89 @@
+"""Rows that take turns: several sensors, or versions of a firmware, that no column tells apart."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import fdtrc
+
+from echocal.diagnose.inference.case import Case
+from echocal.diagnose.validation.gain import errors
+from echocal.model import Model
+
+__all__ = ["in_turns"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+_MOST = 4
+
+
+def in_turns(case: Case, model: Model) -> tuple[str, float, tuple[float, float], float] | None:
+    """Find a short period in the order of the rows that explains most of what a model leaves.
+
+    Parameters
+    ----------
+    case : Case
+    model : Model
+
+    Returns
+    -------
+    tuple or None
+        A sentence on the rows, the error that is left without their differences [m], the degrees of freedom
+        of both, and the p-value of an F test.
+    """
+    table, settings = case.table, case.settings.smooth
+    left = errors(table, model, case.folds.fitted)
+    known = np.isfinite(left)
+    left, row, count = left[known], table.row[known], int(known.sum())
+    for period in range(2, _MOST + 1):
+        turn = row % period
+        members = np.bincount(turn, minlength=period)
+        if members.min() < settings.rows_of_a_turn:
+            return None
+        mean = np.bincount(turn, left, minlength=period) / members
+        within = float(np.sum((left - mean[turn]) ** 2))
+        total = float(np.sum((left - left.mean()) ** 2))
+        if not total - within > settings.far * total:
+            continue
+        if any(_share(column[known], turn, members) > settings.other_turns for column in _recorded(case)):
+            return None  # stations that take turns, or a column that tells the rows apart
+        degrees = float(period - 1), float(count - period)
+        p_value = float(fdtrc(*degrees, (total - within) / degrees[0] / (max(within, 1e-300) / degrees[1])))
+        if p_value < settings.far_from_chance:
+            return (
+                _sentence(period, mean, row, turn, within / count),
+                np.sqrt(within / count),
+                degrees,
+                p_value,
+            )
+    return None
+
+
+def _recorded(case: Case) -> Iterator[Column]:
+    """Columns that may take turns, too."""
+    table = case.table
+    columns = [*table.conditions.values(), *table.extra.values(), *table.labels.values()]
+    for column in columns if table.reference is None else [*columns, table.reference]:
+        if np.isfinite(column).all():
+            yield np.asarray(column, dtype=np.float64)
+
+
+def _share(column: Column, turn: Labels, members: Labels) -> float:
+    """Part of the variance of a column that is between the turns."""
+    mean = np.bincount(turn, column) / members
+    total = float(np.sum((column - column.mean()) ** 2))
+    return 1.0 - float(np.sum((column - mean[turn]) ** 2)) / total if total > 0.0 else 0.0
+
+
+def _sentence(period: int, mean: Column, row: Labels, turn: Labels, square: float) -> str:
+    first = [int(row[turn == k].min()) + 1 for k in range(period)]
+    each = ", ".join(
+        f"{1e3 * (mean[k] - mean.min()):+.1f} mm in rows {first[k]}, {first[k] + period}, ..."
+        for k in np.argsort(first)
+    )
+    return (
+        f"the readings take turns with a period of {period} rows: {each}. Without these differences "
+        f"{1e3 * np.sqrt(square):.2f} mm would be left. Several sensors, or versions of a firmware, may have "
+        "written one log. Diagnose them apart: add a column that tells them apart, and give --by COLUMN"
+    )
