@@ -120,3 +120,22 @@ def test_a_thermometer_in_a_screen_without_a_fan_is_named(random: np.random.Gene
     assert lag.in_model
     assert not lag.doubt
     assert lag.parameters[0].value == pytest.approx(950.0, rel=0.25)
+
+
+@pytest.mark.statistical
+def test_no_needless_cause_beside_an_unexplained_term(random: np.random.Generator) -> None:
+    """At one distance an offset of the thermometer and a gradient of the air are one column: never both."""
+    count = 1000
+    time = 1800.0 * np.arange(count)
+    day = 2 * np.pi * time / 86400.0
+    air = 12.0 + 5.0 * np.sin(day) + np.convolve(random.normal(0.0, 0.4, count), np.ones(40) / 6.0, "same")
+    humidity = np.clip(70.0 - 3.0 * (air - 12.0) + random.normal(0.0, 3.0, count), 5.0, 99.0)
+    town = 12.5 + 0.85 * (air - 12.0) + np.convolve(random.normal(0.0, 0.8, count), np.ones(40) / 6.0, "same")
+    shown = np.concatenate([town[:1], town[:-1]])
+    echo = 2.0 * 2.4 / (331.3 * np.sqrt(1.0 + air / 273.15)) + random.normal(0.0, 3e-6, count)
+    table = pd.DataFrame(
+        {"time_s": time, "temperature_C": shown, "humidity_percent": humidity, "echo_us": 1e6 * echo}
+    )
+    found = echocal.diagnose(table, base="cramer", constant_distance=True)
+    both = {"temperature_offset", "temperature_gradient"}
+    assert sum(p for ids, p in found.posterior if both <= set(ids)) < 0.1

@@ -143,6 +143,12 @@ class ClaimSettings:
         "a cause with a larger size is not named",
         "argument: 1 in 31 sizes is larger by Eq. 6; the prior of an effect outside the catalogue is 1 in 20",
     )
+    usual_from: float = number(
+        0.9,
+        "of the largest probability",
+        "a set of causes without implausible sizes is taken before one that has them",
+        "chosen by hand: such odds decide nothing in practice",
+    )
     unusual: float = number(
         3.0,
         "prior standard deviations",

@@ -52,10 +52,10 @@ def select_and_refute(
 def _of_usual_sizes(
     case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool
 ) -> Selection:
-    """The best set; of sets that are about as probable, one without implausible sizes."""
+    """The best set; of sets that are as probable, one without implausible sizes."""
     settings = case.settings
     best = selection = select(case, ranking, shares, reduced, doubt=doubt)
-    rest, least = ranking, settings.claims.nearly * ranking.of_set(best.effects)
+    rest, least = ranking, settings.claims.usual_from * ranking.of_set(best.effects)
     for _ in range(settings.validation.sets_tried):
         if not implausible(selection.claims, ranking, settings.claims.implausible):
             return selection
