@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.validation.gain import errors
+from echocal.diagnose.preprocess.table import Table, levels
 from echocal.model import Model
 
 __all__ = ["in_turns"]
@@ -33,9 +33,10 @@ def in_turns(case: Case, model: Model) -> tuple[str, float, tuple[float, float],
         of both, and the p-value of an F test.
     """
     table, settings = case.table, case.settings.smooth
-    left = errors(table, model, case.folds.fitted)
+    first = slice(0, settings.most_rows)  # enough of a long table
+    left = _left(table, model, first)
     known = np.isfinite(left)
-    left, row, count = left[known], table.row[known], int(known.sum())
+    left, row, count = left[known], table.row[first][known], int(known.sum())
     for period in range(2, _MOST + 1):
         turn = row % period
         members = np.bincount(turn, minlength=period)
@@ -46,18 +47,23 @@ def in_turns(case: Case, model: Model) -> tuple[str, float, tuple[float, float],
         total = float(np.sum((left - left.mean()) ** 2))
         if not total - within > settings.far * total:
             continue
-        if any(_share(column[known], turn, members) > settings.other_turns for column in _recorded(case)):
+        others = (column[first][known] for column in _recorded(case))
+        if any(_share(column, turn, members) > settings.other_turns for column in others):
             return None  # stations that take turns, or a column that tells the rows apart
         degrees = float(period - 1), float(count - period)
         p_value = float(fdtrc(*degrees, (total - within) / degrees[0] / (max(within, 1e-300) / degrees[1])))
         if p_value < settings.far_from_chance:
-            return (
-                _sentence(period, mean, row, turn, within / count),
-                np.sqrt(within / count),
-                degrees,
-                p_value,
-            )
+            rms = float(np.sqrt(within / count))
+            return _sentence(period, mean, row, turn, rms), rms, degrees, p_value
     return None
+
+
+def _left(table: Table, model: Model, rows: slice) -> Column:
+    """What a model leaves in some rows, less their level where it is unknown [m]."""
+    corrected = table.correct(model, rows)
+    if table.reference is not None:
+        return corrected - table.reference[rows]
+    return corrected - levels(corrected, table.groups[rows], np.isfinite(corrected), np.mean)
 
 
 def _recorded(case: Case) -> Iterator[Column]:
@@ -76,7 +82,7 @@ def _share(column: Column, turn: Labels, members: Labels) -> float:
     return 1.0 - float(np.sum((column - mean[turn]) ** 2)) / total if total > 0.0 else 0.0
 
 
-def _sentence(period: int, mean: Column, row: Labels, turn: Labels, square: float) -> str:
+def _sentence(period: int, mean: Column, row: Labels, turn: Labels, rms: float) -> str:
     first = [int(row[turn == k].min()) + 1 for k in range(period)]
     each = ", ".join(
         f"{1e3 * (mean[k] - mean.min()):+.1f} mm in rows {first[k]}, {first[k] + period}, ..."
@@ -84,6 +90,6 @@ def _sentence(period: int, mean: Column, row: Labels, turn: Labels, square: floa
     )
     return (
         f"the readings take turns with a period of {period} rows: {each}. Without these differences "
-        f"{1e3 * np.sqrt(square):.2f} mm would be left. Several sensors, or versions of a firmware, may have "
+        f"{1e3 * rms:.2f} mm would be left. Several sensors, or versions of a firmware, may have "
         "written one log. Diagnose them apart: add a column that tells them apart, and give --by COLUMN"
     )
