@@ -67,3 +67,14 @@ def test_such_a_column_without_an_influence_changes_nothing(random: np.random.Ge
     table = log(random)
     column = random.integers(0, 2, ROWS)
     assert diagnosed(table.assign(fw_version=column)).verdict == diagnosed(table).verdict
+
+
+@pytest.mark.statistical
+def test_a_switch_may_stand_still_in_whole_parts_of_a_table(random: np.random.Generator) -> None:
+    """Folds that never saw it switched have no function of it."""
+    on = (np.arange(ROWS) // 20 == 4) & (np.arange(ROWS) % 2 == 0)
+    table = log(random).assign(heater=on.astype(float))
+    table["reading_m"] += 20e-3 * on
+    found = diagnosed(table)
+    assert found.gain is not None
+    assert found.gain.rms_after_m <= found.gain.rms_before_m

@@ -35,6 +35,8 @@ def with_its_function(
     cross-validated or held-out rows decides whether the term may extend the model.
     """
     shape = _shape(case, found.against, judgment.model, case.folds.fit, noise)
+    if shape is None:
+        return found
     rms = float(np.std(shape.of(column_of(found.against, case.table.against()))))
     found = replace(found, shape=shape, rms_m=rms)
     if found.against not in OF_THIS_TABLE:
@@ -49,12 +51,14 @@ def with_its_function(
     return replace(found, description=described(found, judgment.gain.judged_rows))
 
 
-def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise: Noise) -> Shape:
-    """Fit a smooth function to the residuals of a model in the rows of some blocks."""
+def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise: Noise) -> Shape | None:
+    """Fit a smooth function to the residuals of a model in some blocks; None if the column is constant."""
     table, rows = case.table, blocks[case.folds.blocks]
     left = np.nan_to_num(errors(table, model, rows))
     against = column_of(name, table.against())
     basis = Basis.of(name, against[rows], case.settings.terms)  # constant outside the range of these rows
+    if not basis.low < basis.high:
+        return None
     waves = basis.at(against)
     columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):
