@@ -26,7 +26,8 @@ proptest! {
     fn of_single_effects(d in distance(), at in conditions(), drawn in units()) {
         for law in laws() {
             for facts in ALL {
-                if let Some(model) = with(&Model::new(law), facts, &values(facts, &drawn)) {
+                let model = with(&Model::new(law), facts, &values(facts, &drawn));
+                if let Some(model) = model.filter(|one| in_air_that_can_be(one, d, &at)) {
                     comes_back(&model, d, &at)?;
                 }
             }
