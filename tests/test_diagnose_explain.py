@@ -29,6 +29,10 @@ def diagnosis() -> echocal.Diagnosis:
         ((SLIP,), "The data name no cause that shifts the readings. They name cycle_slip, which acts"),
         ((replace(EFFECT, doubt="its size differs"), SLIP), "no cause that shifts the readings. They name"),
         ((replace(EFFECT, probability=0.6), SLIP), "no cause that shifts the readings. They name"),
+        (
+            (replace(EFFECT, probability=0.85), SLIP),
+            "The model has clock_error (or oblique_target), probability 0.85, which is not named",
+        ),
     ],
 )
 def test_the_first_sentence_names_what_is_named_and_no_more(

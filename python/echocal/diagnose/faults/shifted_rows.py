@@ -119,7 +119,7 @@ def _evidence(view: View, first: int, shift: int, settings: Thresholds) -> float
     # an outlier would fit the neighbor's reference by chance
     each = np.log(max(spread / (2 * float(np.nanmedian(close))), 1.5))
     given = view.reference[np.isfinite(view.reference)]
-    places = 1 + np.count_nonzero(np.diff(given) != 0)  # where a shift could begin to show
+    places = len(_SHIFTS) * (1 + np.count_nonzero(np.diff(given) != 0))  # where one could begin to show
     net = explained - settings.unexplained * unexplained
     return float(net * each - settings.against * against - np.log(places))
 

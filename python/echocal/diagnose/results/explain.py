@@ -77,8 +77,8 @@ def _in_the_model(diagnosis: Outcome) -> list[str]:
     modeled = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
     if not modeled:
         return []
-    each = enumerated([f"{_class(cause)} ({cause.probability:.2f})" for cause in modeled])
-    return [f"The model has {each}, which {'are' if len(modeled) > 1 else 'is'} not certain"]
+    each = enumerated([f"{_class(cause)}, probability {cause.probability:.2f}" for cause in modeled])
+    return [f"The model has {each}, which {'are' if len(modeled) > 1 else 'is'} not named"]
 
 
 def without_a_cause(diagnosis: Outcome) -> list[str]:

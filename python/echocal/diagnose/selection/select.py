@@ -117,7 +117,8 @@ def select(
     ]
     effects = whole.hypothesis.effects
     if term is None and not doubt:
-        return Selection(best, every_claim, likely, noise, term, effects, slow=slow)
+        large = implausible(likely, ranking, settings.implausible)
+        return Selection(best, every_claim, likely, noise, term, effects, implausible=large, slow=slow)
     steady = steadiness(case, likely, noise, whole)
     varying = steady.varying
     if term is not None:  # a cause whose size varies fits a part of the unexplained term

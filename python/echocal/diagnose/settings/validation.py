@@ -58,10 +58,10 @@ class ValidationSettings:
         "chosen by hand",
     )
     proportional: float = number(
-        0.05,
-        "of the rms error of a cause",
-        "what is left after a part in proportion to the distance; a larger rest is no scale error",
-        "chosen by hand",
+        0.9975,
+        "of the mean square of a cause's error",
+        "a cause is a scale error if this part of it is in proportion to the distance",
+        "chosen by hand: a twentieth of its rms error may be left",
     )
     alike_speeds: float = number(
         3.0,

@@ -8,7 +8,6 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import Ranking
-from echocal.diagnose.selection.plausibility import implausible
 from echocal.diagnose.selection.select import Selection, select
 from echocal.diagnose.validation.refute import Rest, refute
 from echocal.diagnose.validation.trials import Trials
@@ -57,7 +56,7 @@ def _of_usual_sizes(
     best = selection = select(case, ranking, shares, reduced, doubt=doubt)
     rest, least = ranking, settings.claims.usual_from * ranking.of_set(best.effects)
     for _ in range(settings.validation.sets_tried):
-        if not implausible(selection.claims, ranking, settings.claims.implausible):
+        if not selection.implausible:
             return selection
         rest = rest.without(selection.effects)
         selection = select(case, rest, shares, reduced, doubt=doubt)

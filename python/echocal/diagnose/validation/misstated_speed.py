@@ -1,10 +1,7 @@
 """Whether a scale error may be that of the stated reading speed: the device may convert with another one."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.selection.claims import Claim
+from echocal.diagnose.validation.proportion import proportion
 from echocal.diagnose.validation.validate import Validation
 from echocal.registry import find_effect
 
@@ -42,11 +39,11 @@ def misstated_speed(case: Case, validation: Validation) -> dict[str, str]:
         return {}
     said = {}
     for claim in validation.kept:
-        scale = _scale(case, claim, table.reference, settings.proportional)
-        if scale is None:
+        factor, part = proportion(case.signal(claim.variant, claim.mean), to=table.reference)
+        if part < settings.proportional or len(claim.mean) != 1:
             continue
-        factor, uncertainty = scale
-        found, width = stated * (1.0 + factor), stated * uncertainty
+        found = stated * (1.0 + factor)
+        width = stated * abs(factor) * float(claim.deviation[0] / abs(claim.mean[0]))
         usual = min(_usual_speeds(), key=lambda speed: abs(speed - found))
         if usual != stated and abs(usual - found) <= max(settings.alike_speeds * width, _ROUNDED):
             said[claim.cause] = (
@@ -56,19 +53,6 @@ def misstated_speed(case: Case, validation: Validation) -> dict[str, str]:
                 f"--reading-speed {usual:g}"
             )
     return said
-
-
-def _scale(
-    case: Case, claim: Claim, distance: NDArray[np.float64], proportional: float
-) -> tuple[float, float] | None:
-    """Error of a claim over the distance, and its standard uncertainty; None if there is no proportion."""
-    signal = case.signal(claim.variant, claim.mean)
-    square, total = float(distance @ distance), float(signal @ signal)
-    factor = float(distance @ signal) / square
-    left = signal - factor * distance
-    if total == 0.0 or float(left @ left) > proportional**2 * total or len(claim.mean) != 1:
-        return None
-    return factor, abs(factor) * float(claim.deviation[0] / abs(claim.mean[0]))
 
 
 def _usual_speeds() -> tuple[float, ...]:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from echocal.diagnose.inference.case import Case
+from echocal.diagnose.validation.proportion import proportion
 from echocal.model import Model
 from echocal.registry import find_effect
 
@@ -44,12 +45,8 @@ def of_one_session(case: Case, model: Model, without: Model | None = None) -> st
     base, one, before, after = (table.correct(m) for m in (plain, warmer, without or plain, model))
     known = np.isfinite(one - base) & np.isfinite(after - before)
     air, moved = (one - base)[known], (after - before)[known]
-    among, square = float(air @ air), float(moved @ moved)
-    if among == 0.0 or square == 0.0:
-        return ""
-    factor = float(air @ moved) / among
-    alike = factor**2 * among >= settings.validation.session_alike * square
-    if not alike or abs(factor) > settings.validation.session_air:
+    factor, part = proportion(moved, to=air)
+    if part < settings.validation.session_alike or abs(factor) > settings.validation.session_air:
         return ""
     rms = [1e3 * float(np.sqrt(np.mean(each**2))) for each in (moved, air)]
     return (

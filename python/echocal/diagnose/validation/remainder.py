@@ -40,8 +40,8 @@ def remainder(
     gain, settings = judgment.gain, case.settings.smooth
     none = sum(p for ids, p in ranking.sets if not ids)
     if turns := in_turns(case, judgment.model):
-        said, floor, degrees, p_value = turns
-        return Remainder(gain.rms_after_m, floor, p_value, degrees, none, (), False, said)
+        found = turns.rms_m, turns.p_value, turns.degrees
+        return Remainder(gain.rms_after_m, *found, none, (), by_chance=False, turns=turns.said)
     offered = smooth is not None and smooth.offered
     far = gain.rms_after_m**2 - gain.rms_floor_m**2 > settings.far * gain.rms_after_m**2
     if not far and not offered:

@@ -1,16 +1,18 @@
 """Rows that take turns: several sensors, or versions of a firmware, that no column tells apart."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtrc
 
+from echocal.diagnose.findings.sentences import enumerated
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.model import Model
 
-__all__ = ["in_turns"]
+__all__ = ["Turns", "in_turns"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -18,19 +20,34 @@ Labels = NDArray[np.int64]
 _MOST = 4
 
 
-def in_turns(case: Case, model: Model) -> tuple[str, float, tuple[float, float], float] | None:
+class Turns(NamedTuple):
+    """Rows that take turns.
+
+    Attributes
+    ----------
+    said : str
+        A sentence on their differences.
+    rms_m : float
+        Error that is left without these [m].
+    degrees : tuple of float
+        Degrees of freedom of the differences, and of what is left.
+    p_value : float
+        Of an F test.
+    """
+
+    said: str
+    rms_m: float
+    degrees: tuple[float, float]
+    p_value: float
+
+
+def in_turns(case: Case, model: Model) -> Turns | None:
     """Find a short period in the order of the rows that explains most of what a model leaves.
 
     Parameters
     ----------
     case : Case
     model : Model
-
-    Returns
-    -------
-    tuple or None
-        A sentence on the rows, the error that is left without their differences [m], the degrees of freedom
-        of both, and the p-value of an F test.
     """
     table, settings = case.table, case.settings.smooth
     first = slice(0, settings.most_rows)  # enough of a long table
@@ -54,7 +71,7 @@ def in_turns(case: Case, model: Model) -> tuple[str, float, tuple[float, float],
         p_value = float(fdtrc(*degrees, (total - within) / degrees[0] / (max(within, 1e-300) / degrees[1])))
         if p_value < settings.far_from_chance:
             rms = float(np.sqrt(within / count))
-            return _sentence(period, mean, row, turn, rms), rms, degrees, p_value
+            return Turns(_sentence(period, mean, row, turn, rms), rms, degrees, p_value)
     return None
 
 
@@ -84,12 +101,10 @@ def _share(column: Column, turn: Labels, members: Labels) -> float:
 
 def _sentence(period: int, mean: Column, row: Labels, turn: Labels, rms: float) -> str:
     first = [int(row[turn == k].min()) + 1 for k in range(period)]
-    each = ", ".join(
-        f"{1e3 * (mean[k] - mean.min()):+.1f} mm in rows {first[k]}, {first[k] + period}, ..."
-        for k in np.argsort(first)
-    )
+    above = [f"{1e3 * (mean[k] - mean.min()):.1f}" for k in np.argsort(first)]
     return (
-        f"the readings take turns with a period of {period} rows: {each}. Without these differences "
-        f"{1e3 * rms:.2f} mm would be left. Several sensors, or versions of a firmware, may have "
-        "written one log. Diagnose them apart: add a column that tells them apart, and give --by COLUMN"
+        f"the readings take turns with a period of {period} rows: from row {min(first)} on they are "
+        f"{enumerated(above)} mm above the lowest turn, over and over. Without these differences "
+        f"{1e3 * rms:.2f} mm would be left. Several sensors, or versions of a firmware, may have written one "
+        "log. Diagnose them apart: add a column that tells them apart, and give --by COLUMN"
     )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
-from echocal.diagnose.candidates.unexplained_terms import Basis, column_of
+from echocal.diagnose.candidates.unexplained_terms import HOUR, Basis, column_of, degrees_of
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.findings.parts import OF_THIS_TABLE, Unexplained
 from echocal.diagnose.findings.sentences import spoken
@@ -59,7 +59,8 @@ def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise
     basis = Basis.of(name, against[rows], case.settings.terms)  # constant outside the range of these rows
     if not basis.low < basis.high:
         return None
-    waves = basis.at(against)
+    most = degrees_of(against, case.settings.terms, further=name in table.extra)
+    waves = basis.at(against) if name == HOUR else basis.at(against)[: max(most, 1)]
     columns = Columns(case.base.plain, left, table.conditions, None)
     for column in (np.ones_like(left), *waves, left):
         columns.store(column)
@@ -69,7 +70,7 @@ def _shape(case: Case, name: str, model: Model, blocks: NDArray[np.bool_], noise
     stack = Stack.of([gathered.whiten(noise, blocks)], gathered.degrees(blocks))
     fit = fit_hypothesis(Hypothesis((variant,), 1.0), stack)
     at = np.linspace(basis.low, basis.high, _KNOTS)
-    design = np.stack(basis.at(at), axis=1)
+    design = np.stack(basis.at(at)[: len(waves)], axis=1)
     shift = design @ fit.mean
     # the mean: of what remains, or zero, where the level is unknown and has it
     shift += float(np.mean(left[rows] - np.interp(against[rows], at, shift)))

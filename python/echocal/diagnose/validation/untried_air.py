@@ -1,6 +1,7 @@
 """Whether a cause of an implausible size would do something else in air that the table does not have."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.inference.case import Case
 from echocal.model import Model
@@ -21,23 +22,24 @@ def differs_in_untried_air(case: Case, model: Model) -> bool:
     model : Model
         The base with the causes.
     """
-    table, settings = case.table, case.settings.validation
+    table, settings, plain = case.table, case.settings.validation, case.base.plain
     row = [int(np.argsort(table.indication)[len(table) // 2])]
-    given = {**table.conditions, **table.bound(model)}
+    read = table.indication[row]
+    given = {name: column[row] for name, column in {**table.conditions, **table.bound(model)}.items()}
+
+    def moved(air: dict[str, NDArray[np.float64]]) -> float:
+        one, other = (
+            m.correct(read, **{n: c for n, c in air.items() if n in m.reads}) for m in (model, plain)
+        )
+        return float((one - other)[0])
+
     for name in sorted(model.reads & table.conditions.keys()):
-        facts = QUANTITIES[name]
+        facts, column = QUANTITIES[name], table.conditions[name]
         wide = settings.untried_span * (facts.field_range[1] - facts.field_range[0])
-        if not facts.judged_outside or np.ptp(table.conditions[name]) >= wide:
+        if not facts.judged_outside or np.ptp(column) >= wide:
             continue
-        here = float(np.median(table.conditions[name]))
-        moved = []
-        for value in (here, here - wide / 2, here + wide / 2):
-            air = {n: c[row] for n, c in given.items() if n in model.reads}
-            air[name] = np.clip([value], *facts.possible)
-            read = table.indication[row]
-            plain = case.base.model()
-            before = plain.correct(read, **{n: c for n, c in air.items() if n in plain.reads})
-            moved.append(float((model.correct(read, **air) - before)[0]))
-        if max(moved) - min(moved) > settings.untried_share * abs(moved[0]):
+        around = np.median(column) + wide * np.array([0.0, -0.5, 0.5])
+        here, *others = (moved({**given, name: np.clip([air], *facts.possible)}) for air in around)
+        if max(here, *others) - min(here, *others) > settings.untried_share * abs(here):
             return True
     return False

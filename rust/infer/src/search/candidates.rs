@@ -123,8 +123,7 @@ impl Candidates<'_> {
 
     /// Some hypotheses, each beside every unexplained term.
     pub fn beside(&self, bases: &[&Candidate], unexplained: &[usize]) -> Vec<Candidate> {
-        let odds = self.prior.unexplained / self.explained;
-        let share = odds / unexplained.len().max(1) as f64;
+        let share = self.term_odds(unexplained);
         let mut made = Vec::new();
         for base in bases {
             for &term in unexplained {
@@ -135,10 +134,14 @@ impl Candidates<'_> {
         made
     }
 
-    /// Some hypotheses beside an unexplained term, each without one of its causes.
+    /// Prior odds of one of the unexplained terms against none.
+    fn term_odds(&self, unexplained: &[usize]) -> f64 {
+        self.prior.unexplained / self.explained / unexplained.len().max(1) as f64
+    }
+
+    /// Those of some hypotheses that are beside an unexplained term, each without one of its causes.
     pub fn without_one(&self, larger: &[&Candidate], unexplained: &[usize]) -> Vec<Candidate> {
-        let odds = self.prior.unexplained / self.explained;
-        let share = odds / unexplained.len().max(1) as f64;
+        let share = self.term_odds(unexplained);
         let mut made: Vec<Candidate> = Vec::new();
         for set in larger {
             let (terms, known): (Vec<usize>, Vec<usize>) =
