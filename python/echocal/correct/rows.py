@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.marks import reference_of, with_marks
 from echocal.correct.needed import Needed, is_derived, trusted
-from echocal.correct.uncertainty import Uncertainties, standard_uncertainty
+from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
 from echocal.errors import DataWarning
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
@@ -132,7 +132,7 @@ def correct_rows(
     status.give(np.isnan(distance), _NONE)
     for column in model.columns.values():
         status.give(np.isnan(observations.thermometers[column]), f"{column} missing", over=_NONE)
-    notes: tuple[str, ...] = observations.notes
+    notes = (*observations.notes, *filter(None, [included(model, reading.uncertainties)]))
     if reading.mark_rows and MARKS in model.provenance:
         asked = {**needed.requests, **needed.reference}
         asked = {name: own for name, own in asked.items() if own}

@@ -7,15 +7,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.correct.results import UNCERTAINTY
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
-from echocal.model.shape import DISTANCE, Shape
+from echocal.model.shape import is_extra
 from echocal.observations import Observations
 from echocal.observations.correction import base_indication, corrected_distance
 from echocal.observations.units import NAMES
 from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 
-__all__ = ["Uncertainties", "standard_uncertainty"]
+__all__ = ["Uncertainties", "included", "standard_uncertainty"]
 
 Column = NDArray[np.float64]
 
@@ -76,10 +77,10 @@ def standard_uncertainty(
 ) -> Column:
     """Standard uncertainty [m] of corrected distances, shape (n,).
 
-    It has the covariance of the model's parameters, and what the user states for the echo time or the
-    reading and for the influence quantities. The derivatives to parameters and distance are exact. For an
-    influence quantity it is half the change of the distance between one standard uncertainty above and
-    below (JCGM 100:2008, 5.1.3, note 2), at the recorded echo time.
+    It has that of the model (`echocal.Model.standard_uncertainty`), and what the user states for the echo
+    time or the reading and for the influence quantities. For an influence quantity it is half the change
+    of the distance between one standard uncertainty above and below (JCGM 100:2008, 5.1.3, note 2), at
+    the recorded echo time.
 
     Returns
     -------
@@ -87,43 +88,59 @@ def standard_uncertainty(
         NaN where there is no distance, and everywhere if no uncertainty is known.
     """
     stated = {name: size for name, size in uncertainties.stated.items() if size}
-    known = model.covariance is not None or uncertainties.stated
-    if not known or not np.isfinite(distance).any():
+    if not np.isfinite(distance).any():
         return np.full(len(distance), np.nan)
-    variance = np.where(np.isnan(distance), np.nan, 0.0)
+    given = {**observations.conditions, **observations.bound(model.columns)}
+    if model.shape is not None:
+        given |= {name: observations.extra[name] for name in model.shape.columns if is_extra(name)}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DomainWarning)  # told when the distances were computed
-        echo = any(name in stated for name in _ECHOES)
-        if echo or model.shape is not None or (model.covariance is not None and model.covariance.any()):
-            variance += _of_device(observations, model, distance, stated)
+        own = model.standard_uncertainty(distance, **given)
+        if not uncertainties.stated:
+            return own
+        variance = np.where(np.isnan(distance), np.nan, np.nan_to_num(own) ** 2)
+        if any(name in stated for name in _ECHOES):
+            variance += _of_echo(observations, model, distance, stated, given)
         for name in stated:
             for quantity in _quantities(name, model):
                 variance += _of_quantity(observations, model, quantity, stated[name]) ** 2
     return np.sqrt(variance)
 
 
-def _of_device(
-    observations: Observations, model: Model, distance: Column, stated: Mapping[str, float]
-) -> Column:
-    """Variance [m^2] from the parameters, the terms without a cause, and the echo time or the reading."""
-    given = {**observations.conditions, **observations.bound(model.columns)}
-    jacobian = model.without_shape().jacobian(distance, **given)
-    slope, tangents = jacobian[:, 0], jacobian[:, 1:]
-    variance = np.zeros(len(distance))
-    if model.covariance is not None:
-        variance += np.einsum("ij,jk,ik->i", tangents, model.covariance, tangents)
+def included(model: Model, uncertainties: Uncertainties) -> str:
+    """Say what the standard uncertainty of a corrected distance includes; empty if none is known."""
+    parts = []
+    if model.covariance is not None and model.covariance.any():
+        parts.append("the fitted parameters")
+    if model.residual_uncertainty is not None:
+        parts.append("the repeatability and what the model leaves unexplained, as measured when it was fitted")
     if model.shape is not None:
-        columns = {**given, **observations.extra, DISTANCE: distance}
-        terms = (model.shape,) if isinstance(model.shape, Shape) else model.shape.terms
-        for term in terms:
-            variance += np.nan_to_num(term.band(columns[term.against])) ** 2
-    reading = observations.reading
+        parts.append("the terms without a cause")
+    parts += [f"the stated uncertainty of {name.replace('_', ' ')}" for name in uncertainties.stated]
+    if not parts:
+        return ""
+    text = f"{UNCERTAINTY} includes {', '.join(parts)}"
+    if model.residual_uncertainty is None:
+        text += "; the model does not state the repeatability of a reading, so the uncertainty is without it"
+    return text
+
+
+def _of_echo(
+    observations: Observations,
+    model: Model,
+    distance: Column,
+    stated: Mapping[str, float],
+    given: Mapping[str, Column],
+) -> Column:
+    """Variance [m^2] from the stated uncertainty of the echo time or the reading."""
+    bare = {name: values for name, values in given.items() if not is_extra(name)}
+    slope = model.without_shape().jacobian(distance, **bare)[:, 0]
     indication = base_indication(observations, model.law)
-    if reading is not None and "reading" in stated:
-        variance += (indication * stated["reading"] / reading) ** 2
-    elif "echo_time" in stated:
-        variance += (indication * stated["echo_time"] / observations.echo_time) ** 2
-    return np.asarray(variance / slope**2)
+    if observations.reading is not None and "reading" in stated:
+        relative = stated["reading"] / observations.reading
+    else:
+        relative = stated.get("echo_time", 0.0) / observations.echo_time
+    return np.asarray((indication * relative / slope) ** 2)
 
 
 def _of_quantity(observations: Observations, model: Model, quantity: str, size: float) -> Column:

@@ -165,7 +165,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             selection = replace(selection, carried=carried)
             possible = shares.possible(settings.noises.considered)
             judge = judge_of(case, reduced.noises, possible, held, after, steps)
-            validation = validate(case, selection, rest, judge)
+            validation = validate(case, selection, rest, judge, reduced)
             step = validation.further_level_step(case.table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
                 break

@@ -9,7 +9,7 @@ from echocal.errors import ModelError
 from echocal.model.shape import DISTANCE, Shape, is_extra
 from echocal.model.smooth import Smooth
 
-__all__ = ["corrected", "indicated"]
+__all__ = ["corrected", "indicated", "others", "variance"]
 
 _ROUNDS = 6  # of the fixed point for a shape against the distance, whose slope is a few percent at most
 
@@ -21,7 +21,7 @@ def indicated(
 ) -> Any:
     """Indication [m] at a true distance [m]; `bare` is the indication of the model without the shape."""
     _refuse_out(given)
-    return bare(distance, _rest(shape, given)) + _number(shape, _columns(shape, air, given, distance), None)
+    return bare(distance, others(shape, given)) + _number(shape, _columns(shape, air, given, distance), None)
 
 
 def corrected(
@@ -32,7 +32,7 @@ def corrected(
     Whether a distance is inside the range of a smooth correction is decided by the distance without it.
     """
     _refuse_out(given)
-    rest = _rest(shape, given)
+    rest = others(shape, given)
     at_distance = DISTANCE in shape.columns
     found, outside = indication, None
     if isinstance(shape, Smooth):
@@ -63,9 +63,26 @@ def _number(shape: Shape | Smooth, columns: dict[str, Any], outside: Any) -> Any
     return float(shift) if shift.ndim == 0 else shift
 
 
-def _rest(shape: Shape | Smooth, given: Mapping[str, Any]) -> dict[str, Any]:
+def variance(
+    shape: Shape | Smooth, air: Mapping[str, float], distance: Any, given: Mapping[str, Any], residual: Any
+) -> tuple[Any, Any]:
+    """Variance of the shift of an indication, and the residual variance of a distance [m^2].
+
+    `residual` is that of the model without the shape. A smooth correction has its own where it acts, and
+    adds nothing elsewhere.
+    """
+    columns = _columns(shape, air, given, distance)
+    if isinstance(shape, Shape):
+        return shape.band(shape.column(columns)) ** 2, residual
+    outside, own = shape.outside(columns), shape.residual_uncertainty
+    inside = residual if own is None else own.of(distance) ** 2
+    return np.where(outside, 0.0, shape.variance(columns)), np.where(outside, residual, inside)
+
+
+def others(shape: Shape | Smooth | None, given: Mapping[str, Any]) -> dict[str, Any]:
     """The conditions for the model without its shape."""
-    return {name: v for name, v in given.items() if name not in shape.columns or not is_extra(name)}
+    columns = () if shape is None else shape.columns
+    return {name: v for name, v in given.items() if name not in columns or not is_extra(name)}
 
 
 def _refuse_out(given: Mapping[str, Any]) -> None:

@@ -14,6 +14,7 @@ from echocal.errors import ModelError
 from echocal.model import added, arguments, document, expressions, needs
 from echocal.model import covariance as covariances
 from echocal.model.fixed import fixed
+from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import DISTANCE, Shape
 from echocal.model.smooth import Smooth
 from echocal.quantities import QUANTITIES
@@ -58,6 +59,8 @@ class Model(Shown):
     columns : mapping of str to str, optional
         Column of a table from which a quantity is read that several columns may hold, e.g.
         ``{"second_temperature": "temperature_box_C"}``.
+    residual_uncertainty : ResidualUncertainty, optional
+        Standard uncertainty of one corrected distance besides that of the parameters, as measured.
 
     Raises
     ------
@@ -88,6 +91,7 @@ class Model(Shown):
         provenance: Mapping[str, Any] | None = None,
         shape: Shape | Smooth | None = None,
         columns: Mapping[str, str] | None = None,
+        residual_uncertainty: ResidualUncertainty | None = None,
     ) -> None:
         if not isinstance(law, str):
             message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
@@ -102,6 +106,7 @@ class Model(Shown):
             provenance=fixed(provenance or {}),
             shape=shape,
             given_columns=fixed(needs.of_thermometers(columns or {})),
+            residual_uncertainty=residual_uncertainty,
         )
 
     _core: _core.Model
@@ -112,6 +117,7 @@ class Model(Shown):
     provenance: Mapping[str, Any]
     shape: Shape | Smooth | None
     given_columns: Mapping[str, str]
+    residual_uncertainty: ResidualUncertainty | None
 
     def _set(self, **parts: Any) -> "Model":
         vars(self).update(parts)
@@ -311,6 +317,53 @@ class Model(Shown):
         shape, (first, *rest) = columns(distance, self._conditions(conditions))
         return self._core.jacobian(first, rest).reshape(*shape, -1)
 
+    def standard_uncertainty(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values:
+        """Return the standard uncertainty of corrected distances [m], in the shape of the arguments.
+
+        It has the covariance of the parameters (law of propagation of uncertainty, JCGM 100:2008, 5.1.2, with
+        exact derivatives), the standard uncertainty of an unexplained term or a smooth correction, and the
+        residual uncertainty. It has nothing of the uncertainty of the recorded conditions, as far as
+        the residual uncertainty does not show it.
+
+        Parameters
+        ----------
+        distance : array_like
+            Corrected distances [m].
+        **conditions
+            As for `correct`.
+
+        Returns
+        -------
+        ndarray
+            NaN where there is no distance, and everywhere if the model states no uncertainty.
+
+        Examples
+        --------
+        >>> from echocal.model import ResidualUncertainty
+        >>> model = Model(
+        ...     "linear",
+        ...     {"fixed_delay": {"delay": 30e-6}},
+        ...     covariance=[[4e-12]],
+        ...     residual_uncertainty=ResidualUncertainty(1e-3),
+        ... )
+        >>> model.standard_uncertainty([1.0, 2.0], temperature=20.0).round(6).tolist()
+        [0.001058, 0.001058]
+        """
+        distance = np.asarray(distance, dtype=np.float64)
+        if self.covariance is None and self.residual_uncertainty is None and self.shape is None:
+            return np.full(distance.shape, np.nan)
+        residual = 0.0 if self.residual_uncertainty is None else self.residual_uncertainty.of(distance) ** 2
+        if self.shape is None and (self.covariance is None or not self.covariance.any()):
+            return np.sqrt(np.where(np.isnan(distance), np.nan, residual))
+        jacobian = self.without_shape().jacobian(distance, **added.others(self.shape, conditions))
+        variance: Any = 0.0
+        if self.shape is not None:
+            variance, residual = added.variance(self.shape, self.air, distance, conditions, residual)
+        if self.covariance is not None:
+            tangents = jacobian[..., 1:]
+            variance = variance + np.einsum("...i,ij,...j->...", tangents, self.covariance, tangents)
+        return np.asarray(np.sqrt(residual + variance / jacobian[..., 0] ** 2))
+
     def with_shape(self, shape: Shape | Smooth | None) -> "Model":
         """The same model with an unexplained term or a smooth correction."""
         return self._like(self.effects, shape)._set(covariance=self.covariance)
@@ -323,8 +376,16 @@ class Model(Shown):
         """The same model with another covariance of its parameters, in the order of `parameter_names`."""
         return copy.copy(self)._set(covariance=covariances.checked(covariance, self.parameter_names))
 
+    def with_residual_uncertainty(self, residual: ResidualUncertainty | None) -> "Model":
+        """The same model with another residual uncertainty."""
+        return copy.copy(self)._set(residual_uncertainty=residual)
+
     def _like(self, effects: Mapping[str, Mapping[str, float]], shape: Shape | Smooth | None) -> "Model":
-        known: dict[str, Any] = {"air": self.air, "provenance": self.provenance}
+        known: dict[str, Any] = {
+            "air": self.air,
+            "provenance": self.provenance,
+            "residual_uncertainty": self.residual_uncertainty,
+        }
         return Model(self.law, effects, **known, shape=shape, columns=self.given_columns)
 
     def without_shape(self) -> "Model":

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import ModelError, UsageError
+from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape
 from echocal.model.smooth import Smooth
 from echocal.outputs import replace_text
@@ -29,6 +30,7 @@ class Described(Protocol):
     shape: Shape | Smooth | None
     covariance: NDArray[np.float64] | None
     provenance: Mapping[str, Any]
+    residual_uncertainty: ResidualUncertainty | None
 
     @property
     def law(self) -> str: ...
@@ -55,6 +57,8 @@ def content(model: Described) -> dict[str, Any]:
     kind = "smooth" if isinstance(model.shape, Smooth) else "shape"
     shape = {} if model.shape is None else {kind: model.shape.to_dict()}
     columns = {"columns": model.columns} if model.columns else {}
+    residual = model.residual_uncertainty
+    measured = {} if residual is None else {"residual_uncertainty": residual.to_dict()}
     return {
         "schema": SCHEMA,
         "law": model.law,
@@ -63,6 +67,7 @@ def content(model: Described) -> dict[str, Any]:
         "covariance": None if model.covariance is None else model.covariance.tolist(),
         **shape,
         **columns,
+        **measured,
     }
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any, Literal, NoReturn
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, NonNegativeInt, ValidationError
 
 from echocal.errors import ModelError, UsageError
 from echocal.model.document import NEWEST, SCHEMA, digest
+from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape
 from echocal.model.smooth import Smooth
 from echocal.registry import find_effect
@@ -45,10 +46,21 @@ class _Shape(_Entry):
     unit: Literal["m"]
 
 
+class _ResidualUncertainty(_Entry):
+    constant: NonNegativeFloat
+    proportional: NonNegativeFloat = 0.0
+    rows: NonNegativeInt = 0
+    low: NonNegativeFloat = 0.0
+    high: NonNegativeFloat = 0.0
+    scheme: str = ""
+    unit: Literal["m"]
+
+
 class _Smooth(_Entry):
     offset: float
     terms: list[_Shape]
     unit: Literal["m"]
+    residual_uncertainty: _ResidualUncertainty | None = None
 
 
 class _File(_Entry):
@@ -60,6 +72,7 @@ class _File(_Entry):
     shape: _Shape | None = None
     columns: dict[str, str] = {}
     smooth: _Smooth | None = None
+    residual_uncertainty: _ResidualUncertainty | None = None
     hash: str | None = None
     data: dict[str, Any] = {}
 
@@ -166,6 +179,7 @@ def _arguments(file: _File) -> dict[str, Any]:
         "provenance": file.data,
         "shape": _smooth(file.smooth) if file.shape is None else _shape(file.shape),
         "columns": file.columns,
+        "residual_uncertainty": _residual(file.residual_uncertainty),
     }
 
 
@@ -174,7 +188,14 @@ def _shape(entry: _Shape) -> Shape:
 
 
 def _smooth(entry: _Smooth | None) -> Smooth | None:
-    return None if entry is None else Smooth(entry.offset, tuple(_shape(term) for term in entry.terms))
+    if entry is None:
+        return None
+    terms = tuple(_shape(term) for term in entry.terms)
+    return Smooth(entry.offset, terms, _residual(entry.residual_uncertainty))
+
+
+def _residual(entry: _ResidualUncertainty | None) -> ResidualUncertainty | None:
+    return None if entry is None else ResidualUncertainty(**entry.model_dump(exclude={"unit"}))
 
 
 def _check_units(effect: _Effect) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, ModelError
+from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape
 
 __all__ = ["Smooth"]
@@ -29,6 +30,8 @@ class Smooth:
         Shift of the readings that no column has [m].
     terms : tuple of Shape
         One function for each column. The range of the column is from its first to its last knot.
+    residual_uncertainty : ResidualUncertainty or None
+        That of a model with this correction, inside of the ranges.
 
     Raises
     ------
@@ -47,6 +50,7 @@ class Smooth:
 
     offset: float
     terms: tuple[Shape, ...]
+    residual_uncertainty: ResidualUncertainty | None = None
 
     def __post_init__(self) -> None:
         names = [term.against for term in self.terms]
@@ -76,6 +80,10 @@ class Smooth:
         """The same with values outside of a range set on its end."""
         return np.asarray(self.offset + sum(term.of(self._column(term, given)) for term in self.terms))
 
+    def variance(self, given: Mapping[str, Any]) -> Column:
+        """Variance of the shift [m^2], inside of the ranges."""
+        return np.asarray(sum(term.band(self._column(term, given)) ** 2 for term in self.terms))
+
     def outside(self, given: Mapping[str, Any]) -> NDArray[np.bool_]:
         """Rows where a column is outside of its range or has no value."""
         inside: Any = True
@@ -103,4 +111,11 @@ class Smooth:
 
     def to_dict(self) -> dict[str, Any]:
         """As in a model file."""
-        return {"offset": self.offset, "terms": [term.to_dict() for term in self.terms], "unit": "m"}
+        residual = self.residual_uncertainty
+        measured = {} if residual is None else {"residual_uncertainty": residual.to_dict()}
+        return {
+            "offset": self.offset,
+            "terms": [term.to_dict() for term in self.terms],
+            "unit": "m",
+            **measured,
+        }

@@ -62,12 +62,11 @@ def far_rows(
         expected = window.median().to_numpy()
     deviation = indication - expected
     center, spread = robust(deviation)
-    usual = settings.far * spread
-    if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= usual:
+    limit = max(settings.far * spread, settings.far_least)
+    if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= limit:
         return np.zeros(len(indication), dtype=bool)
     off = np.abs(deviation - center)
-    far = np.asarray(off > np.maximum(usual, settings.far_relative * np.abs(expected)))
-    limit = max(usual, settings.far_least)
+    far = np.asarray(off > np.maximum(limit, settings.far_relative * np.abs(expected)))
     odd = np.flatnonzero((off > limit) & ~far)
     if 0 < len(odd) <= settings.exceptions:  # a larger number has a common cause
         far[odd[_alone(deviation, odd, orders(), limit, settings.half_window)]] = True

@@ -150,10 +150,9 @@ def _cause(
 ) -> Cause:
     in_model = claim in validation.kept
     value = validation.model.effects[claim.cause] if in_model else parameters(claim.variant, claim.mean)
-    named = claim.deviation[: len(claim.variant.scales)]
-    uncertainty = dict(zip(claim.variant.names, named * claim.variant.scales, strict=False))
+    uncertainty = _uncertainties(claim, validation.model if in_model else None)
     values = tuple(
-        Parameter(p.name, value[p.name], float(uncertainty.get(p.name, 0.0)), p.unit)
+        Parameter(p.name, value[p.name], uncertainty.get(p.name, 0.0), p.unit)
         for p in find_effect(claim.cause).parameters
         if p.name in value
     )
@@ -161,6 +160,16 @@ def _cause(
     text += "".join(f"; the further thermometer is the column {column}" for _, column in claim.variant.bound)
     alone = min(ranking.of([claim.cause]), claim.probability)
     return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone)
+
+
+def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
+    """Standard uncertainties of the parameters of a claim: those of the model, if it is in one."""
+    if model is not None:
+        known = model.standard_uncertainties
+        return {name: known[f"{claim.cause}.{name}"] or 0.0 for name in model.effects[claim.cause]}
+    variant = claim.variant
+    named = claim.deviation[: len(variant.scales)] * variant.scales
+    return dict(zip(variant.names, named.tolist(), strict=False))
 
 
 def _unearned(gain: Gain, sizes: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import Gain, Ladder, Refuted
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import HypothesisFit
+from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import (
     Claim,
@@ -21,10 +21,11 @@ from echocal.diagnose.selection.claims import (
 from echocal.diagnose.selection.plausibility import beyond_a_bound
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.selection.steadiness import varied
-from echocal.diagnose.validation.gain import HeldOut, floor, on_common_rows, summarize
+from echocal.diagnose.validation.gain import HeldOut, errors, floor, on_common_rows, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.one_session import of_one_session
 from echocal.diagnose.validation.refute import Rest, against_the_base
+from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
@@ -105,7 +106,7 @@ class Validation:
         return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])
 
 
-def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Validation:
+def validate(case: Case, selection: Selection, rest: Rest, judge: Judge, stack: Stack) -> Validation:
     """Compare the model with the base on rows that its choice has not seen, and measure its gain.
 
     A model whose error is not smaller than that of the base is never written: the model is the base. Its
@@ -124,6 +125,8 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         Its claims that the folds do not refute.
     judge : Judge
         The rows.
+    stack : Stack
+        Products under the noises that some hypothesis makes probable: the uncertainty of the sizes has theirs.
     """
     trials = Trials(case, selection.noise)
     before = judge.base()
@@ -146,7 +149,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge) -> Vali
         rest.kept,
         rest.refuted,
         fit,
-        _extended(case, fit, rest.kept, gain),
+        _measured(trials, judge, rest, _extended(case, _uncertain(fit, rest, selection, stack), rest.kept, gain)),
         gain,
         trials.fitted(rest.hypothesis, rest.kept),
         rest.unjudged,
@@ -221,6 +224,26 @@ def _fit(trials: Trials, rest: Rest, selection: Selection) -> HypothesisFit:
     """The hypothesis of the claims, fitted to all rows except held-out ones."""
     case = trials.case
     return varied(fit_with(case, rest.hypothesis, case.folds.fit, selection.noise), selection.between)
+
+
+def _uncertain(fit: HypothesisFit, rest: Rest, selection: Selection, stack: Stack) -> HypothesisFit:
+    """The same sizes with their mean square deviations under every noise, each by its probability."""
+    over_noises = varied(fit_hypothesis(rest.hypothesis, stack), selection.between)
+    apart = over_noises.mean - fit.mean
+    return fit._replace(covariance=over_noises.covariance + np.outer(apart, apart))
+
+
+def _measured(trials: Trials, judge: Judge, rest: Rest, model: Model) -> Model:
+    """The model with its residual uncertainty, from rows that its sizes are not fitted to, if there are any."""
+    case, held = trials.case, judge.held
+    errors_of = judge.sized(trials, rest) if rest.kept else judge.base()
+    table, scheme = (case.table, case.folds.scheme) if held is None else (held, judge.scheme)
+    found = residual_uncertainty(table, model, errors_of, scheme)
+    if found is None:
+        every = np.ones(len(case.table), dtype=bool)
+        fitted = HeldOut(errors(case.table, model, every))
+        found = residual_uncertainty(case.table, model, fitted, "fitted rows")
+    return model.with_residual_uncertainty(found)
 
 
 def _gain(

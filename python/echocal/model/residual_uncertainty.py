@@ -1,0 +1,156 @@
+"""What a corrected distance is uncertain by besides the parameters of its model: measured on rows."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from echocal.errors import ModelError
+
+__all__ = ["ResidualUncertainty"]
+
+Column = NDArray[np.float64]
+
+_CLASSES = 50  # of the distance, in which squares are summed: a variance that is linear in d^2 needs no more
+
+
+@dataclass(frozen=True)
+class ResidualUncertainty:
+    """Standard uncertainty of one corrected distance besides that of the parameters.
+
+    It has the repeatability (VIM 2.21) and all that the model leaves unexplained, as far as the rows show
+    it that it was measured on. Its square is ``constant**2 + (proportional * distance)**2``.
+
+    Attributes
+    ----------
+    constant : float
+        Part that every distance has [m].
+    proportional : float
+        Part that grows with the distance [1].
+    rows : int
+        Number of rows that it was measured on.
+    low, high : float
+        Smallest and largest distance of these rows [m].
+    scheme : str
+        How these rows were chosen.
+
+    Raises
+    ------
+    ModelError
+        If a value is no finite number of 0 or more.
+
+    Examples
+    --------
+    >>> residual = ResidualUncertainty(3e-4, 4e-4, 480, 0.5, 2.5, "blocked by time, 5 folds")
+    >>> residual.of([0.0, 1.0]).tolist()
+    [0.0003, 0.0005]
+    """
+
+    constant: float
+    proportional: float = 0.0
+    rows: int = 0
+    low: float = 0.0
+    high: float = 0.0
+    scheme: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("constant", "proportional", "rows", "low", "high"):
+            if not 0.0 <= getattr(self, name) < np.inf:
+                message = f"the residual uncertainty has {name} {getattr(self, name)}; give a number >= 0"
+                raise ModelError(message)
+
+    @classmethod
+    def measured(
+        cls, error: Column, distance: Column, known: Column | float, scheme: str
+    ) -> "ResidualUncertainty | None":
+        """From errors of corrected distances whose variance is known in part.
+
+        The two parts have the largest likelihood of normal errors of the variance that this class and
+        the known part add up to.
+
+        Parameters
+        ----------
+        error : ndarray, shape (n,)
+            Corrected distances less reference distances [m]; NaN is left out.
+        distance : ndarray, shape (n,)
+            [m].
+        known : float or ndarray, shape (n,)
+            Variance from the parameters [m^2].
+        scheme : str
+            How the rows were chosen.
+
+        Returns
+        -------
+        ResidualUncertainty or None
+            None without any error.
+
+        Examples
+        --------
+        >>> distance = np.tile([0.5, 1.0, 2.0, 4.0], 500)
+        >>> error = np.random.default_rng(1).normal(0.0, np.hypot(1e-3, 5e-4 * distance))
+        >>> found = ResidualUncertainty.measured(error, distance, 0.0, "")
+        >>> round(1e3 * found.constant, 1), round(1e3 * found.proportional, 1)
+        (1.0, 0.5)
+        """
+        rows = np.isfinite(error) & np.isfinite(distance)
+        if not rows.any():
+            return None
+        error, distance = error[rows], distance[rows]
+        known = np.broadcast_to(known, rows.shape)[rows]
+        limits = np.quantile(distance, np.linspace(0.0, 1.0, _CLASSES + 1)[1:-1])
+        classes = np.searchsorted(limits, distance)
+        count = np.bincount(classes)
+        present = count > 0
+        count = count[present]
+        mean, square, given = (
+            np.bincount(classes, values)[present] / count for values in (error**2, distance**2, known)
+        )
+        constant, proportional = _parts(count, mean, square, given)
+        return cls(
+            float(constant**0.5),
+            float(proportional**0.5),
+            len(error),
+            float(distance.min()),
+            float(distance.max()),
+            scheme,
+        )
+
+    def of(self, distance: ArrayLike) -> Column:
+        """Standard uncertainty [m] at distances [m]."""
+        return np.asarray(np.hypot(self.constant, self.proportional * np.asarray(distance, dtype=float)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in a model file."""
+        return {
+            "constant": self.constant,
+            "proportional": self.proportional,
+            "rows": self.rows,
+            "low": self.low,
+            "high": self.high,
+            "scheme": self.scheme,
+            "unit": "m",
+        }
+
+
+def _parts(count: Column, mean: Column, square: Column, known: Column) -> tuple[float, float]:
+    """Variance [m^2] of the constant part, and that of the other part over the squared distance."""
+    from scipy.optimize import minimize  # takes long to import
+
+    whole, far = float(np.average(mean, weights=count)), float(np.average(square, weights=count))
+    if whole == 0.0 or far == 0.0:
+        return whole, 0.0
+    columns = np.stack([np.full(len(mean), whole), whole * square / far])
+    weight = count / count.sum()
+
+    def cost(parts: Column) -> tuple[float, Column]:
+        variance = known + parts @ columns + 1e-12 * whole
+        slope = weight * (1.0 - mean / variance) / variance
+        return float(weight @ (np.log(variance / whole) + mean / variance)), columns @ slope
+
+    if np.ptp(square) <= 1e-6 * far:  # one distance tells the two parts not apart
+        columns = columns[:1]
+    start = np.full(len(columns), 1.0 / len(columns))
+    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * len(columns)).x
+    constant, proportional = (*found, 0.0)[:2]
+    return float(constant) * whole, float(proportional) * whole / far
