@@ -17,7 +17,7 @@ from echocal.calibrate.regression import Regression
 from echocal.calibrate.result import Calibration, Estimate, Prediction
 from echocal.calibrate.solve import solve
 from echocal.errors import DataError, UsageError
-from echocal.model import Model
+from echocal.model import Model, ResidualUncertainty
 from echocal.observations import Observations
 from echocal.observations.at import sentences
 from echocal.observations.given import observed
@@ -139,7 +139,11 @@ def calibrate(
         notes=tuple(sentences(observations.stated)),
     )
     if isinstance(found.model, Model):
-        return replace(found, model=found.model.with_provenance({"calibration": found.to_dict()}))
+        free = max(int(used.sum()) - len(parameters), 1)
+        left = residuals[used] * np.sqrt(used.sum() / free)
+        known = ResidualUncertainty.measured(left, columns["distance"], 0.0, "the rows of the calibration")
+        own = found.model.with_residual_uncertainty(known)
+        return replace(found, model=own.with_provenance({"calibration": found.to_dict()}))
     return found
 
 

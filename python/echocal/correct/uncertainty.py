@@ -113,7 +113,7 @@ def included(model: Model, uncertainties: Uncertainties) -> str:
     if model.covariance is not None and model.covariance.any():
         parts.append("the fitted parameters")
     if model.residual_uncertainty is not None:
-        parts.append("the repeatability and what the model leaves unexplained, as measured when it was fitted")
+        parts.append("the repeatability and what the model leaves unexplained (residual_uncertainty)")
     if model.shape is not None:
         parts.append("the terms without a cause")
     parts += [f"the stated uncertainty of {name.replace('_', ' ')}" for name in uncertainties.stated]

@@ -9,7 +9,7 @@ from echocal.conditions import numbers
 from echocal.errors import ModelError
 from echocal.registry import find_effect
 
-__all__ = ["by_name", "numeric", "refuse_standstill", "terms"]
+__all__ = ["apart", "by_name", "numeric", "refuse_no_text", "refuse_standstill", "terms"]
 
 
 def terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
@@ -34,6 +34,22 @@ def numeric(name: str, given: Any) -> Any:
     if isinstance(given, float | int) or (typed and kind in "biuf"):
         return given
     return numbers(name, given)
+
+
+def apart(given: Mapping[str, Any]) -> tuple[dict[str, Any], Any, Any]:
+    """Conditions among keywords, and the two that are none: `out` and `n_threads`.
+
+    Callers unpack tables into the conditions.
+    """
+    named = {name: value for name, value in given.items() if name not in {"out", "n_threads"}}
+    return named, given.get("out"), given.get("n_threads")
+
+
+def refuse_no_text(law: object) -> None:
+    """Raise `ModelError` where a law is given by no text."""
+    if not isinstance(law, str):
+        message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
+        raise ModelError(message)
 
 
 def refuse_standstill(law: str) -> None:

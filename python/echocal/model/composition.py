@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, overload
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.conditions import columns, refuse_unknown
 from echocal.errors import ModelError
-from echocal.model import added, arguments, document, expressions, needs
+from echocal.model import added, arguments, document, expressions, needs, uncertainty
 from echocal.model import covariance as covariances
 from echocal.model.fixed import fixed
 from echocal.model.residual_uncertainty import ResidualUncertainty
@@ -93,9 +94,7 @@ class Model(Shown):
         columns: Mapping[str, str] | None = None,
         residual_uncertainty: ResidualUncertainty | None = None,
     ) -> None:
-        if not isinstance(law, str):
-            message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
-            raise ModelError(message)
+        arguments.refuse_no_text(law)
         self._build(law, effects or {})
         arguments.refuse_standstill(self._core.law)
         own = {id_: arguments.by_name(id_, values) for id_, values in self._core.terms}
@@ -174,8 +173,7 @@ class Model(Shown):
     @property
     def columns(self) -> dict[str, str]:
         """Column of a table by quantity, for quantities that it reads and several columns may hold."""
-        given = self.given_columns
-        return {quantity: given[quantity] for quantity in given if quantity in self.reads} if given else {}
+        return {quantity: name for quantity, name in self.given_columns.items() if quantity in self.reads}
 
     @property
     def standard_uncertainties(self) -> dict[str, float | None]:
@@ -228,16 +226,9 @@ class Model(Shown):
             If the file cannot be read, is not JSON, has another or a newer schema, does not match
             its hash, or describes no valid model; the text names the file and the place.
         """
-        from echocal.model.reading import read  # slow import: only reading a file needs it
+        from echocal.model.plain import read_model  # slow import: only reading a file needs it
 
-        origin = Path(path)
-        given, covariance, listed = read(origin)
-        try:
-            model = cls(**given)
-            return model._set(covariance=covariances.arranged(covariance, listed, model.parameter_names))
-        except ModelError as error:
-            message = f"{origin}: {error}"
-            raise ModelError(message) from None
+        return read_model(Path(path))
 
     @overload
     def indicate(self, distance: float, **conditions: float | None) -> float: ...
@@ -249,13 +240,8 @@ class Model(Shown):
             return expressions.over(self.indicate, distance, conditions, "indication")  # type: ignore[no-any-return]
         if self.shape is None:
             return self._map(self._core.indicate, distance, conditions)
-        shifted: float | Values = added.indicated(
-            self.shape,
-            self.air,
-            distance,
-            conditions,
-            lambda at, rest: self._map(self._core.indicate, at, rest),
-        )
+        bare = partial(self._map, self._core.indicate)
+        shifted: float | Values = added.indicated(self.shape, self.air, distance, conditions, bare)
         return shifted
 
     @overload
@@ -290,9 +276,8 @@ class Model(Shown):
         if self.shape is None:
             return self._map(self._core.correct, indication, conditions)
         own = arguments.numeric("the first argument", indication)
-        corrected: float | Values = added.corrected(
-            self.shape, self.air, own, conditions, lambda at, rest: self._map(self._core.correct, at, rest)
-        )
+        bare = partial(self._map, self._core.correct)
+        corrected: float | Values = added.corrected(self.shape, self.air, own, conditions, bare)
         return corrected
 
     @overload
@@ -318,55 +303,20 @@ class Model(Shown):
         return self._core.jacobian(first, rest).reshape(*shape, -1)
 
     def standard_uncertainty(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values:
-        """Return the standard uncertainty of corrected distances [m], in the shape of the arguments.
+        """Return the standard uncertainty of corrected distances [m]; NaN if the model states none.
 
-        It has the covariance of the parameters (law of propagation of uncertainty, JCGM 100:2008, 5.1.2, with
-        exact derivatives), the standard uncertainty of an unexplained term or a smooth correction, and the
-        residual uncertainty. It has nothing of the uncertainty of the recorded conditions, as far as
-        the residual uncertainty does not show it.
-
-        Parameters
-        ----------
-        distance : array_like
-            Corrected distances [m].
-        **conditions
-            As for `correct`.
-
-        Returns
-        -------
-        ndarray
-            NaN where there is no distance, and everywhere if the model states no uncertainty.
-
-        Examples
-        --------
-        >>> from echocal.model import ResidualUncertainty
-        >>> model = Model(
-        ...     "linear",
-        ...     {"fixed_delay": {"delay": 30e-6}},
-        ...     covariance=[[4e-12]],
-        ...     residual_uncertainty=ResidualUncertainty(1e-3),
-        ... )
-        >>> model.standard_uncertainty([1.0, 2.0], temperature=20.0).round(6).tolist()
-        [0.001058, 0.001058]
+        It has the covariance of the parameters, the uncertainty of an unexplained term or a smooth
+        correction, and the residual uncertainty; see `echocal.model.uncertainty.standard_uncertainty`.
         """
-        distance = np.asarray(distance, dtype=np.float64)
-        if self.covariance is None and self.residual_uncertainty is None and self.shape is None:
-            return np.full(distance.shape, np.nan)
-        residual = 0.0 if self.residual_uncertainty is None else self.residual_uncertainty.of(distance) ** 2
-        if self.shape is None and (self.covariance is None or not self.covariance.any()):
-            return np.sqrt(np.where(np.isnan(distance), np.nan, residual))
-        jacobian = self.without_shape().jacobian(distance, **added.others(self.shape, conditions))
-        variance: Any = 0.0
-        if self.shape is not None:
-            variance, residual = added.variance(self.shape, self.air, distance, conditions, residual)
-        if self.covariance is not None:
-            tangents = jacobian[..., 1:]
-            variance = variance + np.einsum("...i,ij,...j->...", tangents, self.covariance, tangents)
-        return np.asarray(np.sqrt(residual + variance / jacobian[..., 0] ** 2))
+        return uncertainty.standard_uncertainty(self, distance, conditions)
 
     def with_shape(self, shape: Shape | Smooth | None) -> "Model":
         """The same model with an unexplained term or a smooth correction."""
         return self._like(self.effects, shape)._set(covariance=self.covariance)
+
+    def without_shape(self) -> "Model":
+        """The same model without its unexplained term or smooth correction."""
+        return self.with_shape(None)
 
     def with_provenance(self, provenance: Mapping[str, Any]) -> "Model":
         """The same model with another record of where it comes from."""
@@ -381,16 +331,9 @@ class Model(Shown):
         return copy.copy(self)._set(residual_uncertainty=residual)
 
     def _like(self, effects: Mapping[str, Mapping[str, float]], shape: Shape | Smooth | None) -> "Model":
-        known: dict[str, Any] = {
-            "air": self.air,
-            "provenance": self.provenance,
-            "residual_uncertainty": self.residual_uncertainty,
-        }
+        names = ("air", "provenance", "residual_uncertainty")
+        known: dict[str, Any] = {name: getattr(self, name) for name in names}
         return Model(self.law, effects, **known, shape=shape, columns=self.given_columns)
-
-    def without_shape(self) -> "Model":
-        """The same model without its unexplained term or smooth correction."""
-        return self.with_shape(None)
 
     @property
     def campaign_effects(self) -> tuple[str, ...]:
@@ -417,10 +360,8 @@ class Model(Shown):
         """Raise `ModelError` if the model has an unexplained term, which `what` cannot use."""
         if self.shape is not None:
             kind = "a smooth correction" if isinstance(self.shape, Smooth) else "an unexplained term"
-            message = (
-                f"the model has {kind} against {self.shape.against}, and {what} cannot use it; "
-                "Model.without_shape() removes it"
-            )
+            has = f"the model has {kind} against {self.shape.against}"
+            message = f"{has}, and {what} cannot use it; Model.without_shape() removes it"
             raise ModelError(message)
 
     def __repr__(self) -> str:
@@ -452,9 +393,7 @@ class Model(Shown):
         *,
         times: bool = False,
     ) -> float | Values:
-        # Two keywords are not conditions; callers unpack tables into the rest.
-        out, n_threads = given.get("out"), given.get("n_threads")
-        named = {name: value for name, value in given.items() if name not in {"out", "n_threads"}}
+        named, out, n_threads = arguments.apart(given)
         conditions = self._conditions(named, times=times)
         first = arguments.numeric("the first argument", first)
         return function(first, [conditions.get(name) for name in QUANTITIES], out, n_threads)

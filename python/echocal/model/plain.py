@@ -10,7 +10,7 @@ from echocal.model import document
 from echocal.model.composition import Model
 from echocal.model.reading import read
 
-__all__ = ["from_plain", "to_plain"]
+__all__ = ["from_plain", "read_model", "to_plain"]
 
 
 def to_plain(model: Model) -> dict[str, Any]:
@@ -33,7 +33,18 @@ def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> 
     >>> from_plain(to_plain(Model("linear", {"zero_error": {"offset": 2e-3}}))).effects
     {'zero_error': {'offset': 0.002}}
     """
-    arguments, covariance, listed = read(Path(origin), json.dumps(plain))
+    return read_model(Path(origin), json.dumps(plain))
+
+
+def read_model(origin: Path, text: str | None = None) -> Model:
+    """The model of a file; with a text, this is its content.
+
+    Raises
+    ------
+    ModelError
+        If it is no valid model, or does not match its hash; the text begins with `origin`.
+    """
+    arguments, covariance, listed = read(origin, text)
     try:
         model = Model(**arguments)
         return model._set(covariance=covariances.arranged(covariance, listed, model.parameter_names))

@@ -100,7 +100,7 @@ class ResidualUncertainty:
         known = np.broadcast_to(known, rows.shape)[rows]
         limits = np.quantile(distance, np.linspace(0.0, 1.0, _CLASSES + 1)[1:-1])
         classes = np.searchsorted(limits, distance)
-        count = np.bincount(classes)
+        count = np.bincount(classes).astype(np.float64)
         present = count > 0
         count = count[present]
         mean, square, given = (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import DataError, DataWarning, DisagreementWarning, UsageError
-from echocal.model import Model
+from echocal.model import Model, ResidualUncertainty
 
 __all__ = ["Estimate", "Member", "averaged"]
 
@@ -51,7 +51,8 @@ class Estimate:
     value : ndarray
         Mean over the possible sets of causes, by their probability [m].
     standard_uncertainty : ndarray
-        From the uncertainty of the parameters and of the set; without the noise of one reading [m].
+        From the uncertainty of the parameters and of the set, and the residual uncertainty of the model
+        of the diagnosis [m].
     agreed : ndarray of bool
         False where two sets of at least 5 % each differ by more than twice the noise of one
         reading.
@@ -71,8 +72,9 @@ def averaged(
     first: ArrayLike,
     conditions: Mapping[str, ArrayLike],
     noise: float,
+    residual: ResidualUncertainty | None = None,
 ) -> Estimate:
-    """Average `method` of the members' models; warn where they disagree."""
+    """Average `method` of the members' models; warn where they disagree by more than `noise` [m]."""
     if not members:
         message = "this diagnosis has no members; diagnose the table again"
         raise UsageError(message)
@@ -80,10 +82,11 @@ def averaged(
     members, values = _computable(members, method, first, given)
     share = np.array([m.probability for m in members]).reshape(-1, *[1] * (values.ndim - 1))
     mean = (share * values).sum(axis=0)
-    variance = np.zeros_like(mean)
+    variance = np.zeros_like(mean) if residual is None else residual.of(mean) ** 2
     for member, value in zip(members, values, strict=True):
-        own = _variance(member.model, first if method == "indicate" else value, given)
-        variance += member.probability * (own + (value - mean) ** 2)
+        at = first if method == "indicate" else value  # the uncertainty of a reading is nearly the same
+        own = np.nan_to_num(member.model.standard_uncertainty(at, **given)) ** 2
+        variance = variance + member.probability * (own + (value - mean) ** 2)
     counted = values[[m.probability >= _COUNTED or m is members[0] for m in members]]
     agreed = ~(np.ptp(counted, axis=0) > _APART * noise)
     _warn(agreed, counted)
@@ -113,16 +116,6 @@ def _computable(
         )
         warnings.warn(message, DataWarning, stacklevel=4)
     return [replace(m, probability=m.probability / total) for m in able], np.array(values, dtype=float)
-
-
-def _variance(model: Model, distance: ArrayLike, conditions: Mapping[str, Any]) -> Column | float:
-    """Variance of a distance, or approximately of a reading, from the parameters [m^2]."""
-    if model.covariance is None:
-        return 0.0
-    jacobian = model.jacobian(distance, **conditions)
-    tangents = jacobian[..., 1:] / jacobian[..., :1]
-    variance: Column = np.einsum("...i,ij,...j->...", tangents, model.covariance, tangents)
-    return variance
 
 
 def _warn(agreed: NDArray[np.bool_], counted: Column) -> None:

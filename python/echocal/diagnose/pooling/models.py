@@ -13,6 +13,8 @@ from echocal.diagnose.pooling.choice import SharedClaim
 from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.pooling.table import TableInference
 from echocal.diagnose.selection.claims import columns_of, covariance_of, effects_of, parameters
+from echocal.diagnose.validation.gain import HeldOut, errors
+from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.model import Model
 from echocal.registry import find_effect
 
@@ -122,7 +124,10 @@ def model_of_table(
     unit = np.array(units)
     drawn = sizes.covariance[np.ix_(given, given)] * unit[:, None] * unit
     fit = _conditioned(fit, at, sizes.mean[given] * unit, drawn)
-    return _model([table], fit, provenance), sizes
+    model = _model([table], fit, provenance)
+    left = HeldOut(errors(table.table, model, np.ones(len(table.table), dtype=bool)))
+    residual = residual_uncertainty(table.table, model, left, "the rows of the table")
+    return model.with_residual_uncertainty(residual), sizes
 
 
 def _with_own(table: TableInference, spoken: Sequence[Any], taken: set[str]) -> HypothesisFit:

@@ -38,7 +38,7 @@ def pooled(
     classes = Classes(pool)
     choice = choose(pool, sets, classes)
     by_size = [form.cause for form in choice.best.forms if not form.is_by_name]
-    gain, transfers = transfer(pool, sets, classes, by_size, seed)
+    gain, transfers, residual = transfer(pool, sets, classes, by_size, seed)
     refuted = bool(by_size) and gain.rms_after_m > gain.rms_before_m
     modeled = pool.evaluated(()) if refuted else choice.best
     claims = () if refuted else choice.claims
@@ -54,6 +54,7 @@ def pooled(
     means, covariances = choice.best.population.sizes(pool.likelihoods(choice.best.forms))
     drawn = [Sizes(mean, covariance) for mean, covariance in zip(means, covariances, strict=True)]
     causes = tuple(_cause(pool, choice, claim, drawn, gain, refuted=refuted) for claim in choice.claims)
+    model = shared_model(pool, modeled, {**provenance, "gain": asdict(gain)}, range(len(tables)))
     return PooledDiagnosis(
         verdict=_verdict(pool, choice, causes),
         causes=causes,
@@ -65,7 +66,7 @@ def pooled(
         base=tables[0].base.to_dict(),
         notes=tuple(_notes(pool, results)),
         settings=settings,
-        model=shared_model(pool, modeled, {**provenance, "gain": asdict(gain)}, range(len(tables))),
+        model=model.with_residual_uncertainty(residual),
     )
 
 

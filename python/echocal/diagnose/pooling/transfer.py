@@ -13,6 +13,7 @@ from echocal.diagnose.pooling.models import shared_model
 from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.validation.gain import HeldOut, errors, intervals
 from echocal.errors import DomainWarning
+from echocal.model import ResidualUncertainty
 
 __all__ = ["SCHEME", "Transfer", "transfer"]
 
@@ -40,9 +41,13 @@ class Transfer:
 
 def transfer(
     pool: Pool, sets: Sequence[SharedSet], classes: Classes, causes: Sequence[str], seed: int
-) -> tuple[Gain, tuple[Transfer, ...]]:
-    """Leave each table out once, and judge the model of the others on it."""
-    before, after, each = [], [], []
+) -> tuple[Gain, tuple[Transfer, ...], ResidualUncertainty | None]:
+    """Leave each table out once, and judge the model of the others on it.
+
+    The residual uncertainty is that of the shared causes on these tables, or of the base where their error
+    is larger.
+    """
+    before, after, distance, each = [], [], [], []
     for place, table in enumerate(pool.tables):
         chosen = choose(pool, sets, classes, without=place).best
         others = [other for other in range(len(pool.tables)) if other != place]
@@ -53,6 +58,7 @@ def transfer(
         known = np.isfinite(base) & np.isfinite(extended)
         before.append(base[known])
         after.append(extended[known])
+        distance.append(table.table.distance(table.base.model())[known])
         ids = tuple(model.effects.keys() - table.base.effects.keys())
         each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
@@ -75,7 +81,8 @@ def transfer(
         variance_removed_interval_95=removed,
         scheme=SCHEME,
     )
-    return gain, tuple(each)
+    left = (other if causes and not other.rms > one.rms else one).error
+    return gain, tuple(each), ResidualUncertainty.measured(left, np.concatenate(distance), 0.0, SCHEME)
 
 
 def _rms(error: NDArray[np.float64]) -> float:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -135,7 +135,7 @@ class Diagnosis(Shown, Outcome):
         >>> [round(float(value), 2) for value in estimate.value[:1]], estimate.agreed.tolist()
         ([1.01], [True, False])
         """
-        return averaged(self.members, "indicate", distance, conditions, self.noise["standard_deviation_m"])
+        return self._averaged("indicate", distance, conditions)
 
     def correct(self, indication: ArrayLike, **conditions: ArrayLike) -> Estimate:
         """True distance of a reading, averaged over the possible sets of causes; see `predict`.
@@ -152,7 +152,13 @@ class Diagnosis(Shown, Outcome):
         Estimate
             Of the true distance [m].
         """
-        return averaged(self.members, "correct", indication, conditions, self.noise["standard_deviation_m"])
+        return self._averaged("correct", indication, conditions)
+
+    def _averaged(
+        self, method: Literal["indicate", "correct"], first: ArrayLike, conditions: Mapping[str, ArrayLike]
+    ) -> Estimate:
+        noise, residual = self.noise["standard_deviation_m"], self.model.residual_uncertainty
+        return averaged(self.members, method, first, conditions, noise, residual)
 
     @property
     def model_with_shape(self) -> Model:

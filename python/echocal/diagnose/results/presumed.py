@@ -34,4 +34,5 @@ def _assumed(model: Model, id_: str, one: Presumed) -> Model:
         provenance=model.provenance,
         shape=model.shape,
         columns=model.given_columns,
+        residual_uncertainty=model.residual_uncertainty,
     )

@@ -13,7 +13,9 @@ __all__ = ["residual_uncertainty"]
 _ENOUGH = 50_000  # rows: the standard deviation of so many is known to 0.3 %
 
 
-def residual_uncertainty(table: Table, model: Model, held: HeldOut, scheme: str) -> ResidualUncertainty | None:
+def residual_uncertainty(
+    table: Table, model: Model, held: HeldOut, scheme: str
+) -> ResidualUncertainty | None:
     """Measure the residual uncertainty of a model on rows of a table; None without any.
 
     Parameters

@@ -14,6 +14,7 @@ from echocal.diagnose.inference.smoothing import Smoother, values_of
 from echocal.diagnose.validation.gain import errors, intervals, on_common_rows
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.one_session import of_one_session
+from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model, Shape, Smooth
 from echocal.observations.quantiles import quantiles, spread
@@ -71,8 +72,11 @@ def smooth_correction(
     before, after = on_common_rows(judge.extended(models), judge.extended(extended))
     gained, removed = intervals(before, after, noise.rho, case.seed, case.settings.validation)
     given = {spline.against: values_of(case.table, spline.against) for spline in able}
+    judging = case.table if judge.held is None else judge.held
+    residual = residual_uncertainty(judging, judgment.model, after, judge.scheme)
     return replace(
         found,
+        smooth=replace(whole, residual_uncertainty=residual),
         rms_before_m=before.rms,
         rms_after_m=after.rms,
         held_out_rows=int(before.known.sum()),

@@ -126,7 +126,7 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge, stack: 
     judge : Judge
         The rows.
     stack : Stack
-        Products under the noises that some hypothesis makes probable: the uncertainty of the sizes has theirs.
+        Products under the noises that some hypothesis makes probable.
     """
     trials = Trials(case, selection.noise)
     before = judge.base()
@@ -149,7 +149,9 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge, stack: 
         rest.kept,
         rest.refuted,
         fit,
-        _measured(trials, judge, rest, _extended(case, _uncertain(fit, rest, selection, stack), rest.kept, gain)),
+        _measured(
+            trials, judge, rest, _extended(case, _uncertain(fit, rest, selection, stack), rest.kept, gain)
+        ),
         gain,
         trials.fitted(rest.hypothesis, rest.kept),
         rest.unjudged,
@@ -234,7 +236,7 @@ def _uncertain(fit: HypothesisFit, rest: Rest, selection: Selection, stack: Stac
 
 
 def _measured(trials: Trials, judge: Judge, rest: Rest, model: Model) -> Model:
-    """The model with its residual uncertainty, from rows that its sizes are not fitted to, if there are any."""
+    """The model with its residual uncertainty, from rows that its sizes are not fitted to, if any."""
     case, held = trials.case, judge.held
     errors_of = judge.sized(trials, rest) if rest.kept else judge.base()
     table, scheme = (case.table, case.folds.scheme) if held is None else (held, judge.scheme)
