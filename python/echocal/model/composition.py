@@ -226,9 +226,9 @@ class Model(Shown):
             If the file cannot be read, is not JSON, has another or a newer schema, does not match
             its hash, or describes no valid model; the text names the file and the place.
         """
-        from echocal.model.plain import read_model  # slow import: only reading a file needs it
+        from echocal.model.reading import built  # slow import: only reading a file needs it
 
-        return read_model(Path(path))
+        return built(cls, Path(path))
 
     @overload
     def indicate(self, distance: float, **conditions: float | None) -> float: ...

@@ -4,13 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from echocal.errors import ModelError
-from echocal.model import covariance as covariances
 from echocal.model import document
 from echocal.model.composition import Model
-from echocal.model.reading import read
+from echocal.model.reading import built
 
-__all__ = ["from_plain", "read_model", "to_plain"]
+__all__ = ["from_plain", "to_plain"]
 
 
 def to_plain(model: Model) -> dict[str, Any]:
@@ -33,21 +31,4 @@ def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> 
     >>> from_plain(to_plain(Model("linear", {"zero_error": {"offset": 2e-3}}))).effects
     {'zero_error': {'offset': 0.002}}
     """
-    return read_model(Path(origin), json.dumps(plain))
-
-
-def read_model(origin: Path, text: str | None = None) -> Model:
-    """The model of a file; with a text, this is its content.
-
-    Raises
-    ------
-    ModelError
-        If it is no valid model, or does not match its hash; the text begins with `origin`.
-    """
-    arguments, covariance, listed = read(origin, text)
-    try:
-        model = Model(**arguments)
-        return model._set(covariance=covariances.arranged(covariance, listed, model.parameter_names))
-    except ModelError as error:
-        message = f"{origin}: {error}"
-        raise ModelError(message) from None
+    return built(Model, Path(origin), json.dumps(plain))

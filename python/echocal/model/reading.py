@@ -5,19 +5,20 @@ import re
 import reprlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal, NoReturn, Protocol, Self, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, NonNegativeInt, ValidationError
 
 from echocal.errors import ModelError, UsageError
+from echocal.model.covariance import arranged
 from echocal.model.document import NEWEST, SCHEMA, digest
 from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape
 from echocal.model.smooth import Smooth
 from echocal.registry import find_effect
 
-__all__ = ["read"]
+__all__ = ["built"]
 
 _WIDEST = 1e150  # standard uncertainty whose square is still a number
 _DIGITS = 9  # of a schema's number; more are a mistake
@@ -77,11 +78,35 @@ class _File(_Entry):
     data: dict[str, Any] = {}
 
 
-def read(path: Path, text: str | None = None) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
-    """Return a model's arguments, its covariance, and the names of the covariance's rows.
+class _Model(Protocol):
+    @property
+    def parameter_names(self) -> tuple[str, ...]: ...
+    def with_covariance(self, covariance: Any) -> Self: ...
 
-    With a text, this is the content of the file.
+
+M = TypeVar("M", bound=_Model)
+
+
+def built(model: Callable[..., M], path: Path, text: str | None = None) -> M:
+    """Build the model of a file; with a text, this is its content.
+
+    Raises
+    ------
+    ModelError
+        If it is no valid model, or does not match its hash; the text begins with the path.
     """
+    given, covariance, listed = _read(path, text)
+    try:
+        bare = model(**given)
+        own = arranged(covariance, listed, bare.parameter_names)
+        return bare if own is None else bare.with_covariance(own)
+    except ModelError as error:
+        message = f"{path}: {error}"
+        raise ModelError(message) from None
+
+
+def _read(path: Path, text: str | None) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
+    """Return a model's arguments, its covariance, and the names of the covariance's rows."""
     try:
         document = _parse(path, text)
         _check_schema(document)
