@@ -33,6 +33,7 @@ from echocal.diagnose.preprocess.window import between
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.results.diagnosis import Diagnosis
+from echocal.diagnose.results.outlier_rules import outlier_rules
 from echocal.diagnose.results.report import report
 from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.selection.joint import join
@@ -112,8 +113,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         whole = between(reading.observations, request.since, request.until)
         refuse_contradiction(whole, distance, constant)
         after = request.hold_out_after
-        observations, _ = split(whole, after, settings.rows.fewest)
-        faults = find_faults(observations, base.assumed, distance, constant, settings.faults, settings.noises)
+        read, _ = split(whole, after, settings.rows.fewest)
+        faults = find_faults(read, base.assumed, distance, constant, settings.faults, settings.noises)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
         if why := still_refused(faults.observations):  # a repair of one column hides no other one
@@ -184,7 +185,9 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint, smooth, left)
         diagnosis = report(case, observations, *found, able, proposals)
-        known = {**diagnosis.model.provenance, **faults.marks}
+        reference = whole.reference_distance if distance is None and not constant else None
+        more = [] if columns else outlier_rules(read, reference, diagnosis.fates, diagnosis.model, settings)
+        known = {**diagnosis.model.provenance, **faults.marks(more)}
         diagnosis = replace(diagnosis, model=diagnosis.model.with_provenance(known))
     work.end()
     return Examined(diagnosis, case, reduced, shares, ranking, selection)

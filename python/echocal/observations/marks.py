@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from echocal.errors import ModelError
 from echocal.observations.table import Observations
 
-__all__ = ["MARKS", "NEIGHBORS", "RowRule", "context_rows", "marked", "rules_from", "seconds"]
+__all__ = [
+    "MARKS",
+    "NEIGHBORS",
+    "RowRule",
+    "apart_from_neighbors",
+    "context_rows",
+    "marked",
+    "rules_from",
+    "seconds",
+]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -21,7 +30,7 @@ MARKS = "row_marks"
 """Where the provenance of a model keeps rules."""
 
 NEIGHBORS = 6
-"""Rows on each side that a row is compared with where no reference distance is known."""
+"""Rows before a row, and rows after it, with whose medians it is compared."""
 
 _RELATIVE = 1e-6  # what arithmetic and the digits of a file leave of a constant
 _EXACT = 1e-12  # relative; the same value, written twice
@@ -40,7 +49,8 @@ class RowRule:
         ``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``during`` is from `value`
         on, for less than `tolerance`; ``run`` is a run of
         `length` or more equal values, after its first row; ``far from reference`` and ``far from
-        neighbors`` compare the corrected distance.
+        neighbors`` compare the corrected distance; with the quantity ``reference_distance``, ``far from
+        neighbors`` compares its error.
     quantity : str
         ``echo_time``, ``reading``, ``reference_distance`` or ``time`` (since 1970 in UTC), or an influence
         quantity.
@@ -152,11 +162,12 @@ def marked(
 def _rows(
     observations: Observations, distance: Column, reference: Column | None, rule: RowRule
 ) -> Mask | None:
-    if rule.kind == "far from neighbors":
-        usable = np.where(observations.usable, distance, np.nan)
-        return _far(distance, _around(usable), rule)
+    if rule.kind == "far from neighbors" and not (rule.quantity and reference is None):
+        values = distance if reference is None or not rule.quantity else distance - reference
+        apart = apart_from_neighbors(np.where(observations.usable, values, np.nan))
+        return _far(apart, distance, rule)
     if rule.kind == "far from reference":
-        return None if reference is None else _far(distance, reference, rule)
+        return None if reference is None else _far(distance - reference, reference, rule)
     column = reference if rule.quantity == "reference_distance" else _column(observations, rule.quantity)
     if column is None:
         return None
@@ -185,19 +196,25 @@ def seconds(time: NDArray[np.datetime64]) -> Column:
     return np.asarray((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"), dtype=np.float64)
 
 
-def _far(distance: Column, expected: Column, rule: RowRule) -> Mask:
+def _far(off: Column, expected: Column, rule: RowRule) -> Mask:
     with np.errstate(invalid="ignore"):
-        off = distance - expected
         size = np.abs(off) if rule.sign == 0 else rule.sign * off
         return np.asarray(size > np.maximum(rule.deviation, rule.part * np.abs(expected)))
 
 
-def _around(values: Column) -> Column:
-    """Median of each row and its neighbors."""
+def apart_from_neighbors(values: Column) -> Column:
+    """Each value less the median of the values before it, or of those after it: the smaller difference.
+
+    Where a target is moved between two rows, the values on one side of each row are those of its own place.
+    """
     import pandas as pd  # takes long to import
 
-    width = 2 * NEIGHBORS + 1
-    return pd.Series(values).rolling(width, center=True, min_periods=1).median().to_numpy()
+    before = pd.Series(values).rolling(NEIGHBORS, min_periods=1).median().shift(1).to_numpy()
+    after = pd.Series(values[::-1]).rolling(NEIGHBORS, min_periods=1).median().shift(1).to_numpy()[::-1]
+    one, other = values - before, values - after
+    with np.errstate(invalid="ignore"):
+        smaller = np.isnan(other) | (np.abs(one) <= np.abs(other))
+    return np.asarray(np.where(smaller, one, other), dtype=np.float64)
 
 
 def _runs(values: Column, length: int) -> Mask:

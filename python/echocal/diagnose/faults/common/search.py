@@ -1,6 +1,6 @@
 """The search for every fault in turn."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
-from echocal.observations.marks import MARKS
+from echocal.observations.marks import MARKS, RowRule
 
 __all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]
 
@@ -51,22 +51,21 @@ class Faults:
         found = {f.facts.needs[0]: f.rms for f in self.accepted if f.facts.kind == "noise"}
         return {name: rms for name, rms in found.items() if name in {"reading", "echo_time"}}
 
-    @property
-    def marks(self) -> dict[str, Any]:
+    def marks(self, more: Sequence[RowRule] = ()) -> dict[str, Any]:
         """What a model file keeps: rules for rows, and faults that no rule finds, as plain data.
 
-        A correction takes the rules in this order. Those for typing errors come last, because they are met
-        by every far row.
+        A correction takes the rules in this order. Those for typing errors, and further ones, come last,
+        because they are met by every far row.
         """
         faults = [f for f in self.accepted if f.facts.kind != "noise"]
         ordered = sorted(faults, key=lambda finding: finding.cause == "mistyped_rows")
         marks = {
-            "rules": [rule.to_dict() for finding in ordered for rule in finding.rules],
+            "rules": [rule.to_dict() for rule in (*(r for f in ordered for r in f.rules), *more)],
             "without_rule": [
                 finding.cause for finding in faults if not finding.rules and finding.share > 0.0
             ],
         }
-        return {MARKS: marks} if faults else {}
+        return {MARKS: marks} if faults or more else {}
 
     @property
     def explain_a_refusal(self) -> bool:

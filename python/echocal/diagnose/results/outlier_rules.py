@@ -1,0 +1,57 @@
+"""Rules by which a correction finds the outliers that the diagnosis left out, in other rows too."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.off_station import OFF_STATION
+from echocal.diagnose.preprocess.outliers import FAR, robust
+from echocal.diagnose.results.fates import USED, Fates
+from echocal.diagnose.settings import Settings
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.observations.correction import corrected_distance
+from echocal.observations.marks import RowRule, apart_from_neighbors
+
+__all__ = ["outlier_rules"]
+
+Column = NDArray[np.float64]
+
+_OUTLIERS = (FAR, OFF_STATION, "crosstalk", "multipath")
+
+
+def outlier_rules(
+    observations: Observations, reference: Column | None, fates: Fates, model: Model, settings: Settings
+) -> list[RowRule]:
+    """Rules that the used rows meet in no row, and most of the left-out outliers do.
+
+    A row is compared with its neighbors: by its error where the reference distance is known, and by
+    its distance, which tells a resting target without one.
+
+    Parameters
+    ----------
+    observations : Observations
+        The table as it was read.
+    reference : ndarray, shape (n,), or None
+        Reference distances [m].
+    fates : Fates
+    model : Model
+        Of the diagnosis.
+    settings : Settings
+    """
+    used, off = fates.fate == USED, np.isin(fates.fate.astype(str), _OUTLIERS)
+    if not off.any():
+        return []
+    distance = corrected_distance(observations, model)
+    compared = (
+        {"": distance} if reference is None else {"reference_distance": distance - reference, "": distance}
+    )
+    rules = []
+    for quantity, values in compared.items():
+        apart = np.abs(apart_from_neighbors(values))
+        own = apart[used & np.isfinite(apart)]
+        if not len(own):
+            continue
+        limit = max(settings.faults.far.deviations * robust(own)[1], float(own.max()))
+        if np.mean(apart[off & np.isfinite(apart)] > limit) > 0.5:
+            rules.append(RowRule(reason=FAR, kind="far from neighbors", quantity=quantity, deviation=limit))
+    return rules
