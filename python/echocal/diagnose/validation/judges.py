@@ -136,7 +136,7 @@ class Nested:
             noises = [self.known.get((folds.fit & ~held).tobytes(), (None, noise))[1] for held in folds.held]
         if case.offsets is not None:
             after = measure(case.table_without_offsets, folds, fitted)
-            before = Trials(case, noise, without_offsets=True).base()
+            before = Trials(case, noise, case.table_without_offsets).base()
         return score(after, before, case.sums.order, folds, noises)
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit_hypothesis, fit_to_blocks
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
 from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
 from echocal.diagnose.validation.score import Score, score
@@ -28,15 +29,15 @@ class Trials:
     case : Case
     noise : Noise
         Under which sizes are fitted.
-    without_offsets : bool
-        Whether the readings that are judged are those without the offsets that a noise explains.
+    table : Table or None
+        With the readings that are judged; None for those of the case.
     known : dict
         Errors that were computed before.
     """
 
     case: Case
     noise: Noise
-    without_offsets: bool = False
+    table: Table | None = None
     known: dict[tuple[frozenset[str], frozenset[str]], HeldOut] = field(default_factory=dict)
 
     def base(self) -> HeldOut:
@@ -56,7 +57,7 @@ class Trials:
         return self.known[key]
 
     def _measured(self, fitted: Callable[[Mask], Model]) -> HeldOut:
-        table = self.case.table_without_offsets if self.without_offsets else self.case.table
+        table = self.case.table if self.table is None else self.table
         return measure(table, self.case.folds, fitted)
 
     def score(self, one: HeldOut, other: HeldOut) -> Score:

@@ -189,8 +189,9 @@ def _sizes_hold(trials: Trials, rest: Rest, selection: Selection, gain: Gain) ->
 def _plausible_part(
     trials: Trials, judge: Judge, rest: Rest, before: HeldOut, selection: Selection
 ) -> tuple[Rest, Gain]:
-    """The claims without those of implausible sizes, if their gain is proven; else the base."""
-    large = [claim for claim in rest.kept if claim.cause in selection.implausible]
+    """The claims without those whose sizes may be lent to them, if their gain is proven; else the base."""
+    doubted = {*selection.implausible, *(selection.unusual if trials.case.table.reference is None else ())}
+    large = [claim for claim in rest.kept if claim.cause in doubted]
     if large and len(large) < len(rest.kept):
         part = _less(rest, large)
         part = judge.judged(trials, replace(part, after=judge.sized(trials, part)))
