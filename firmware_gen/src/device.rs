@@ -162,6 +162,12 @@ impl Axis {
         self.lsb.mul_add(code as f64, self.zero)
     }
 
+    /// The time \[us\] at `code`, of an axis in seconds, to 1e-6 us: 50 us are 50, not 49.99999999999999.
+    #[must_use]
+    pub fn us(&self, code: i64) -> f64 {
+        (self.value(code) * 1e12).round() / 1e6
+    }
+
     /// A value of the quantity in words; a number without a unit is only a number.
     #[must_use]
     pub fn with_unit(&self, value: f64) -> String {

@@ -23,6 +23,11 @@ use text::table_text;
 
 pub use text::Local;
 
+/// Longest time \[us\] from the trigger pulse to the echo pulse, of a round number. An HC-SR04 takes 0.5 ms, some copies
+/// take 12.3 ms (esphome/esphome, pull request 12897); this is twice that. Time-outs of `pulseIn()`, and of ESPHome
+/// before 2026.1, begin with the trigger.
+const SILENCE: f64 = 25_000.0;
+
 /// The condition under which a code is out of range, leaving out what its type excludes anyway.
 fn outside(axis: &Axis) -> Vec<String> {
     let Range { minimum, maximum } = axis.codes;
@@ -105,6 +110,7 @@ pub fn emit(
         provenance,
         measured,
         function => function_text(design, device),
+        echo_timeout_us => echo_timeout(&device.echo),
         python => python_text(design),
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
@@ -116,6 +122,11 @@ pub fn emit(
         report::report(design, device, provenance, measured),
     ));
     Ok(files)
+}
+
+/// Longest time \[us\] from a trigger pulse to the end of an echo that the function accepts, however the timer rounds.
+fn echo_timeout(echo: &Axis) -> f64 {
+    (echo.us(echo.codes.maximum + 1) + SILENCE).round()
 }
 
 /// The function in Python.

@@ -1,5 +1,6 @@
 //! Packagings: which files a firmware comes as, and the template that writes each.
 
+use crate::device::Axis;
 use crate::error::Error;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 
@@ -8,6 +9,8 @@ use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 pub struct Package {
     /// Its name on the command line.
     pub name: &'static str,
+    /// Shortest and longest echo pulse \[us\] that its files measure.
+    pulses: (f64, f64),
     /// Its files: path, and name of the template.
     parts: &'static [(&'static str, &'static str)],
 }
@@ -47,10 +50,19 @@ const SOURCE: &str = "c/echocal_correction.c";
 const SELFTEST_HEADER: &str = "c/echocal_selftest.h";
 const SELFTEST: &str = "c/echocal_selftest.c";
 
+/// Plain C is given an echo time: it measures none.
+const ANY: (f64, f64) = (0.0, f64::INFINITY);
+/// 1 s is 170 m: a limit set by hand. Counts of nanoseconds in 32 bits overflow at 4.3 s, and ESPHome measures each second.
+const LONGEST: f64 = 1e6;
+const SKETCH: (f64, f64) = (0.0, LONGEST);
+/// To ESPHome's component `ultrasonic` an edge within 50 us of the one before is noise, its `DEBOUNCE_US`.
+const DEBOUNCED: (f64, f64) = (51.0, LONGEST);
+
 /// Every packaging. To add one, write its templates and add its lines.
 pub const PACKAGES: &[Package] = &[
     Package {
         name: "c",
+        pulses: ANY,
         parts: &[
             ("echocal_correction.h", HEADER),
             ("echocal_correction.c", SOURCE),
@@ -64,6 +76,7 @@ pub const PACKAGES: &[Package] = &[
     },
     Package {
         name: "arduino",
+        pulses: SKETCH,
         parts: &[
             ("library.properties", "arduino/library.properties"),
             ("keywords.txt", "arduino/keywords.txt"),
@@ -77,6 +90,7 @@ pub const PACKAGES: &[Package] = &[
     },
     Package {
         name: "platformio",
+        pulses: SKETCH,
         parts: &[
             ("platformio.ini", "platformio/platformio.ini"),
             ("src/main.cpp", "platformio/main.cpp"),
@@ -99,6 +113,7 @@ pub const PACKAGES: &[Package] = &[
     },
     Package {
         name: "esphome",
+        pulses: DEBOUNCED,
         parts: &[
             ("echocal.yaml", "esphome/echocal.yaml"),
             ("echocal_correction.h", HEADER),
@@ -107,6 +122,7 @@ pub const PACKAGES: &[Package] = &[
     },
     Package {
         name: "micropython",
+        pulses: SKETCH,
         parts: &[
             ("echocal_correction.py", "micropython/echocal_correction.py"),
             ("echocal_selftest.py", "micropython/echocal_selftest.py"),
@@ -129,6 +145,22 @@ impl Package {
                 "unknown package '{name}'; this version has {known}"
             ))
         })
+    }
+
+    /// Refuse echo times that the function accepts and the files cannot measure: they would be lost without a word.
+    ///
+    /// # Errors
+    /// If there are any.
+    pub fn check(&self, echo: &Axis) -> Result<(), Error> {
+        let (shortest, longest) = self.pulses;
+        let [first, last] = [echo.codes.minimum, echo.codes.maximum].map(|code| echo.us(code));
+        if first >= shortest && last <= longest {
+            return Ok(());
+        }
+        Err(Error::Request(format!(
+            "the files of package '{}' measure echo times of {shortest} .. {longest} us, and {first} .. {last} us are to be accepted: give an echo min and an echo max within these limits, or the package c",
+            self.name
+        )))
     }
 
     /// Path and text of each file.
@@ -156,7 +188,11 @@ fn environment() -> Result<Environment<'static>, Error> {
     environment.add_filter("comment", comment);
     environment.add_filter("docstring", docstring);
     environment.add_filter("micro", |value: f64| (value * 1e6).round() as i64);
-    environment.add_filter("nano", |value: f64| (value * 1e9).round() as i64);
+    environment.add_filter("pico", |value: f64| (value * 1e12).round() as i64);
+    // Up to whole centimeters, as the component `ultrasonic` of ESPHome converts an echo time [us].
+    environment.add_filter("esphome_meters", |us: f64| {
+        format!("{:.2}", (us * 1e-6 * 343.0 / 2.0 * 100.0).ceil() / 100.0)
+    });
     for (name, text) in TEMPLATES {
         environment
             .add_template(name, text)

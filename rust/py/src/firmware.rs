@@ -256,8 +256,9 @@ fn meet(
     request: &FirmwareRequest,
     progress: &mut dyn FnMut(&str, u64, u64) -> bool,
 ) -> Result<CoreFirmware, Failure> {
-    Package::parse(&request.package)?; // before the proof, which may take a minute
+    let package = Package::parse(&request.package)?; // before the proof, which may take a minute
     let device = device(request)?;
+    package.check(&device.echo)?;
     let lowered = lowered(model, &device, request)?;
     let search = Request {
         reference: &lowered,

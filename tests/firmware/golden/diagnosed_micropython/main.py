@@ -33,10 +33,11 @@ except ImportError:  # CircuitPython
         time.sleep(0.00001)
         trigger.value = False
         # An ESP32 reports a pulse 65 ms after its end. Without an echo, some modules end the pulse after 200 ms.
+        # A length of 65535 us stands for all longer ones, too: PulseIn measures no more.
         for _ in range(30):
             time.sleep(0.01)
             if len(pulses):
-                return pulses[0]
+                return pulses[0] if pulses[0] < 65535 else -1
         return -1
 else:
     trigger, echo = Pin(4, Pin.OUT), Pin(5, Pin.IN)
@@ -48,7 +49,7 @@ else:
         trigger.value(1)
         time.sleep_us(10)
         trigger.value(0)
-        return time_pulse_us(echo, 1, 60000)  # -1 or -2 after 60 ms without a pulse
+        return time_pulse_us(echo, 1, 50073)  # [us] until it gives up: -1 or -2
 
 
 while True:

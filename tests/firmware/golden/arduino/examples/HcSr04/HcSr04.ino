@@ -9,7 +9,7 @@
  * - ATmega328P, ATmega168, ATmega32U4: the input capture of Timer1 records each edge in hardware. Resolution: 0.5 us at
  *   16 MHz. Interrupts do not affect it.
  * - Other AVR boards, and all AVR boards with ECHOCAL_NO_INPUT_CAPTURE: pulseIn() counts the passes of a loop. The
- *   sketch disables interrupts during this count, for up to 60 ms if there is no echo. With interrupts enabled, the
+ *   sketch disables interrupts during this count, for up to 50 ms if there is no echo. With interrupts enabled, the
  *   interrupt of millis() delays the loop, and the reading is about 0.6 % short: 12 mm at 2 m. While interrupts are
  *   disabled, millis() loses time, and the USB port of an ATmega32U4 does not respond.
  * - Other boards: micros() at each edge, with interrupts enabled. micros() needs them: an STM32 counts milliseconds in an
@@ -36,7 +36,8 @@ static const uint8_t ECHO_PIN = 4; /* ICP1 */
 static const uint8_t TRIGGER_PIN = 7;
 static const uint8_t ECHO_PIN = 8; /* ICP1 of an UNO */
 #endif
-static const uint32_t ECHO_TIMEOUT = 60000UL; /* [us] */
+/* Longest wait [us]: the longest accepted echo time, and 25 ms, in which the pulse must begin. */
+static const uint32_t ECHO_TIMEOUT = 50073UL;
 #if defined(__AVR__)
 static const int32_t SUPPLY = 5000; /* reference voltage of the converter [mV]; 3300 on an AVR board with 3.3 V */
 #else
@@ -130,15 +131,15 @@ static bool echo_pulse(uint32_t &length)
 /* Measure the echo time: time_of_flight = echo_us * 0.000001 s. Returns false if there was no echo. */
 static bool read_echo_code(uint16_t &echo_us)
 {
-    const uint32_t lsb = 1000; /* [ns] */
+    const uint64_t lsb = 1000000ULL; /* [ps] */
     uint32_t length = 0;
     digitalWrite(TRIGGER_PIN, HIGH);
     delayMicroseconds(10);
     digitalWrite(TRIGGER_PIN, LOW);
     const bool received = echo_pulse(length);
-    const uint32_t code = (length + lsb / 2) / lsb;
+    const uint64_t code = (1000ULL * length + lsb / 2) / lsb;
     echo_us = (uint16_t)code;
-    return received && code <= 65535UL;
+    return received && code <= 65535ULL;
 }
 
 /* Voltage at an analog pin [mV]. */

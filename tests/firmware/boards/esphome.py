@@ -1,0 +1,84 @@
+"""A node of ESPHome on a PC: ESPHome's own generator and C++, above pins and a clock that are simulated."""
+
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from toolchain import run
+
+from echocal.firmware import Firmware
+
+HERE = Path(__file__).parent
+ENVIRONMENT = HERE.parents[2] / "target/esphome"
+ESPHOME = ENVIRONMENT / "bin/esphome"
+PLATFORMS = {"host": "host:", "esp8266": "esp8266: {board: d1_mini}", "esp32": "esp32: {board: esp32dev}"}
+NODE = """
+esphome: {name: node}
+%s
+packages:
+  echocal: !include echocal.yaml
+sensor:
+  - {platform: template, id: air_temperature, update_interval: never}
+  - {platform: template, id: air_humidity, update_interval: never}
+"""
+FLAGS = ("-std=gnu++20", "-fno-exceptions", "-w", "-DUSE_HOST")  # those of ESPHome, without its warnings
+PINS = "components/host/gpio.cpp"  # what node.cpp replaces
+OBJECTS = ("helpers.o", "rest.o", "node.o")
+
+Pulse = tuple[int, int, float, float]  # us before it, its length [us], degC, %
+
+
+def esphome(*words: str | Path) -> str:
+    """Standard output of a command of ESPHome that must succeed."""
+    if not ESPHOME.exists():
+        made = f"python -m venv --without-pip {ENVIRONMENT}"
+        filled = f"pip --python {ENVIRONMENT}/bin/python install --no-deps -r .ci/esphome.txt"
+        pytest.skip(f"no ESPHome: {made} && {filled}")
+    done = subprocess.run((ESPHOME, *words), capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def configuration(packed: Firmware, folder: Path, platform: str = "host") -> Path:
+    """A node's configuration that includes the package, as its first lines say."""
+    packed.save(folder)
+    (folder / "node.yaml").write_text(NODE % PLATFORMS[platform])
+    return folder / "node.yaml"
+
+
+def generate(packed: Firmware, folder: Path) -> Path:
+    """The folder of the C++ that ESPHome generates and of its own."""
+    esphome("compile", "--only-generate", configuration(packed, folder))
+    return folder / ".esphome/build/node/src"
+
+
+def build_library(source: Path, folder: Path) -> None:
+    """ESPHome's own files, and the board below them. Headers are most of the work, so files are joined."""
+    files = sorted(path.relative_to(source) for path in (source / "esphome").rglob("*.cpp"))
+    units: dict[str, list[str]] = {"helpers.cpp": [], "rest.cpp": []}
+    for number, file in enumerate(files):
+        if not file.match(f"*/{PINS}"):
+            # Each file has a TAG of its own; those called helpers.cpp share another name with other files.
+            text = f'#define TAG TAG_{number}\n#include "{file}"\n#undef TAG\n'
+            units["helpers.cpp" if file.name == "helpers.cpp" else "rest.cpp"].append(text)
+    for name, texts in units.items():
+        (folder / name).write_text("".join(texts))
+    for part in (folder / "helpers.cpp", folder / "rest.cpp", HERE / "node.cpp"):
+        run("g++", *FLAGS, f"-I{source}", "-c", part, "-o", folder / f"{part.stem}.o")
+
+
+def link(source: Path, library: Path) -> Path:
+    """The node: its program of one configuration, the generated C, and what all nodes share."""
+    program = source.parent / "node"
+    run("g++", *FLAGS, f"-I{source}", "-c", source / "main.cpp", "-o", source / "main.o")
+    run("gcc", "-c", source / "echocal_correction.c", "-o", source / "correction.o")
+    shared = (library / name for name in OBJECTS)
+    run("g++", source / "main.o", source / "correction.o", *shared, "-o", program)
+    return program
+
+
+def published(node: Path, pulses: Iterable[Pulse]) -> list[float]:
+    """The distance [m] that the node publishes after each trigger pulse."""
+    text = "".join(f"{silence} {length} {warm} {damp}\n" for silence, length, warm, damp in pulses)
+    return [float(line) for line in run(node, text=text).split()]
