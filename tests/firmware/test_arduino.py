@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import mean
 
+import numpy as np
 import pytest
 from boards.arduino import build_core, link, serial
 from conftest import with_humidity
@@ -58,6 +59,27 @@ def test_without_an_echo_there_is_no_distance(flags: tuple[str, ...], core: Path
     lines = serial(core, sketch, (MILLIVOLTS, 0), [*NO_ECHO, 11_690])
     assert [line[-12:].strip() for line in lines[:-1]] == REFUSED
     assert int(lines[-1].split()[-1]) == pytest.approx(2_006_000, abs=3_000), "and the next echo is heard"
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::echocal.DomainWarning")  # of time-outs that are accepted
+@pytest.mark.parametrize("flags", [(), ("-DECHOCAL_NO_INPUT_CAPTURE",)], ids=["capture", "pulseIn"])
+def test_no_accepted_echo_is_too_long_to_wait_for(
+    flags: tuple[str, ...], core: Path, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """The sketch gave up after 60 ms, whatever was accepted."""
+    last = int(random.integers(62_000, 250_000)) // 4 * 4
+    echo = firmware.EchoCodes(4.0, last)
+    packed = firmware.generate(
+        Model("cramer"), "avr", temperature=(0.5, -20.0, 60.0), echo=echo, max_error=2e-3, package="arduino"
+    )
+    echoes = [11_690, 59_700, 60_500, int(random.integers(62_000, last + 1)), last, last + 8]
+    lines = serial(core, link(packed, SKETCH, core, tmp_path, *flags), (MILLIVOLTS, 0), echoes)
+    for line, sent in zip(lines, echoes, strict=True):
+        code, warm, told = line.split(maxsplit=2)
+        assert abs(int(code) * 4 - sent) <= 2 + len(flags) * 0.0005 * sent
+        distance = int(packed.outputs(int(code), int(warm)))
+        assert told == ("out of range" if distance == -(2**31) else str(distance))
 
 
 def test_the_example_prints_the_twins_distance_with_humidity(core: Path, tmp_path: Path) -> None:

@@ -43,6 +43,17 @@ def test_without_an_echo_there_is_no_distance(core: str, tmp_path: Path) -> None
     assert int(lines[-1].split()[-1]) == pytest.approx(2_006_000, abs=3_000), "and the next echo is heard"
 
 
+@pytest.mark.filterwarnings("ignore::echocal.DomainWarning")  # of time-outs that are accepted
+def test_no_accepted_echo_is_too_long_to_wait_for(tmp_path: Path) -> None:
+    echo = EchoCodes(4.0, 200_000)
+    made = firmware.generate(
+        MODEL, "cortex-m3", temperature=(0.5, -20.0, 60.0), echo=echo, max_error=2e-3, package="arduino"
+    )
+    lines = play(made, SKETCHES["arduino"], "cortex-m3", tmp_path, MILLIVOLTS, [60_500, 200_000, 201_000])
+    assert [int(line.split()[0]) for line in lines] == pytest.approx([15_125, 50_000, 50_250], abs=2)
+    assert [line.endswith("out of range") for line in lines] == [False, False, True]
+
+
 def test_a_clock_that_needs_interrupts_stops_without_them(tmp_path: Path) -> None:
     """What the sketch did on an STM32 once: it held the interrupts, and received no echo longer than 1 ms."""
     made = packed("cortex-m3")

@@ -138,6 +138,11 @@ def test_esphome_accepts_the_configuration(name: str, platform: str, tmp_path: P
     assert ends(packed)[1] + 12_300 < wait < ends(packed)[1] + 26_000, "modules begin a pulse within 12.3 ms"
 
 
+def test_the_file_tells_the_version_that_is_tested() -> None:
+    version = esphome("version").split()[-1]
+    assert f"tested with the code of ESPHome {version} on a PC" in CASES["default"]().files["echocal.yaml"]
+
+
 TOO_FAR = (20.0, 1.1e6, 2_000)
 
 

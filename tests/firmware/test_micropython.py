@@ -35,6 +35,7 @@ def sweep(packed: Firmware, *counts: int) -> list[np.ndarray]:
     return [grid.reshape(-1) for grid in np.meshgrid(*codes)]
 
 
+NO_DISTANCE = -(2**31)
 PRINT_ALL = """
 for echo in %s:
     for codes in %s:
@@ -135,6 +136,37 @@ def test_without_an_echo_there_is_no_distance(
     assert len(told) > 2, "the long pulse is told of, too"
     assert set(told[2:]) <= {"no echo", "out of range"}
     assert int(last) == packed.distance_um(2_922 if ticks else 11_690, 40), "and the next echo is heard"
+
+
+@pytest.mark.parametrize("board", BOARDS)
+@pytest.mark.filterwarnings("ignore::echocal.DomainWarning")  # of time-outs that are accepted
+def test_no_accepted_echo_is_too_long_to_wait_for(
+    board: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    random: np.random.Generator,
+) -> None:
+    """MicroPython gave up after 60 ms. PulseIn gave 65,535 us, and a distance, for all that was longer."""
+    last = int(random.integers(70_000, 250_000)) // 4 * 4
+    packed = firmware.generate(
+        Model("cramer"), package="micropython", temperature=(0.5, -20.0, 60.0), echo=(4.0, last)
+    )
+    packed.save(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "echocal_correction", raising=False)
+    near, far = [11_688, 60_500], [int(random.integers(66_000, last)), last]
+    fakes(board, monkeypatch, [*near, *far])
+    with pytest.raises(EnoughError):
+        runpy.run_path(str(tmp_path / "main.py"))
+    told = capsys.readouterr().out.splitlines()
+    expected = [str(packed.outputs(round(length / 4), 40)) for length in (*near, *far)]
+    assert str(NO_DISTANCE) not in expected
+    if board == "micropython":
+        assert told == expected
+    else:
+        assert told[:2] == expected[:2]
+        assert set(told[2:]) == {"no echo"}
 
 
 def test_what_micropython_gives_without_a_pulse_is_out_of_range() -> None:
