@@ -109,7 +109,9 @@ def test_a_node_publishes_the_twins_distance(name: str, node: Node, random: np.r
     unknown = [(450, pulses[-1][1], warm, pulses[-1][3]) for warm in (np.nan, -40.0, 80.0)]
     found = published(node(packed), [*pulses, *refused, *unknown])
     np.testing.assert_allclose(found[: len(pulses)], distances, rtol=2e-7, atol=1e-9)
-    assert np.isnan(found[len(pulses) :]).tolist() == [True] * (len(refused) + len(unknown))
+    # A pulse of more than a second outlasts the next trigger, which has no echo, either.
+    assert len(found) >= len(pulses) + len(refused) + len(unknown)
+    assert np.isnan(found[len(pulses) :]).all()
 
 
 def test_without_the_time_out_far_echoes_are_lost(node: Node, random: np.random.Generator) -> None:

@@ -81,4 +81,5 @@ def link(source: Path, library: Path) -> Path:
 def published(node: Path, pulses: Iterable[Pulse]) -> list[float]:
     """The distance [m] that the node publishes after each trigger pulse."""
     text = "".join(f"{silence} {length} {warm} {damp}\n" for silence, length, warm, damp in pulses)
-    return [float(line) for line in run(node, text=text).split()]
+    home = f"HOME={node.parent}"  # where a node keeps its preferences
+    return [float(line) for line in run("env", home, node, text=text).split()]
