@@ -26,6 +26,9 @@ pub struct Provenance {
     /// The diagnosis that the model comes from, a line each; none where it comes from elsewhere.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub diagnosis: Vec<String>,
+    /// Standard uncertainty \[m\] of a distance \[m\] that the model corrects, at 20 degC; empty if it states none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub standard_uncertainty: Vec<(f64, f64)>,
     /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
     /// Requested error bound \[m\].

@@ -131,6 +131,7 @@ pub struct FirmwareRequest {
     command: String,
     model_hash: String,
     diagnosis: Vec<String>,
+    standard_uncertainty: Vec<(f64, f64)>,
 }
 
 /// What the echo times of a device depend on.
@@ -288,6 +289,7 @@ fn meet(
         model_hash: request.model_hash.clone(),
         model: describe(model),
         diagnosis: request.diagnosis.clone(),
+        standard_uncertainty: request.standard_uncertainty.clone(),
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
         maximum_error: request.maximum_error,
         maximum_distance: request.maximum_distance,

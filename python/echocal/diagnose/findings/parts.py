@@ -191,20 +191,23 @@ class SmoothCorrection:
     session: str = ""
 
     @property
-    def recurs(self) -> bool:
-        """Whether every fold chooses a correction by itself."""
-        return all(self.chosen_by_folds)
+    def refused(self) -> str:
+        """Why it may not extend the model; empty where it may."""
+        if self.smooth is None:
+            return "no column predicts rows that it is not fitted to"
+        if self.session:
+            return self.session
+        if none := sum(not chosen for chosen in self.chosen_by_folds):
+            folds = len(self.chosen_by_folds)
+            return f"without the rows that judge it, {none} of {folds} folds choose no correction"
+        if self.interval_95 is None:
+            return "no row can judge it"
+        return "" if self.interval_95[0] > 0.0 else "the interval of the gain is not above 0"
 
     @property
     def offered(self) -> bool:
-        """Whether it may extend the model: it recurs, is not of one session, and its gain is above zero."""
-        return (
-            self.smooth is not None
-            and self.recurs
-            and not self.session
-            and self.interval_95 is not None
-            and self.interval_95[0] > 0.0
-        )
+        """Whether it may extend the model."""
+        return not self.refused
 
 
 @dataclass(frozen=True)

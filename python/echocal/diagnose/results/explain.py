@@ -7,6 +7,7 @@ from echocal.diagnose.findings.sentences import enumerated, parameter_text, quan
 from echocal.diagnose.noises.registry import listed_only
 from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import remainder_text, smooth_text
+from echocal.diagnose.selection.plausibility import NO_PROOF
 from echocal.diagnose.validation.one_session import ONE_SESSION
 
 __all__ = [
@@ -52,7 +53,7 @@ def lead(diagnosis: Outcome) -> str:
     if diagnosis.verdict == "unknown" and diagnosis.remainder is not None:
         return "The data show an effect, but no cause and no smooth function of one column is probable"
     if diagnosis.verdict == "unknown":
-        return f"The data show {_OUTSIDE}"
+        return ". ".join([f"The data show {_OUTSIDE}", *_in_the_model(diagnosis)])
     if diagnosis.verdict == "ambiguous":
         return f"The data show an effect. {_left_open(diagnosis)}"
     named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
@@ -107,9 +108,17 @@ def _questions(cause: Cause) -> str:
 
 def _left_open(diagnosis: Outcome) -> str:
     if any(cause.doubt and not cause.in_model for cause in diagnosis.causes):
-        session = any(ONE_SESSION in cause.doubt for cause in diagnosis.causes)
-        gain = "they may be of this session alone" if session else "their gain may be chance"
-        return f"Causes fit it, but {gain}, so the model is the base"
+        said = [cause.doubt for cause in diagnosis.causes]
+        why = (
+            "they may be of this session alone"
+            if any(ONE_SESSION in doubt for doubt in said)
+            else "a size is unusual"
+            if any(NO_PROOF in doubt for doubt in said)
+            else "their gain may be chance"
+        )
+        kept = [cause.id for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
+        model = f"the model has {enumerated(kept)} alone" if kept else "the model is the base"
+        return f"Causes fit it, but {why}, so {model}"
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
         return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"

@@ -31,6 +31,7 @@ from echocal.diagnose.results.level_steps import LevelStep, steps_of
 from echocal.diagnose.results.notes import notes
 from echocal.diagnose.selection.claims import Claim, Ranking, alternatives, parameters
 from echocal.diagnose.selection.joint import Joint
+from echocal.diagnose.selection.plausibility import NO_PROOF
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import errors
 from echocal.diagnose.validation.judges import HeldOutRows, Judge
@@ -114,7 +115,7 @@ def _causes(
         sizes = [*selection.unusual.values()]
         session = validation.withheld.session
         why = (
-            f"{session}. The model leaves it out, and no cause is named"
+            f"{session}. The model leaves it out, and it is not named"
             if session
             else _unearned(validation.withheld.gain, sizes)
         )
@@ -173,32 +174,32 @@ def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
 
 
 def _unearned(gain: Gain, sizes: Sequence[str]) -> str:
-    """Why no cause is named: the gain may be chance. `sizes` are sentences on those that are unusual."""
+    """Why causes are not named. `sizes` are sentences on those of them that are unusual."""
     low, high = (1e3 * end for end in gain.interval_95)
     if low == high == 0.0:
         return (
             f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
-            "the base. The model leaves it out, and no cause is named"
+            "the base. The model leaves it out, and it is not named"
         )
     rows = f"on {gain.judged_rows}, which its choice has not seen, a model with it"
     if gain.rms_after_m >= gain.rms_before_m:
         return (
             f"{rows} has an error of {1e3 * gain.rms_after_m:.2f} mm, the base {1e3 * gain.rms_before_m:.2f} "
             "mm. Under the noise these rows are more probable with it, so it is not refuted. But the error "
-            "is not smaller, so the model leaves it out, and no cause is named"
+            "is not smaller, so the model leaves it out, and it is not named"
         )
     first, last = gain.log_score_interval_95 or (0.0, 0.0)
     if gain.earned:
         return (
             f"{rows} gains {low:.2f} to {high:.2f} mm over the base (95 % interval). "
-            f"But {'; '.join(sizes)}. Then a gain is no proof: something else may follow these conditions. "
+            f"But {'; '.join(sizes)}. {NO_PROOF}: something else may follow these conditions. "
             "It is one if distances are known and the model holds outside of the conditions of its fit. The "
-            "model leaves it out, and no cause is named"
+            "model leaves it out, and it is not named"
         )
     return (
         f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
         f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). Not both intervals are above 0, "
-        "so the model leaves it out, and no cause is named"
+        "so the model leaves it out, and it is not named"
     )
 
 

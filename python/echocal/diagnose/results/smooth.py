@@ -19,7 +19,7 @@ def smooth_text(found: SmoothCorrection) -> str:
     ranges = "; ".join(_range(term) for term in found.smooth.terms)
     what = f"a sum of smooth functions without a known cause ({ranges})"
     if not found.offered:
-        why = found.session or "The interval is not above 0"
+        why = found.refused
         return f"no smooth correction is offered: {what} was tried. {_gain(found)}. {why[0].upper()}{why[1:]}"
     rows = f" ({found.rows_outside} rows of this table)" if found.rows_outside else ""
     return (

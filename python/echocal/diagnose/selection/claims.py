@@ -70,6 +70,11 @@ class Ranking:
         """The same ranking, in which a set of effects is not chosen; no probability changes."""
         return replace(self, passed=self.passed | {effects})
 
+    @property
+    def is_exhausted(self) -> bool:
+        """Whether every set that is possible at all was passed."""
+        return all(p == 0.0 or effects in self.passed for effects, p in self.by_effects.items())
+
     def of(self, causes: Sequence[str]) -> float:
         """Probability that at least one of these causes acts: docs/method.md, Eq. 24."""
         any_of = frozenset(causes)

@@ -12,7 +12,9 @@ from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.selection.claims import Claim, Ranking, parameters
 from echocal.registry import find_effect
 
-__all__ = ["beyond_a_bound", "implausible"]
+__all__ = ["NO_PROOF", "beyond_a_bound", "implausible"]
+
+NO_PROOF = "Then a gain is no proof"
 
 
 def implausible(claims: Sequence[Claim], ranking: Ranking, most: float) -> dict[str, str]:

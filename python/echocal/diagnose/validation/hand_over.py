@@ -29,6 +29,8 @@ def select_and_refute(
     first: tuple[Selection, Rest] | None = None
     found: list[Refuted] = []
     for _ in range(settings.validation.sets_tried):
+        if ranking.is_exhausted:
+            break
         selection = _of_usual_sizes(case, ranking, shares, reduced, doubt=doubt)
         effects = selection.effects
         if first is not None and ranking.of_set(effects) < settings.claims.mentioned_from:
@@ -59,6 +61,8 @@ def _of_usual_sizes(
         if not selection.implausible:
             return selection
         rest = rest.without(selection.effects)
+        if rest.is_exhausted:
+            break
         selection = select(case, rest, shares, reduced, doubt=doubt)
         if not selection.effects or ranking.of_set(selection.effects) < least:
             break

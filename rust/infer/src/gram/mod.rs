@@ -18,7 +18,7 @@ pub(crate) use filter::{FilterStep, beginning, forget};
 pub use layout::RowLayout;
 pub(crate) use matrices::{add, mirrored, narrow, triangles};
 pub(crate) use panels::Panels;
-pub use products::LagProducts;
+pub use products::{Edge, LagProducts};
 pub use source::{Reader, Source, Stored};
 pub(crate) use tiles::{GROUP, add_products};
 pub use total::gram;

@@ -214,6 +214,7 @@ impl Part {
             log_variance: self.log_variance,
             cells: only(cells),
             blocks: only(blocks),
+            edges: Vec::new(),
         }
     }
 }

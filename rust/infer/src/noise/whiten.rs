@@ -3,7 +3,7 @@
 
 use super::shared_error::{SharedError, take_off};
 use crate::columns::FromParts;
-use crate::gram::{LagProducts, add};
+use crate::gram::{Edge, LagProducts, add};
 use crate::parallel::fill_each;
 use std::sync::Arc;
 
@@ -44,6 +44,8 @@ struct Merged {
     all: [Vec<f64>; 4],
     groups: [Vec<f64>; 4],
     log_variance: f64,
+    /// Series that begin only because the block before is not in use.
+    further_series: f64,
 }
 
 /// What one thread works with.
@@ -137,12 +139,22 @@ impl TableSums {
                 }
             }
         }
+        let cut = |edge: &&Edge| used[edge.block] && !used[edge.before];
+        let mut further_series = 0.0;
+        for edge in own.edges.iter().filter(cut) {
+            edge.begin(&mut all, 0, width, 0.5);
+            if let Some(line) = lines.0[edge.cell] {
+                edge.begin(&mut groups, line * width, 1, 1.0);
+            }
+            further_series += 1.0;
+        }
         let each = own.log_variance.iter().zip(used);
         let log_variance = each.filter(|&(_, &used)| used).map(|(log, _)| log).sum();
         Merged {
             all,
             groups,
             log_variance,
+            further_series,
         }
     }
 
@@ -166,6 +178,7 @@ impl TableSums {
             SharedError::Random(noise.station_ratio)
         };
         let of_groups = take_off(error, groups, parts, shrunken, taken);
+        let series = series + sums.further_series;
         noise.log_prior + 0.5 * series * first_weight.ln() - 0.5 * sums.log_variance + of_groups
     }
 
@@ -243,6 +256,11 @@ fn clear(own: &mut LagProducts, finite: &[bool]) {
     }
     for kind in &mut own.cells {
         each(kind, &|at| !finite[at % width]);
+    }
+    for edge in &mut own.edges {
+        for kind in [&mut edge.plain, &mut edge.own, &mut edge.previous] {
+            each(kind, &|at| !finite[at]);
+        }
     }
 }
 

@@ -88,6 +88,7 @@ mod tests {
                 cells: [vec![], vec![], vec![], cells.collect()],
                 blocks: [vec![], vec![], vec![], first],
                 log_variance: vec![0.0; 2],
+                edges: vec![],
             })],
             columns: Arc::new(FromParts::same(width)),
             cells: vec![(0, 0), (1, 1)],

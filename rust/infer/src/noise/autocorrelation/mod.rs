@@ -21,7 +21,7 @@
 mod span;
 
 use super::correlation::{Autoregression, Correlation, CorrelationFacts};
-use crate::gram::{Class, ClassSums, GROUP, LagProducts, RowLayout, Source, add, mirrored};
+use crate::gram::{Class, ClassSums, Edge, GROUP, LagProducts, RowLayout, Source, add, mirrored};
 use span::{KINDS, Parts, Plan, gathered};
 
 /// The moving-average part of an ARMA(1,1); one pass serves every autoregressive coefficient.
@@ -54,6 +54,7 @@ impl Correlation for MovingAverage {
         let plan = Plan {
             source,
             layout,
+            edges: &edges(layout),
             coefficients: &coefficients,
             width: source.width().next_multiple_of(GROUP),
         };
@@ -121,7 +122,34 @@ fn products(plan: &Plan<'_>, parts: &Parts, place: Option<usize>, coefficient: f
         blocks,
         cells: placed(&parts.cells, cells).sums(width, columns, line),
         log_variance: vec![0.0; plan.layout.block_count],
+        edges: of_edges(plan, parts, place),
     }
+}
+
+/// First rows of blocks that follow a row of another block in their series.
+fn edges(layout: &RowLayout<'_>) -> Vec<usize> {
+    let mut seen = vec![false; layout.block_count];
+    let first = |&row: &usize| !core::mem::replace(&mut seen[layout.blocks[row] as usize], true);
+    let firsts = (0..layout.starts.len()).filter(first);
+    firsts.filter(|&row| !layout.starts[row]).collect()
+}
+
+/// These rows for one coefficient.
+fn of_edges(plan: &Plan<'_>, parts: &Parts, place: Option<usize>) -> Vec<Edge> {
+    let columns = plan.source.width();
+    let narrow = |row: &Vec<f64>| row[..columns].to_vec();
+    let of = |(&row, kinds): (&usize, &Vec<[Vec<f64>; 2]>)| {
+        let [own, previous] = &kinds[place.map_or(0, |k| 1 + k)];
+        Edge {
+            block: plan.layout.blocks[row] as usize,
+            before: plan.layout.blocks[row - 1] as usize,
+            cell: plan.layout.cells[row] as usize,
+            plain: narrow(&kinds[0][0]),
+            own: narrow(own),
+            previous: narrow(previous),
+        }
+    };
+    parts.edges.iter().map(of).collect()
 }
 
 /// Sums of the classes of rows that count in a block or a cell: those of its own rows, and of the rows before
@@ -225,7 +253,9 @@ fn both_ways(present: f64, previous: f64, other: f64, coefficient: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::FromParts;
     use crate::gram::Stored;
+    use crate::noise::{NoiseModel, TableSums};
 
     const ONE: [f64; 5] = [1.0; 5];
     const X: [f64; 5] = [1.0, -2.0, 4.0, 0.5, 3.0];
@@ -307,5 +337,49 @@ mod tests {
                 assert!((sum - whole.cells[kind][i]).abs() < 1e-12, "kind {kind}");
             }
         }
+    }
+
+    fn sums(layout: &RowLayout<'_>, source: Stored<'_>, coefficient: f64) -> TableSums {
+        let model = [MovingAverage { coefficient }];
+        TableSums {
+            products: vec![MovingAverage::gather(&source, layout, &model, 1).remove(0).into()],
+            columns: FromParts::same(2).into(),
+            cells: (0..layout.cell_count).map(|cell| (cell, cell)).collect(),
+            series: vec![1.0, 0.0][..layout.block_count].to_vec(),
+            flat_level: false,
+            finite: vec![true; 2],
+        }
+    }
+
+    #[test]
+    fn a_block_without_the_one_before_begins_a_series() {
+        let starts = [true, false, false, false, false];
+        let both = RowLayout {
+            blocks: &[0, 0, 1, 1, 1],
+            cells: &[0, 0, 1, 1, 1],
+            block_count: 2,
+            cell_count: 2,
+            ..layout(&starts, &[])
+        };
+        let noise = NoiseModel {
+            correlation: 0,
+            rho: 0.9,
+            station_ratio: 0.3,
+            first_weight: 0.2,
+            log_prior: 0.0,
+        };
+        let whole = sums(&both, Stored(vec![&ONE, &X]), 0.0);
+        let alone = sums(&layout(&starts[..3], &[0; 3]), Stored(vec![&ONE[2..], &X[2..]]), 0.0);
+        let (found, weight) = whole.whiten(&[noise], &[false, true], &[0, 1], 1);
+        let (expected, own) = alone.whiten(&[noise], &[true], &[0, 1], 1);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        assert!((weight[0] - own[0]).abs() < 1e-12);
+        let (used, _) = whole.whiten(&[noise], &[true, true], &[0, 1], 1);
+        let [present, previous, lagged, first] = &whole.products[0].blocks;
+        let sum = |kind: &[f64]| kind[3] + kind[7];
+        let square = sum(present) + 0.81 * sum(previous) - 1.8 * sum(lagged) + 0.2 * sum(first);
+        assert!(used[3] < square); // the errors of stations are taken off, and no series begins beside
     }
 }

@@ -5,12 +5,16 @@ use crate::gram::{
 };
 use crate::parallel::in_spans;
 use echocal_core::batch::{BLOCK, Line};
+use core::ops::Range;
 use echocal_core::simd::{OnVectors, Vector, on_vectors};
+use std::collections::BTreeMap;
 
 /// What is passed over.
 pub(super) struct Plan<'a> {
     pub source: &'a dyn Source,
     pub layout: &'a RowLayout<'a>,
+    /// First rows of blocks in the midst of a series, ascending.
+    pub edges: &'a [usize],
     /// Moving-average coefficients, none of them 0.
     pub coefficients: &'a [f64],
     /// Columns, padded to whole groups.
@@ -26,6 +30,8 @@ pub(super) struct Parts {
     pub blocks: ClassSums,
     /// Products of the first column over cells.
     pub cells: ClassSums,
+    /// Each edge and the row before it: plain, and as each coefficient filters them.
+    pub edges: BTreeMap<usize, Vec<[Vec<f64>; 2]>>,
 }
 
 impl Parts {
@@ -33,6 +39,7 @@ impl Parts {
     fn join(&mut self, next: Self) {
         join(&mut self.blocks, next.blocks);
         join(&mut self.cells, next.cells);
+        self.edges.extend(next.edges);
     }
 }
 
@@ -90,10 +97,13 @@ impl<'a> Span<'a> {
             self.plain.keep(&self.last[0]);
             self.plain.fill(&self.lines, count);
             self.plain.last(count, &mut self.last[0]);
-            self.sort(first.max(block)..block + count, block);
+            let own = first.max(block)..block + count;
+            self.sort(own.clone(), block);
             self.add(0, count);
+            copy_edges(self.plan, &self.plain, own, block, &mut self.parts);
             on_vectors(AddOthers {
                 span: self,
+                first,
                 block,
                 count,
             });
@@ -103,7 +113,7 @@ impl<'a> Span<'a> {
 
     /// Adds what the rows of a block have beside their plain products.
     #[inline(always)]
-    fn add_others<V: Vector<Element = f64>>(&mut self, block: usize, count: usize) {
+    fn add_others<V: Vector<Element = f64>>(&mut self, first: usize, block: usize, count: usize) {
         let starts = &self.plan.layout.starts[block..block + count];
         let (plain, filtered) = self.last.split_at_mut(1);
         if starts.iter().all(|&begins| begins) {
@@ -119,6 +129,8 @@ impl<'a> Span<'a> {
             self.made.last(count, &mut self.last[1 + k]);
             forget(&mut self.last[1 + k]);
             self.add(KINDS + k, count);
+            let own = first.max(block)..block + count;
+            copy_edges(self.plan, &self.made, own, block, &mut self.parts);
         }
     }
 
@@ -131,7 +143,7 @@ impl<'a> Span<'a> {
             &mut self.made
         };
         panels.leave_out_zeros(count);
-        let Parts { blocks, cells } = &mut self.parts;
+        let Parts { blocks, cells, .. } = &mut self.parts;
         self.blocks.add(panels, kind, kinds, width * width, blocks);
         self.cells.add(panels, kind, kinds, width, cells);
     }
@@ -155,9 +167,24 @@ impl<'a> Span<'a> {
     }
 }
 
+/// Copies the edges among some rows, and the row before each, from the panels of the block that begins at a row.
+fn copy_edges(plan: &Plan<'_>, panels: &Panels, rows: Range<usize>, block: usize, parts: &mut Parts) {
+    let from = plan.edges.partition_point(|&edge| edge < rows.start);
+    for &edge in plan.edges[from..].iter().take_while(|&&edge| edge < rows.end) {
+        let at = 1 + edge - block;
+        let copied = [at, at - 1].map(|row| {
+            let mut numbers = vec![0.0; plan.width];
+            panels.last(row, &mut numbers);
+            numbers
+        });
+        parts.edges.entry(edge).or_default().push(copied);
+    }
+}
+
 /// The arguments of [`Span::add_others`].
 struct AddOthers<'s, 'a> {
     span: &'s mut Span<'a>,
+    first: usize,
     block: usize,
     count: usize,
 }
@@ -167,6 +194,7 @@ impl OnVectors for AddOthers<'_, '_> {
 
     #[inline(always)]
     fn run<V: Vector<Element = f64>>(self) {
-        self.span.add_others::<V>(self.block, self.count);
+        self.span
+            .add_others::<V>(self.first, self.block, self.count);
     }
 }
