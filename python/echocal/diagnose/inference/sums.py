@@ -68,13 +68,7 @@ class Sums:
         blocks: NDArray[np.int64],
         correlations: Sequence[NoiseCorrelation],
     ) -> "Sums":
-        """Pass once over the rows of some columns, of which the first is a group's own.
-
-        Each block begins a series: a fold has some of the blocks, and noise must not begin free in any.
-        """
-        starts = order.starts.copy()
-        starts[np.unique(blocks, return_index=True)[1]] = True
-        order = replace(order, starts=starts)
+        """Pass once over the rows of some columns, of which the first is a group's own."""
         cells, places = order.cells(blocks)
         count = int(blocks.max()) + 1
         series = np.bincount(blocks, weights=order.starts, minlength=count).astype(np.float64)

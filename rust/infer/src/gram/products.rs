@@ -1,4 +1,5 @@
 //! What a pass over the rows leaves of its columns: sums of products by block and by cell.
+#![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 /// Sums of products of `width` columns for one filter of the rows.
 ///
