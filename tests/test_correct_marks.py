@@ -95,7 +95,7 @@ def test_what_cannot_be_checked_is_said(random: np.random.Generator, tmp_path: P
     table, model, _ = planted(faults["crosstalk"], random, tmp_path)
     field = correct_table(table.drop(columns="distance_m"), model)
     assert field.unusable == {}
-    assert any(note.startswith("not checked: crosstalk; ") for note in field.notes)
+    assert any(note.startswith("not checked: crosstalk, ") for note in field.notes)
     table, model, _ = planted(faults["fahrenheit_celsius"], random, tmp_path)
     notes = correct_table(table, model).notes
     assert any(note.startswith("not checked: fahrenheit_celsius; ") for note in notes)
@@ -112,6 +112,50 @@ def test_ghosts_before_a_wall_are_marked_by_their_neighbors(random: np.random.Ge
     diagnosis = echocal.diagnose(table, constant_distance=True)
     corrected = correct_table(pd.DataFrame(table), diagnosis.model).table
     assert np.flatnonzero(corrected["unusable"] == "crosstalk").tolist() == sorted(ghosts)
+
+
+def log_with_ghosts(random: np.random.Generator, each: int) -> tuple[pd.DataFrame, np.ndarray, np.ndarray]:
+    """Five days at one distance, or at three of them in turn; distances, and which rows are ghosts."""
+    rows, places = 1440, np.array([2.37, 0.8, 1.5] if each < 1440 else [2.37])
+    distance = places[np.arange(rows) // each % len(places)]
+    celsius = 15 + 6 * np.sin(2 * np.pi * np.arange(rows) / 288) + np.cumsum(random.normal(0.0, 0.05, rows))
+    late = 40e-6 * (331.4 + 0.6 * celsius) / 2
+    reading = distance + late + random.normal(0.0, 3e-4, rows)
+    ghosts = random.random(rows) < 0.015
+    reading[ghosts] = random.uniform(0.2, distance[ghosts])
+    table = {"reading_m": reading, "temperature_C": celsius, "time_s": 300.0 * np.arange(rows)}
+    return pd.DataFrame(table), distance, ghosts
+
+
+@pytest.mark.slow
+@pytest.mark.statistical
+@pytest.mark.parametrize(
+    ("reference", "each"),
+    [
+        ("known", 1440),
+        ("known", 16),
+        ("not recorded later", 1440),
+        ("not recorded later", 16),
+        ("unknown", 1440),
+    ],
+)
+def test_ghosts_are_found_in_fresh_rows(reference: str, each: int, random: np.random.Generator) -> None:
+    """What is left of fresh rows is as good as the diagnosis tells, and no good row is lost."""
+    table, distance, _ = log_with_ghosts(random, each)
+    given = {"constant_distance": True} if reference == "unknown" else {}
+    known = reference != "unknown"
+    diagnosis = echocal.diagnose(table.assign(distance_m=distance) if known else table, **given)
+    fresh, distance, ghosts = log_with_ghosts(random, each)
+    found = correct_table(
+        fresh.assign(distance_m=distance) if reference == "known" else fresh, diagnosis.model
+    )
+    error = (found.table["corrected_distance_m"] - distance).to_numpy()
+    error = error - (0.0 if known else np.nanmedian(error))
+    kept = np.isfinite(error)
+    assert diagnosis.gain is not None
+    assert np.sqrt(np.mean(error[kept] ** 2)) < 1.3 * diagnosis.gain.rms_after_m
+    assert (~kept & ~ghosts).sum() <= 1
+    assert (kept & ghosts & (np.abs(error) > 0.01)).sum() == 0
 
 
 def test_a_value_that_cannot_be_is_that_and_no_outlier(random: np.random.Generator, tmp_path: Path) -> None:

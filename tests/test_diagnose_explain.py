@@ -7,7 +7,11 @@ import pytest
 
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
+from echocal.diagnose.findings.parts import SmoothCorrection
 from echocal.diagnose.results.explain import explain, lead, proposal_text
+from echocal.diagnose.results.smooth import smooth_text
+from echocal.diagnose.selection.plausibility import NO_PROOF
+from echocal.model import Shape, Smooth
 
 EFFECT = Cause("clock_error", "effect", 0.97, (), ("oblique_target",), "far rows read more")
 SLIP = Cause("cycle_slip", "noise", 1.0, (), (), "some rows jump", in_model=False)
@@ -82,3 +86,49 @@ def test_places_that_read_the_same_are_one_place() -> None:
         places = list(zip(*(plan[name] for name in names), strict=True))
         assert len(set(places)) == len(places)
         assert sum(plan["rows"]) == 10
+
+
+def test_an_unknown_effect_is_told_beside_those_that_the_model_has(diagnosis: echocal.Diagnosis) -> None:
+    text = lead(replace(diagnosis, verdict="unknown", causes=(replace(EFFECT, doubt="few rows carry it"),)))
+    assert text.startswith("The data show an effect outside the catalogue. The model has clock_error")
+
+
+def test_a_smooth_correction_that_is_not_offered_has_the_reason_that_decided() -> None:
+    tried = Smooth(0.0, (Shape("temperature", (0.0, 20.0), (0.0, 2e-3), (1e-4, 1e-4)),))
+    found = SmoothCorrection(
+        tried=("temperature",),
+        smooth=tried,
+        scheme="nested, blocked by time, 5 folds",
+        rms_before_m=2e-3,
+        rms_after_m=1e-3,
+        held_out_rows=100,
+        interval_95=(0.5e-3, 1.5e-3),
+        variance_removed=0.75,
+        variance_removed_interval_95=(0.6, 0.8),
+        chosen_by_folds=(("temperature",),) * 5,
+    )
+    assert found.offered
+    one_fold = replace(found, chosen_by_folds=(*[("temperature",)] * 4, ()))
+    assert not one_fold.offered
+    assert "1 of 5 folds choose no correction" in smooth_text(one_fold)
+    assert "not above 0" not in smooth_text(one_fold)
+    chance = replace(found, interval_95=(-0.1e-3, 1.5e-3))
+    assert "interval of the gain is not above 0" in smooth_text(chance)
+    assert not replace(found, session="all rows are of one session").offered
+
+
+@pytest.mark.parametrize(
+    ("doubt", "why"),
+    [
+        (
+            f"its size is odd. {NO_PROOF}: something else may act",
+            "a size is unusual, so the model is the base",
+        ),
+        ("its interval is not above 0", "their gain may be chance, so the model is the base"),
+    ],
+)
+def test_the_first_sentence_has_the_reason_why_nothing_is_named(
+    diagnosis: echocal.Diagnosis, doubt: str, why: str
+) -> None:
+    causes = (replace(EFFECT, doubt=doubt, in_model=False),)
+    assert why in lead(replace(diagnosis, verdict="ambiguous", causes=causes))

@@ -79,3 +79,35 @@ def test_typed_rows_among_wild_ones_are_told(random: np.random.Generator) -> Non
         causes = {cause.id: cause for cause in echocal.diagnose(table).causes}
         told += "mistyped_rows" in causes and causes["mistyped_rows"].probability > 0.9
     assert told >= 2
+
+
+@pytest.mark.parametrize("step", [0.005, 0.01, 0.0254])
+def test_rows_one_step_off_are_used_though_most_are_exact(step: float, random: np.random.Generator) -> None:
+    """More than half of the deviations are 0, so their robust scatter is 0."""
+    for _ in range(6):
+        steps = np.repeat(random.choice(np.arange(8, 60), 5, replace=False), 6)
+        off = random.permuted(np.where(np.arange(len(steps)) % 3 == 0, random.choice([-1, 1], len(steps)), 0))
+        table = {"reading_m": step * (steps + off), "distance_m": step * steps}
+        diagnosis = echocal.diagnose({**table, "temperature_C": np.full(len(steps), 20.0)})
+        assert FAR not in diagnosis.rows["unusable"]
+        noise = diagnosis.noise["standard_deviation_m"]
+        assert noise > 0.1 * step
+
+
+def edge_of_the_beam(random: np.random.Generator) -> dict[str, np.ndarray]:
+    """Beyond some distance a thing beside the target is nearer than the target."""
+    distances = np.round(np.sort(random.uniform(0.2, 3.5, int(random.integers(5, 12)))), 2)
+    distance = np.repeat(distances, int(random.integers(3, 30)))
+    edge = random.uniform(0.5, 2.5)
+    path = np.hypot(edge, random.uniform(0.1, 0.6)) + (distance - edge) * random.choice([0.0, 0.3])
+    nearest = np.where(distance > edge, np.minimum(distance, path), distance)
+    reading = nearest + random.normal(0.0, random.choice([2e-4, 1e-3, 3e-3]), len(distance))
+    celsius = 21.0 + random.normal(0.0, 0.1, len(distance))
+    return {"reading_m": np.round(reading, 3), "distance_m": distance, "temperature_C": celsius}
+
+
+@pytest.mark.slow
+def test_every_bench_with_a_thing_at_the_edge_of_the_beam_has_an_answer(random: np.random.Generator) -> None:
+    """One in twenty ended in a traceback: no set of causes was left, and none was chosen."""
+    for _ in range(40):
+        assert echocal.diagnose(edge_of_the_beam(random)).verdict

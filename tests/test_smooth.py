@@ -115,3 +115,25 @@ def test_a_verification_says_which_rows_it_did_not_hold_for() -> None:
     found = echocal.verify(observations, maximum_permissible_error=1e-4, model=model)
     assert found.passed
     assert found.outside_smooth == {"fan outside of the smooth correction": 1}
+
+
+def test_a_column_that_varies_in_one_fifth_of_the_rows_alone_is_no_traceback(
+    random: np.random.Generator,
+) -> None:
+    """Rain of one night: in four of five folds the column is constant but for rounding."""
+    rows = 600
+    hours = np.arange(rows) / 6.0
+    celsius = 12 + 5 * np.sin(2 * np.pi * hours / 24)
+    for night in range(5):
+        rain = np.where(np.arange(rows) // (rows // 5) == night, random.exponential(0.3, rows), 0.0)
+        reading = 2.0 + 3e-3 * np.sin(2 * np.pi * hours / 24) ** 2 + random.normal(0.0, 5e-4, rows)
+        table = {"reading_m": reading, "temperature_C": celsius, "rain": rain, "time_s": 3600.0 * hours}
+        assert echocal.diagnose(pd.DataFrame(table), constant_distance=True).verdict
+
+
+def test_a_correction_states_its_own_uncertainty_where_it_acts() -> None:
+    inside, outside = (echocal.model.ResidualUncertainty(size) for size in (1e-3, 4e-3))
+    smooth = Smooth(0.0, (shape("temperature"),), inside)
+    model = echocal.Model("linear", shape=smooth, residual_uncertainty=outside)
+    stated = model.standard_uncertainty([1.0, 1.0], temperature=[10.0, 30.0])
+    np.testing.assert_allclose(stated, [np.hypot(1e-3, 1e-4), 4e-3], rtol=1e-3)

@@ -7,6 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import coverage
 import nulls
 import page
 import records
@@ -61,7 +62,13 @@ def test_a_planted_effect_is_judged_on_a_replicate() -> None:
     assert summary["planted"]["all"]["named"]["count"] == summary["nulls"]["all"]["named"]["count"] == 1
 
 
+def test_the_stated_uncertainty_is_compared_with_fresh_rows() -> None:
+    found = [coverage.ask(spec) for design in ("a", "outdoors") for spec in coverage.draw(design, 1, 5)]
+    figures = coverage.summarize(found)
+    assert figures["all"]["count"] == 2
+    assert all(0.0 < row["within_1"][0] <= row["within_2"][0] for row in figures.values())
+
+
 def test_the_page_is_fresh() -> None:
-    names = ("transfer", "rotation", "nulls")
-    text = page.page(*(page.json.loads((page.HERE / f"{name}.json").read_text()) for name in names))
+    text = page.page(*(page.json.loads((page.HERE / f"{name}.json").read_text()) for name in page.PARTS))
     assert page.PAGE.read_text(encoding="utf-8") == text, "run: python benches/honesty/page.py --write"

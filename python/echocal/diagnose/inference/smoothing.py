@@ -149,7 +149,7 @@ class Smoother:
     def fitted(self, blocks: Mask, weights: Weights, residual: int) -> Coefficients:
         """Coefficients of the splines that take part: docs/method.md, Eq. 32."""
         (products, degrees), used = self.over(blocks), self._used(weights)
-        whole = products[np.ix_(used, used)] + self._penalty(products, weights, used)
+        whole = products[np.ix_(used, used)] + self._penalty(weights, used)
         along, square = products[used, residual], products[residual, residual]
         mean = np.linalg.solve(whole, along)
         left = square - 2 * mean @ along + mean @ products[np.ix_(used, used)] @ mean
@@ -192,7 +192,7 @@ class Smoother:
             if not fit.any():
                 continue
             (seen, _), (other, degrees) = self.over(fit), self.over(out)
-            whole = seen[np.ix_(used, used)] + self._penalty(seen, {**weights, place: 0.0}, used)
+            whole = seen[np.ix_(used, used)] + self._penalty({**weights, place: 0.0}, used)
             along = np.broadcast_to(seen[used, residual][:, None], (len(tried), len(used), 1))
             mean = np.linalg.solve(whole + np.multiply.outer(tried, own), along)[..., 0]
             floor = max(degrees, 1) * VARIANCE_FLOOR**2
@@ -208,8 +208,9 @@ class Smoother:
         own = [np.arange(self.places[p].start, self.places[p].stop) for p in weights]
         return np.concatenate([np.arange(1, 2 if self.has_offset else 1), *own])
 
-    def _penalty(self, products: Column, weights: Weights, used: Labels) -> Column:
-        matrix = _RIDGE * np.trace(products[np.ix_(used, used)]) / len(used) * np.eye(len(used))
+    def _penalty(self, weights: Weights, used: Labels) -> Column:
+        every, _ = self.over(np.ones(len(self.sums.rows), dtype=bool))  # a column may not vary in some blocks
+        matrix = _RIDGE * np.trace(every[np.ix_(used, used)]) / len(used) * np.eye(len(used))
         first = int(self.has_offset)
         for place, weight in weights.items():
             end = first + len(self.means[place])

@@ -20,7 +20,11 @@ _MAD_TO_SD = 1.4826  # of a normal distribution
 
 
 def far_from_station(
-    indication: Column, labels: Labels, temperature: Column | None, settings: RowSettings
+    indication: Column,
+    labels: Labels,
+    temperature: Column | None,
+    settings: RowSettings,
+    rounding: float = 0.0,
 ) -> Mask:
     """Find rows far from the usual reading at their station, because of another echo.
 
@@ -34,6 +38,9 @@ def far_from_station(
         Placement of the target of each row.
     temperature : ndarray, shape (n,), or None
         Air temperature [degC]; limits the possible change by the air.
+    settings : RowSettings
+    rounding : float
+        Standard deviation of the error of rounding [m].
 
     Returns
     -------
@@ -45,7 +52,8 @@ def far_from_station(
         return none
     by_station = Grouped(labels)
     centers, usual, farthest = by_station.scatter(indication)
-    least = max(settings.off_station * _MAD_TO_SD * float(np.nanmedian(usual)), settings.far_least)
+    scatter = max(_MAD_TO_SD * float(np.nanmedian(usual)), rounding)
+    least = max(settings.off_station * scatter, settings.far_least)
     if farthest <= least:
         return none
     off = np.abs(indication - centers[labels])
@@ -60,7 +68,11 @@ def far_from_station(
 
 
 def without_other_echoes(
-    usable: Usable, labels: Labels, temperature: Column | None, settings: RowSettings
+    usable: Usable,
+    labels: Labels,
+    temperature: Column | None,
+    settings: RowSettings,
+    rounding: float = 0.0,
 ) -> Usable:
     """Leave out rows of another echo.
 
@@ -72,8 +84,10 @@ def without_other_echoes(
     temperature : ndarray, shape (n,), or None
         Air temperature [degC].
     settings : RowSettings
+    rounding : float
+        Standard deviation of the error of rounding [m].
     """
-    far = far_from_station(usable.indication, labels, temperature, settings)
+    far = far_from_station(usable.indication, labels, temperature, settings, rounding)
     if not far.any():
         return usable
     return usable.without(far, OFF_STATION)

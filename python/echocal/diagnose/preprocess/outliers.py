@@ -35,6 +35,7 @@ def far_rows(
     expected: Column | None,
     orders: Callable[[], Sequence[Column]],
     settings: RowSettings,
+    rounding: float = 0.0,
 ) -> Mask:
     """Find rows farther off than noise or the air can explain.
 
@@ -47,6 +48,9 @@ def far_rows(
         each row is compared with its neighbors.
     orders : callable
         ``orders()`` are columns, shape (n,), that a deviation may depend on.
+    settings : RowSettings
+    rounding : float
+        Standard deviation of the error of rounding [m]. Rows scatter as much, even if most are equal.
 
     Returns
     -------
@@ -62,7 +66,7 @@ def far_rows(
         expected = window.median().to_numpy()
     deviation = indication - expected
     center, spread = robust(deviation)
-    limit = max(settings.far * spread, settings.far_least)
+    limit = max(settings.far * max(spread, rounding), settings.far_least)
     if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= limit:
         return np.zeros(len(indication), dtype=bool)
     off = np.abs(deviation - center)
@@ -91,7 +95,11 @@ def _alone(
 
 
 def without_far_rows(
-    observations: Observations, usable: Usable, reference: Column | None, settings: RowSettings
+    observations: Observations,
+    usable: Usable,
+    reference: Column | None,
+    settings: RowSettings,
+    rounding: float = 0.0,
 ) -> Usable:
     """Leave out rows farther off than noise or the air can explain, but not a whole station.
 
@@ -102,6 +110,8 @@ def without_far_rows(
     reference : ndarray, shape (total,), or None
         Reference distance of every row of the source [m]; None where it is not known.
     settings : RowSettings
+    rounding : float
+        Standard deviation of the error of rounding [m].
     """
     rows = usable.rows
     columns = (reference, observations.conditions.get("temperature"))
@@ -111,7 +121,7 @@ def without_far_rows(
         return [rows.astype(np.float64), *(some(column, rows) for column in columns if column is not None)]
 
     expected = None if reference is None else some(reference, rows)
-    far = far_rows(usable.indication, expected, orders, settings)
+    far = far_rows(usable.indication, expected, orders, settings, rounding)
     if reference is not None and far.any():
         far &= ~far_as_a_whole(far, stations(observations, reference, rows, settings), settings)
     if not far.any():

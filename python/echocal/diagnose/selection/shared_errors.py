@@ -82,7 +82,7 @@ def _wider(
     covariance: NDArray[np.floating[Any]], means: NDArray[np.float64], variance: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Covariance where the means of placements have errors, too."""
-    within = np.linalg.inv(covariance)
     between = (means / variance) @ means.T
-    both = within @ np.linalg.solve(within + between, between)  # the harmonic sum of two informations
-    return np.asarray(np.linalg.inv(0.5 * (both + both.T) + np.eye(len(both)) / WIDEST**2))
+    one = np.eye(len(between))
+    both = np.linalg.solve(one + between @ covariance, between)  # the harmonic sum of two informations
+    return np.asarray(np.linalg.inv(0.5 * (both + both.T) + one / WIDEST**2))
