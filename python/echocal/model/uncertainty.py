@@ -59,7 +59,7 @@ def standard_uncertainty(
     >>> late = {"fixed_delay": {"delay": 30e-6}}
     >>> model = Model("linear", late, covariance=[[4e-12]], residual_uncertainty=residual)
     >>> model.standard_uncertainty([1.0, 2.0], temperature=20.0).round(6).tolist()
-    [0.001058, 0.001058]
+    [0.001057, 0.001057]
     """
     distance = np.asarray(distance, dtype=np.float64)
     if model.covariance is None and model.residual_uncertainty is None and model.shape is None:

@@ -1,4 +1,4 @@
-"""What the model leaves unexplained of rows that its sizes are not fitted to: docs/method.md, Eq. 63."""
+"""What the model leaves unexplained of rows that its sizes are not fitted to: docs/method.md, Eq. 31a."""
 
 import warnings
 
