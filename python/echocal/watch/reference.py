@@ -6,6 +6,7 @@ from pathlib import Path
 
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.model import Model
+from echocal.model.folder import ModelFolder
 from echocal.observations.names import by_name, by_request
 from echocal.observations.units import Form
 
@@ -73,7 +74,7 @@ class Reference:
 
 
 def models_of(model: Model | None, folder: Path | None) -> Models:
-    """Model by sensor: one for all, or ``folder/ID.json``; None where a sensor has none.
+    """Model by sensor: one for all, or that of a folder (`ModelFolder`); None where a sensor has none.
 
     Raises
     ------
@@ -85,8 +86,7 @@ def models_of(model: Model | None, folder: Path | None) -> Models:
     if not folder.is_dir():
         message = f"--models {folder} is no folder; `echocal diagnose --by COLUMN --models DIR` writes one"
         raise UsageError(message)
-    files = {file.stem: file for file in folder.glob("*.json")}
-    return lambda id_: Model.load(files[id_]) if id_ in files else None
+    return ModelFolder(folder).model
 
 
 def refuse_columns(
