@@ -143,18 +143,18 @@ class Clock:
         return time > self.waiting[-1].time and not came_back
 
     def _leap(self, first: float) -> Moved | None:
-        """Go on at another time; a leap forward is a pause, unless the clock was wrong before."""
+        """Go on at another time. A leap forward is a pause, unless the clock had no date before."""
         if self.last is None:
             self.parts.append([first, 0.0])
             return None
         end = self.last + self.offset
-        back = first + self.offset <= end
-        right_again = self.offset != 0.0 and first >= _CALENDAR and first > end
-        if not back and not right_again:
-            return None
-        self.offset = 0.0 if first > end else end + 1.2 * self._reach() - first
-        self.parts = [*self.parts[1 - _KEPT :], [first + self.offset, self.offset]]
-        return Moved(self.last, first)
+        was_set = first < self.last or (self.offset != 0.0 and self.last < _CALENDAR <= first)
+        if was_set or (first >= _CALENDAR and first > end):
+            offset = 0.0 if first > end else end + 1.2 * self._reach() - first
+            if offset != self.offset:
+                self.offset = offset
+                self.parts = [*self.parts[1 - _KEPT :], [first + offset, offset]]
+        return Moved(self.last, first) if was_set else None
 
     def _go_on(self, rows: list[Waiting]) -> None:
         for row in rows:

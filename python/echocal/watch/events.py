@@ -11,6 +11,8 @@ __all__ = ["SCHEMA", "Event", "finite", "instant"]
 
 SCHEMA = "echocal.event/1"
 
+_LONGEST = 80  # letters of an id that a person reads
+
 
 @dataclass(frozen=True)
 class Event:
@@ -57,6 +59,8 @@ class Event:
         """The event for a person."""
         when = "" if self.time is None else f"{instant(self.time)} "
         who = f"{self.sensor}: " if self.sensor else ""
+        if len(who) > _LONGEST:
+            who = f"{who[:_LONGEST]}...: "
         return f"{when}{who}{self.sentence}"
 
 

@@ -346,9 +346,9 @@ class Fleet:
                     f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(names)}"
                 )
                 raise DataError(message)
-            refuse_columns(
-                names, dict(self.options.get("columns") or {}), RESULTS, self.reference, self.interval
-            )
+            known = {name for row in rows for name in self._reader.columns(list(row)).plan.assignments}
+            asked = list(self.options.get("columns") or ())
+            refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
             self._refuse_no_echo(rows[0])
         except (DataError, UsageError) as error:
             if not self.mixed:

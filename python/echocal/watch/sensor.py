@@ -201,7 +201,7 @@ class Sensor:
 
     def _row(self, row: Waiting, untimed: str, host: Host) -> list[Event]:
         if not np.isfinite(row.time):
-            why = untimed or "it has no time"
+            why = untimed or "it has no time of the years 1678 to 2261"
             return sentences.ignored(self, row, [row], why)
         last = self.clock.last
         believed, refuted, moved = self.clock.add(row)

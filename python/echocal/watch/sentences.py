@@ -48,11 +48,14 @@ def why_refuted(sensor: Watched, rows: Sequence[Waiting], last: float | None) ->
     """Why rows are refuted by the one after them."""
     time = instant(rows[-1].time, dated=sensor.dated)
     if last is None:
-        return f"its time is {time}, and the rows after it go on from another one"
+        return (
+            f"its time is {time}, and the rows after it go on from another one; where several devices are in "
+            "one stream: --by COLUMN"
+        )
     if rows[-1].time == last:
         return f"its time {time} is that of the row before: a clock that stands still, or counts too coarsely"
     before = instant(last, dated=sensor.dated)
-    return f"its time is {time} after {before}, and the rows after it do not go on from there"
+    return f"its time {time} leaps from {before}, and the rows after it do not go on from there"
 
 
 def moved(sensor: Watched, row: Waiting, leap: Moved) -> Event:

@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.observations.clock import instants
+from echocal.observations.clock import YEARS, instants
 from echocal.observations.dates import DAY, as_iso
 
 __all__ = ["Times"]
@@ -22,6 +22,7 @@ Column = NDArray[np.float64]
 _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
+_ISO = re.compile(r"(?P<year>\d{4})-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d{1,9})?)?Z?", re.ASCII)
 _SKIPPED = (
     "a clock change skips this local time; a logger that keeps one offset all year needs it as its zone: "
     "--time-zone Etc/GMT-1 is UTC+1"
@@ -126,12 +127,24 @@ class Times:
 
     def _instants(self, values: list[Any], zone: str | None = None) -> Column:
         """Seconds since 1970; of local times in a zone with clock changes, as if it were UTC."""
+        if (plain := self._plain(values)) is not None:
+            return plain
         fixed = self.zone if self.zone[:1] in {"+", "-"} else "UTC"
         known = self.dates if self._has_two_ways(values[0]) else []
         column = pd.Series([*known, *values], dtype=float if _is_number(values[0]) else object)
         times, _ = instants(column, self.column, zone or fixed, self.time_format)
         found = (times - np.datetime64(0, "ns")) / np.timedelta64(1, "s")
         return np.asarray(np.where(np.isnat(times), np.nan, found), dtype=np.float64)[len(known) :]
+
+    def _plain(self, values: list[Any]) -> Column | None:
+        """Seconds of texts in ISO 8601 and UTC, a hundred times as fast; None where one is another."""
+        if self.zone != "UTC" or self.time_format or not all(map(_is_plain, values)):
+            return None
+        try:
+            times = np.array([text.strip(" Z").replace(" ", "T") for text in values], dtype="datetime64[ns]")
+        except ValueError:  # no such day
+            return None
+        return np.asarray(times.astype(np.int64) / 1e9)
 
     def _says_offset(self, value: Any) -> bool:
         return bool(self._instants([value], "UTC")[0] == self._instants([value], "+01:00")[0])
@@ -143,6 +156,11 @@ def _form(value: Any) -> str:
         return type(value).__name__
     text = _LETTERS.sub("A", value.strip())
     return _DIGITS.sub(lambda match: "9" * len(match[0]), text)
+
+
+def _is_plain(value: Any) -> bool:
+    match = _ISO.fullmatch(value.strip()) if isinstance(value, str) else None
+    return match is not None and YEARS[0] < int(match["year"]) < YEARS[1]
 
 
 def _date(text: str) -> tuple[str, ...]:
