@@ -91,7 +91,7 @@ def models(tmp_path: Path) -> Path:
 def test_no_message_stops_the_watch(
     broker: int, tmp_path: Path, models: Path, random: np.random.Generator
 ) -> None:
-    """Each is followed by a good row, which is corrected; each is in the output, or set aside with its reason."""
+    """Each is followed by a good row, which is corrected; each is in the output, or set aside."""
     cases = list(poisoned.messages(random).items())
     order = random.permutation(len(cases)).tolist()
     assert len(cases) >= 60
@@ -131,7 +131,7 @@ def test_no_message_stops_the_watch(
 
 @pytest.mark.slow
 def test_no_message_stops_a_test_or_a_table(broker: int, tmp_path: Path, random: np.random.Generator) -> None:
-    """One sensor for all, tested against its known distance, into a CSV file with the columns of the first row."""
+    """One sensor, tested against its known distance, into a CSV file with the columns of the first row."""
     cases = [payload for payload, _ in poisoned.messages(random).values()]
     out, aside = tmp_path / "out.csv", tmp_path / "letters.jsonl"
     words = ["--law", "linear", "--reference-distance", "2", "--learn", "50", "-o", "out.csv"]

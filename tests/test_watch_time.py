@@ -65,7 +65,8 @@ def forms() -> dict[str, tuple[str, Field, dict[str, Any]]]:
 
 def names() -> dict[str, Field]:
     """Every other name of a column of times that is understood, with its fields."""
-    found: dict[str, Field] = dict.fromkeys(sorted(TIMES), lambda time: time.strftime("%Y-%m-%dT%H:%M:%S"))
+    texts = [name for name in sorted(TIMES) if not name.startswith("time_")]  # refused: time has no such unit
+    found: dict[str, Field] = dict.fromkeys(texts, lambda time: time.strftime("%Y-%m-%dT%H:%M:%S"))
     for name in (*COUNTERS, *(f"{word}_{unit}" for word in sorted(SINCE) for unit in CLOCK_UNITS)):
         said = hint(name)
         if said is not None and NAMES[said.name][0].quantity == "elapsed_time":
@@ -156,7 +157,7 @@ def test_every_form_of_time(form: str, random: np.random.Generator, tmp_path: Pa
         assert pd.Timestamp(low) <= at <= pd.Timestamp(high)
     else:
         at = (BEGIN - BOOT).total_seconds() + WAIT * CHANGE  # by the log's own clock, whatever its unit
-        assert low <= at <= high
+        assert low - 1e-3 <= at <= high + 1e-3
 
 
 @pytest.mark.parametrize("zone", ["America/New_York", "Europe/Berlin", "Australia/Lord_Howe"])

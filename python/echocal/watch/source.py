@@ -85,6 +85,7 @@ class Files:
             raise UsageError(message)
         self.path, self.state, self.poll, self.once = path, state, poll, once
         self._unfinished: dict[Path, None] = {}
+        self._read: dict[str, dict[str, Any]] = {}
         self.reading: tuple[str, dict[str, Any]] | None = None
 
     def batches(self) -> Iterator[Batch]:
@@ -120,7 +121,7 @@ class Files:
 
     def _news(self, file: Path) -> Iterator[Batch]:
         key = str(file.resolve())
-        at = self.state.position(key) or {"byte": 0}
+        at = self._read.get(key) or self.state.position(key) or {"byte": 0}
         try:
             size = file.stat().st_size
             if size < at["byte"]:
@@ -139,6 +140,7 @@ class Files:
                     batch = parser.batch(lines, str(file))
                     at = {"byte": at["byte"] + sum(map(len, lines)), "parser": parser.to_dict()}
                     self.reading = (key, at)
+                    self._read[key] = at  # also of lines without a row, which nobody takes for done
                     yield batch
         except OSError as error:
             message = f"{file} cannot be read: {error.strerror or error}"
