@@ -310,6 +310,21 @@ def test_a_header_that_comes_again_is_no_row(
     assert run("watch", *words) == (0, "30 rows, 30 corrected; 0 changes told\n")
 
 
+def test_another_header_in_the_middle_is_one(run: Run, tmp_path: Path, random: np.random.Generator) -> None:
+    """A logger that starts again writes its columns in another order, and one more."""
+    rows = log(random, 30)
+    names = [*random.permutation(list(rows[0])).tolist(), "battery_V"]
+    later = [{name: {**row, "battery_V": "3.3"}[name] for name in names} for row in rows[15:]]
+    (tmp_path / "log.csv").write_text(csv(rows[:15]) + csv(later))
+    (tmp_path / "plain.csv").write_text(csv(rows))
+    for name in ("log", "plain"):
+        words = [f"{name}.csv", "--law", "linear", "--once", "-o", f"{name}.jsonl"]
+        assert run("watch", *words) == (0, "30 rows, 30 corrected; 0 changes told\n")
+    found = [row.pop("corrected_distance_m") for row in lines(tmp_path / "log.jsonl")]
+    assert found == [row["corrected_distance_m"] for row in lines(tmp_path / "plain.jsonl")]
+    assert lines(tmp_path / "log.jsonl")[-1]["battery_V"] == "3.3"
+
+
 @pytest.mark.parametrize("separator", [";", "\t"])
 def test_decimal_commas(separator: str, run: Run, tmp_path: Path, random: np.random.Generator) -> None:
     """As `echocal correct` reads them: seen where the separator is another one, else by --decimal."""

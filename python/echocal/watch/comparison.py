@@ -48,7 +48,7 @@ class Comparison:
 
     def _compare(self, row: Done, id_: str) -> None:
         name = str(row.entry.row.get(str(self.reference.target), ""))
-        if math.isnan(row.distance) or math.isnan(row.entry.time) or not name:
+        if row.status or math.isnan(row.distance) or math.isnan(row.entry.time) or not name:
             return
         if name not in self._targets:
             kept = self.state.fact(f"target {name}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from echocal.errors import DataError
+from echocal.observations.heading import is_value
 from echocal.watch.rows import Row
 
 __all__ = ["Batch", "Parser", "Unread", "json_of", "parsed"]
@@ -104,14 +105,18 @@ class Parser:
             fields = next(csv.reader([text], delimiter=self.separator))
         except csv.Error as error:
             return None, f"a line cannot be cut into fields ({error}): {text[:_SHOWN]}"
-        if self.header is None or [field.strip() for field in fields] == self.header:
-            if self.header is None:
-                self._begin(text, fields)
+        if self.header is None or self._is_header(fields):
+            self._begin(text, fields)
             return None, ""
         if len(fields) != len(self.header):
             return None, f"a line has {len(fields)} fields, its header {len(self.header)}: {text[:_SHOWN]}"
         self._see(fields)
         return dict(zip(self.header, fields, strict=True)), ""
+
+    def _is_header(self, fields: list[str]) -> bool:
+        """Whether most fields are names of the header: it comes again, or another one comes in its place."""
+        names = {field.strip() for field in fields}
+        return 2 * len(names & set(self.header or ())) > len(fields) and not any(map(is_value, fields))
 
     def _begin(self, text: str, fields: list[str]) -> None:
         if ";" in text and len(fields) == 1:

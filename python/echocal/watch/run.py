@@ -163,7 +163,7 @@ class Run:
         fleet = self.fleet
         said = [f"{fleet.rows} rows, {fleet.corrected} corrected", f"{self.changes} changes told"]
         if fleet.ignored:
-            said.append(f"{fleet.ignored} rows not tested for their time")
+            said.append(f"{fleet.ignored} rows not tested")
         if self.aside:
             where = "" if self.letters is None else f" in {self.letters.path}"
             said.append(f"{self.aside} set aside{where}")

@@ -196,6 +196,9 @@ class Sensor:
             if self.reference == "others":
                 kept["distance_m"] = row.reference
             one = Waiting(entry.time, entry.number, row.distance - against, signature, kept, row.target)
+            if row.status:
+                events += [(entry.place, e) for e in sentences.ignored(self, one, [one], row.status)]
+                continue
             events += [(entry.place, event) for event in self._row(one, entry.untimed, host)]
         return events
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.observations.clock import YEARS, instants
 from echocal.observations.dates import DAY, as_iso
+from echocal.observations.fields import shown
 
 __all__ = ["Times"]
 
@@ -108,7 +109,7 @@ class Times:
             found = self._instants(values)
         except DataError as error:
             if len(places) == 1:
-                reasons[places[0]] = str(error)
+                reasons[places[0]] = str(error) if _is_number(values[0]) else self._no_time(values[0])
                 return
             for place, value in zip(places, values, strict=True):
                 self._group([place], [value], seconds, reasons, twice)
@@ -124,6 +125,12 @@ class Times:
                 twice[place] = (both[0], both[1])
             if not both and np.isfinite(local):
                 reasons[place] = _SKIPPED
+
+    def _no_time(self, value: Any) -> str:
+        return (
+            f"its {self.column} is {shown(str(value))!r}, which is no time in ISO 8601 "
+            '(2024-05-31T13:45:00); written otherwise: --time-format "%d.%m.%Y %H:%M:%S"'
+        )
 
     def _instants(self, values: list[Any], zone: str | None = None) -> Column:
         """Seconds since 1970; of local times in a zone with clock changes, as if it were UTC."""
