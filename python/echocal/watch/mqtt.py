@@ -52,6 +52,8 @@ class Broker:
         parts = urlsplit(url.replace("#", "%23"))
         self.topic, self.wait = unquote(parts.path.lstrip("/")), wait
         self._state, self._last = state, dict[str, str]()
+        self._session = f"mqtt session {parts.hostname}:{parts.port} {client}"
+        self._subscribed = state.position(self._session) if client else None
         if not parts.hostname or not self.topic:
             message = f"{url} is no address of a topic; give mqtt://host[:port]/topic, e.g. mqtt://host/tanks/+/echo"
             raise UsageError(message)
@@ -75,10 +77,12 @@ class Broker:
             raise DataError(message) from None
         self._client.loop_start()
 
-    def _connected(self, client: Any, _data: Any, _flags: Any, reason: Any, _properties: Any) -> None:
+    def _connected(self, client: Any, _data: Any, flags: Any, reason: Any, _properties: Any) -> None:
         if reason.is_failure:
             self._arrived.put(DataError(f"the broker {self.place} refuses: {reason}"))
-        else:  # after a loss of the connection, too
+        elif not (flags.session_present and self._subscribed == self.topic):
+            # also after a loss of the connection; where the broker still knows it, it would send what it
+            # retains again, beside what it has kept for this client
             client.subscribe(self.topic, qos=1)
 
     def batches(self) -> Iterator[Batch]:
@@ -124,6 +128,7 @@ class Broker:
         for key, digest in self._last.items():
             state.set_position(key, digest)
         self._last.clear()
+        state.set_position(self._session, self.topic)
 
     def acknowledge(self) -> None:
         """Tell the broker that the messages so far are dealt with."""

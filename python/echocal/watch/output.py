@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -92,21 +93,27 @@ class Table:
         if self._lines:
             self._file.write(_json_lines(rows))
             return
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         for row in rows:
-            if self._header is None:
-                self._header = list(row)
-                writer.writerow(self._header)
-            new = [name for name in row if name not in self._header]
-            if new:
-                message = (
-                    f"a row has a column '{new[0]}' that the header of {self.path} has not; rows with "
-                    "different columns need JSON lines: -o NAME.jsonl"
-                )
-                raise DataError(message)
-            writer.writerow(["" if row.get(name) is None else row[name] for name in self._header])
-        self._file.write(text.getvalue())
+            if why := self.refusal(list(row)):
+                raise DataError(why)
+        header = self._header or []
+        fields = (["" if row.get(name) is None else row[name] for name in header] for row in rows)
+        self._file.write(_csv(fields))
+
+    def refusal(self, names: list[str]) -> str:
+        """Why a row with such columns cannot be written; empty if it can. The first one makes the header."""
+        if self._lines:
+            return ""
+        if self._header is None:
+            self._header = names
+            self._file.write(_csv([names]))
+        new = [name for name in names if name not in self._header]
+        if not new:
+            return ""
+        return (
+            f"a row has a column '{new[0]}' that the header of {self.path} has not; rows with "
+            "different columns need JSON lines: -o NAME.jsonl"
+        )
 
     def done(self, state: State) -> None:
         """Make it lasting."""
@@ -146,6 +153,12 @@ class Stream:
     def back(self) -> None:
         """Take back what is not done."""
         self._rows = ""
+
+
+def _csv(rows: Iterable[Sequence[Any]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 def _json_lines(rows: list[Row]) -> str:

@@ -14,6 +14,7 @@ __all__ = ["Batch", "Parser", "Unread", "json_of", "parsed"]
 
 _COMMA = re.compile(r"\s*[-+]?\d*,\d+\s*")
 _POINT = re.compile(r"\s*[-+]?\d*\.\d+(?:[eE][-+]?\d+)?\s*")
+_DEEPEST = 100  # lists and objects in each other: what writes them again stands on a stack of its own
 _SHOWN = 80  # letters of a text that a message shows
 
 
@@ -161,6 +162,8 @@ def json_of(text: bytes) -> tuple[Any, str]:
     """What a JSON text holds, or why it cannot be read."""
     try:
         found = json.loads(text.decode("utf-8-sig"), object_pairs_hook=_object)
+        if _is_deep(found):
+            return None, f"nested more than {_DEEPEST} deep"
         json.dumps(found, ensure_ascii=False).encode()  # what cannot be written is not read
     except UnicodeDecodeError as error:
         return None, f"no UTF-8 ({error.reason} at byte {error.start})"
@@ -173,6 +176,15 @@ def json_of(text: bytes) -> tuple[Any, str]:
     except ValueError as error:
         return None, f"no JSON ({error})"
     return found, ""
+
+
+def _is_deep(found: Any) -> bool:
+    level, depth = [found], 0
+    while level and depth <= _DEEPEST:
+        inner = [one for one in level if isinstance(one, dict | list)]
+        level = [item for one in inner for item in (one.values() if isinstance(one, dict) else one)]
+        depth += bool(inner)
+    return depth > _DEEPEST
 
 
 class _RepeatedError(Exception):

@@ -79,6 +79,8 @@ class Run:
         for row, text in zip(batch.rows, batch.texts, strict=True):
             if self.fleet.mixed:
                 why = self.fleet.refusal(row)
+                if not why and isinstance(self.table, Table):  # not later, when it has waited among others
+                    why = self.table.refusal([*row, *RESULTS])
             else:  # the first rows of a table are refused as a whole
                 why = refused_names(row, RESULTS) if self.fleet.state.fact("begun") else ""
             if why:
