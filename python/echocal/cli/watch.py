@@ -141,6 +141,8 @@ def command(
 ) -> None:
     """Correct rows as they come, and tell when a sensor changes, since when, and what it is like."""
     _refuse_contradictions(models, by, model or law or effect, out, json)
+    if dead_letters == "-":
+        raise UsageError("--dead-letters needs a file, for stdout has the rows or the events")
     reference = Reference(
         distance=reference_distance,
         constant=constant_distance,
