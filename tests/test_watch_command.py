@@ -243,7 +243,7 @@ def table(path: Path) -> list[list[str]]:
     return [line.split(",") for line in path.read_text().splitlines()]
 
 
-@pytest.mark.parametrize("stop", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("stop", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_request_to_stop_ends_it_cleanly(
     stop: signal.Signals, tmp_path: Path, random: np.random.Generator
 ) -> None:

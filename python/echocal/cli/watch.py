@@ -332,7 +332,11 @@ class _Stop:
 def _stopped() -> Iterator[_Stop]:
     """End at Ctrl-C or a request to terminate, without a traceback."""
     stop = _Stop()
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    requests = [signal.SIGINT, signal.SIGTERM]
+    closed = getattr(signal, "SIGHUP", None)  # the terminal; Windows has no such signal
+    if closed is not None and signal.getsignal(closed) is not signal.SIG_IGN:  # as after nohup
+        requests.append(closed)
+    before = {number: signal.signal(number, stop) for number in requests}
     try:
         yield stop
     finally:
