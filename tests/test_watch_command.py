@@ -1,23 +1,24 @@
 """`echocal watch`: where rows come from, what is written, how it stops and goes on."""
 
-import contextlib
 import json
 import os
-import shutil
 import signal
-import socket
+import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from brokers import broker
 from watched import csv, log
 
 import echocal
+
+__all__ = ["broker"]
 
 Run = Callable[..., tuple[int, str]]
 WATCH = [sys.executable, "-m", "echocal", "watch"]
@@ -39,7 +40,7 @@ def test_a_growing_file_is_read_line_by_whole_line(
     assert run("watch", *words)[1].startswith("30 rows")
     assert run("watch", *words)[1].startswith("0 rows")
     table = [line.split(",") for line in (tmp_path / "out.csv").read_text().splitlines()]
-    assert table[0][-2:] == ["corrected_distance_m", "status"]
+    assert table[0][-3:] == ["corrected_distance_m", "distance_standard_uncertainty_m", "status"]
     assert [fields[0] for fields in table[1:]] == [row["time"] for row in rows]
 
 
@@ -117,6 +118,9 @@ def test_a_watch_that_is_killed_goes_on_as_if_nothing_had_been(
         (["a.csv", "-o", "a.csv"], 2, "is an input of this command"),
         (["a.csv", "-o", "-", "--json", "-"], 2, "both write to stdout"),
         (["a.csv", "-o", "notes.csv", "--once"], 2, "this command did not make it"),
+        (["a.csv", "--dead-letters", "notes.csv", "--once"], 2, "this command did not make it"),
+        (["a.csv", "--dead-letters", "-", "--once"], 2, "--dead-letters needs a file"),
+        (["a.csv", "-o", "b.jsonl", "--dead-letters", "b.jsonl"], 2, "both name b.jsonl"),
         (["in", "-o", "in/out.csv"], 2, "lies in the folder that is watched"),
         (["a.csv", "--constant-distance", "--reference-distance", "2"], 2, "contradict each other"),
         (["a.csv", "--reference-distance", "-2"], 2, "give a distance above 0 m"),
@@ -154,31 +158,6 @@ def test_a_file_that_became_shorter_and_other_settings_are_refused(
     (tmp_path / "log.csv").write_text(csv(rows[:4]))
     code, said = run("watch", *words)
     assert (code, "became shorter" in said) == (3, True)
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
-
-
-@pytest.fixture
-def broker(tmp_path: Path) -> Iterator[int]:
-    """A real broker, Eclipse Mosquitto, on a port of its own."""
-    program = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
-    if program is None:
-        pytest.skip("no MQTT broker: install mosquitto")
-    port = free_port()
-    settings = f"listener {port} 127.0.0.1\nallow_anonymous true\n"
-    (tmp_path / "broker.conf").write_text(settings)
-    running = subprocess.Popen([program, "-c", str(tmp_path / "broker.conf")], stderr=subprocess.DEVNULL)
-    for _ in range(100):
-        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 0.1):
-            break
-        time.sleep(0.05)
-    yield port
-    running.terminate()
-    running.wait()
 
 
 @pytest.mark.slow
@@ -258,3 +237,155 @@ def test_a_model_folder(run: Run, tmp_path: Path, random: np.random.Generator) -
     assert run("watch", *words)[1] == "6 rows, 3 corrected; 0 changes told\n"
     assert [row["status"] for row in lines(tmp_path / "out.jsonl")[:2]] == ["", "no model for sensor 8"]
     assert os.listdir(tmp_path / "models") == ["7.json"]  # noqa: PTH208
+
+
+def table(path: Path) -> list[list[str]]:
+    return [line.split(",") for line in path.read_text().splitlines()]
+
+
+@pytest.mark.parametrize("stop", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+def test_a_request_to_stop_ends_it_cleanly(
+    stop: signal.Signals, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """What was taken is written and kept; the next watch goes on behind it, and nothing else is left."""
+    rows = log(random, 400)
+    (tmp_path / "log.csv").write_text(csv(rows[:200]))
+    words = [*WATCH, "log.csv", "--law", "linear", "--learn", "100", "--poll", "0.05"]
+    words += ["-o", "out.csv", "--state", "s.db", "--json", "events.jsonl"]
+    watch = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE)
+    _until(lambda: (tmp_path / "out.csv").exists() and _count(tmp_path / "out.csv") > 100)
+    watch.send_signal(stop)
+    _, said = watch.communicate(timeout=60)
+    assert watch.returncode == 128 + stop, said
+    assert b"200 rows, 200 corrected" in said
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["events.jsonl", "log.csv", "out.csv", "s.db"]
+    with sqlite3.connect(tmp_path / "s.db") as base:
+        assert base.execute("select count(*) from sensors").fetchone() == (1,)
+    assert "learned" in (tmp_path / "events.jsonl").read_text()
+    (tmp_path / "log.csv").write_text(csv(rows))
+    more = subprocess.run([*words, "--once"], cwd=tmp_path, capture_output=True, check=True)
+    assert b"200 rows, 200 corrected" in more.stderr
+    assert [row[0] for row in table(tmp_path / "out.csv")[1:]] == [row["time"] for row in rows]
+
+
+def test_signs_that_steer_a_terminal_are_shown(tmp_path: Path, random: np.random.Generator) -> None:
+    evil = ["\x1b[2J", "a\x1b]0;title\x07", "b\rc", "\u202egnp.exe", "\x9b31m", "tank 7"]
+    rows = [{**row, "id": evil[place % len(evil)]} for place, row in enumerate(log(random, 18))]
+    rows.append({**rows[0], "\x1b[31m": 1})
+    rows.append({**rows[0], "time": "\x1b[2J"})
+    text = "".join(json.dumps(row) + "\n" for row in rows) + '{"\x1b[2J\n\x1b[2J}\n'
+    (tmp_path / "log.jsonl").write_text(text)
+    echocal.Model("linear").save(tmp_path / "tank_7.json")
+    words = [*WATCH, "log.jsonl", "--models", ".", "--by", "id", "--once"]
+    made = subprocess.run(words, cwd=tmp_path, capture_output=True, check=True)
+    said = (made.stdout + made.stderr).decode()
+    assert all(line.isprintable() for line in said.split("\n"))
+    assert "\\x1b[2J: no model" in said
+    assert made.stdout.count(b"no model") == len(evil) - 1
+    assert b"20 rows, 3 corrected" in made.stderr
+
+
+def test_what_is_no_row_can_be_kept_with_its_reason(
+    run: Run, tmp_path: Path, random: np.random.Generator
+) -> None:
+    rows = log(random, 6)
+    text = csv(rows[:3]) + "1,2\n" + csv(rows[3:]) + '{"echo_us": 1, "echo_us": 2}\n'
+    (tmp_path / "log.csv").write_bytes(text.encode() + b"\xff\xfe,1,2\n")
+    words = ["log.csv", "--law", "linear", "--once", "-o", "out.csv", "--dead-letters", "aside.jsonl"]
+    code, said = run("watch", *words)
+    assert (code, "6 rows, 6 corrected" in said, "3 set aside in aside.jsonl" in said) == (0, True, True)
+    letters = lines(tmp_path / "aside.jsonl")
+    assert [letter["source"] for letter in letters] == ["log.csv"] * 3
+    assert letters[0]["text"] == "1,2\n"
+    assert "twice" in letters[1]["reason"]
+    assert "base64" in letters[2]
+
+
+@pytest.mark.parametrize("blank", ["", " "])
+def test_a_header_that_comes_again_is_no_row(
+    blank: str, run: Run, tmp_path: Path, random: np.random.Generator
+) -> None:
+    rows = log(random, 30)
+    header = f",{blank}".join(rows[0])
+    text = "".join(csv(rows[at : at + 10]).replace(",".join(rows[0]), header) for at in (0, 10, 20))
+    (tmp_path / "log.csv").write_text(text)
+    words = ["log.csv", "--law", "linear", "--once", "-o", "out.csv"]
+    assert run("watch", *words) == (0, "30 rows, 30 corrected; 0 changes told\n")
+
+
+def test_another_header_in_the_middle_is_one(run: Run, tmp_path: Path, random: np.random.Generator) -> None:
+    """A logger that starts again writes its columns in another order, and one more."""
+    rows = log(random, 30)
+    names = [*random.permutation(list(rows[0])).tolist(), "battery_V"]
+    later = [{name: {**row, "battery_V": "3.3"}[name] for name in names} for row in rows[15:]]
+    (tmp_path / "log.csv").write_text(csv(rows[:15]) + csv(later))
+    (tmp_path / "plain.csv").write_text(csv(rows))
+    for name in ("log", "plain"):
+        words = [f"{name}.csv", "--law", "linear", "--once", "-o", f"{name}.jsonl"]
+        assert run("watch", *words) == (0, "30 rows, 30 corrected; 0 changes told\n")
+    found = [row.pop("corrected_distance_m") for row in lines(tmp_path / "log.jsonl")]
+    assert found == [row["corrected_distance_m"] for row in lines(tmp_path / "plain.jsonl")]
+    assert lines(tmp_path / "log.jsonl")[-1]["battery_V"] == "3.3"
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_decimal_commas(separator: str, run: Run, tmp_path: Path, random: np.random.Generator) -> None:
+    """As `echocal correct` reads them: seen where the separator is another one, else by --decimal."""
+    rows = log(random, 20)
+    (tmp_path / "plain.csv").write_text(csv(rows))
+    suffix = ".tsv" if separator == "\t" else ".csv"
+    (tmp_path / f"log{suffix}").write_text(csv(rows).replace(",", separator).replace(".", ","))
+    texts = [{name: text.replace(".", ",") for name, text in row.items()} for row in rows]
+    (tmp_path / "log.jsonl").write_text("".join(json.dumps(row) + "\n" for row in texts))
+    shared = ["--law", "linear", "--once"]
+    assert run("watch", "plain.csv", *shared, "-o", "plain-out.csv")[0] == 0
+    wanted = [row[4:] for row in table(tmp_path / "plain-out.csv")[1:]]
+    assert all(row[0] for row in wanted)
+    for source, options in ((f"log{suffix}", []), ("log.jsonl", ["--decimal", ","])):
+        assert run("watch", source, *shared, *options, "-o", "out.jsonl")[0] == 0
+        for row, own in zip(lines(tmp_path / "out.jsonl"), wanted, strict=True):
+            assert [str(row["corrected_distance_m"]), row["status"]] == [own[0], own[2]]
+    assert run("watch", "log.jsonl", *shared, "-o", "out.jsonl")[0] == 0
+    assert {row["status"] for row in lines(tmp_path / "out.jsonl")} == {"echo_us is no number"}
+
+
+def test_a_file_that_has_a_header_only(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time,echo_us,temperature_C,distance_m\n")
+    assert run("watch", "log.csv", "--once")[1].startswith("0 rows")
+
+
+def test_an_index_names_the_models_of_a_folder(run: Run, tmp_path: Path, random: np.random.Generator) -> None:
+    """The sensor `index` has none, another has the file that the index says; a broken file stops its own."""
+    (tmp_path / "models").mkdir()
+    echocal.Model("linear").save(tmp_path / "models" / "x.json")
+    (tmp_path / "models" / "broken.json").write_text("{")
+    index = {"schema": "echocal.models/1", "models": {"tank/7": "x.json", "8": "broken.json"}}
+    (tmp_path / "models" / "index.json").write_text(json.dumps(index))
+    rows = [{"id": name, **row} for row in log(random, 3) for name in ("index", "tank/7", "8")]
+    (tmp_path / "log.csv").write_text(csv(rows))
+    words = ["log.csv", "--models", "models", "--by", "id", "--once", "-o", "out.jsonl", "--json", "-"]
+    assert run("watch", *words)[1] == "9 rows, 3 corrected; 0 changes told\n"
+    status = [row["status"] for row in lines(tmp_path / "out.jsonl")[:3]]
+    assert status == ["no model for sensor index", "", "no model for sensor 8"]
+
+
+def test_a_time_in_numbers_is_followed_over_restarts(
+    run: Run, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """A step of 50 mm in a log with milliseconds since the start, which grows from call to call."""
+    rows = log(random, 320, error=np.where(np.arange(320) < 260, 0.0, 0.05))
+    for place, row in enumerate(rows):
+        row["time_ms"] = str(600_000 * place)
+        del row["time"]
+    words = ["log.csv", "--law", "linear", "--learn", "200", "--once", "--state", "s.db", "--json", "e.jsonl"]
+    for last in sorted({*random.integers(1, 320, 4).tolist(), 261, 262, 263, 264, 265, 320}):
+        (tmp_path / "log.csv").write_text(csv(rows[:last]))
+        assert run("watch", *words)[0] == 0
+    events = lines(tmp_path / "e.jsonl")
+    assert [event["event"] for event in events if event["event"] in {"learned", "change"}] == [
+        "learned",
+        "change",
+    ]
+    (change,) = [event for event in events if event["event"] == "change"]
+    low, high = change["since_interval"]
+    assert low <= 600.0 * 260 <= high

@@ -12,7 +12,6 @@ from watched import START, WAIT, csv, log
 import echocal
 from echocal.correct import correct_file
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings
-from echocal.watch.rows import Reader
 
 DEVICE = echocal.Model("linear")
 
@@ -76,18 +75,15 @@ def test_corrections_are_those_of_correct(random: np.random.Generator, tmp_path:
 def test_the_reason_of_a_row_does_not_depend_on_its_batch(field: dict[str, str]) -> None:
     good = {"time": "2026-01-01T00:00:00", "echo_us": "9000", "temperature_C": "20"}
     rows = [*[good] * 30, good | field, *[good] * 30]
-    reader = Reader({})
-    (alone,) = reader.read([good | field])[1]
-    assert alone
-    for size in (2, 9, 10, 61):
-        status = [""] * len(rows)
-        for first in range(0, len(rows), size):
-            blocks, own = reader.read(rows[first : first + size])
-            status[first : first + size] = own
-            for block in blocks:
-                for place, why in zip(block.index + first, block.observations.unusable, strict=True):
-                    status[place] = status[place] or str(why)
-        assert status == [*[""] * 30, alone, *[""] * 30]
+    model = echocal.Model("linear", {"temperature_lag": {"time_constant": 120.0}})  # which needs the time
+
+    def reasons(size: int) -> list[str]:
+        watch = Fleet(lambda _: model, None, Reference(none=True), WatchSettings(), State(None))
+        return [row["status"] for row in taken(watch, rows, size)[0]]
+
+    (alone,) = {reason for reason in reasons(1) if reason}
+    for size in (1, 2, 9, 10, 61):
+        assert reasons(size) == [*[""] * 30, alone, *[""] * 30]
 
 
 def test_batches_and_restarts_change_nothing(random: np.random.Generator, tmp_path: Path) -> None:

@@ -1,9 +1,8 @@
 """``echocal watch``: correct rows as they come, and tell when a sensor changes."""
 
-import json as json_
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,6 +14,7 @@ from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     At,
     Columns,
+    Decimal,
     Missing,
     Options,
     Quiet,
@@ -25,10 +25,12 @@ from echocal.cli._tables import (
     options_of,
     toml_files,
 )
+from echocal.cli._terminal import visible
 from echocal.errors import UsageError
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of
 from echocal.watch.mqtt import Broker
 from echocal.watch.output import Growing, Stream, Table
+from echocal.watch.run import SCHEMA, Run
 from echocal.watch.source import Files, Lines, Source
 
 _USUAL = WatchSettings()
@@ -101,11 +103,33 @@ def command(
     client: Annotated[
         str, typer.Option(metavar="NAME", help="MQTT: name for which the broker keeps messages.")
     ] = "",
+    dead_letters: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="What is no row goes here with its reason, as JSON lines; with MQTT always, by default "
+            "beside --out or --state.",
+        ),
+    ] = None,
+    mark_rows: Annotated[
+        bool,
+        typer.Option(
+            "--mark-rows/--no-mark-rows",
+            help="Mark rows that are as those which the diagnosis of the model left out.",
+        ),
+    ] = True,
+    uncertainty: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=U", help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ..."
+        ),
+    ] = None,
     column: Columns = None,
     missing: Missing = None,
     trust: Trust = None,
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
+    decimal: Decimal = None,
     at: At = None,
     time_format: TimeFormat = None,
     file_of_options: Options = None,
@@ -117,6 +141,8 @@ def command(
 ) -> None:
     """Correct rows as they come, and tell when a sensor changes, since when, and what it is like."""
     _refuse_contradictions(models, by, model or law or effect, out, json)
+    if dead_letters == "-":
+        raise UsageError("--dead-letters needs a file, for stdout has the rows or the events")
     reference = Reference(
         distance=reference_distance,
         constant=constant_distance,
@@ -130,51 +156,82 @@ def command(
     options = options_of(
         column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
     )
-    named = [("-o", out), ("--json", json)]
-    for option, path in named if state is not None else []:
-        if path not in {None, "-"} and Path(str(path)).resolve() == Path(str(state)).resolve():
-            message = f"{option} and --state both name {path}; choose two names"
-            raise UsageError(message)
+    mixed = source.startswith(_BROKERS)
+    letters = dead_letters or (_letters_beside(out, state) if mixed else None)
+    _refuse_same(("-o", out), ("--json", json), ("--dead-letters", letters), ("--state", state))
     with ExitStack() as at_end:
         kept = State(state)
         at_end.callback(kept.close)
-        _check_files(source, out, json, state, [model, *toml_files(column)], kept, force=force)
+        files = {"--out": out, "--json": json, "--dead-letters": letters, "--state": state}
+        _check_files(source, files, [model, *toml_files(column)], kept, force=force)
         kept.check(
-            {
-                "reference": reference.kind,
-                "false_alarms": false_alarms,
-                "learn": learn,
-                "by": by,
-            }
+            {"reference": reference.kind, "false_alarms": false_alarms, "learn": learn, "by": by},
         )
-        own = models is not None
-        fleet = Fleet(models_of(one, models), by, reference, settings, kept, options, interval, own)
+        fleet = Fleet(
+            models_of(one, models),
+            by,
+            reference,
+            settings,
+            kept,
+            options,
+            interval,
+            own_models=models is not None,
+            mark_rows=mark_rows,
+            uncertainties=uncertainty or (),
+            decimal=decimal,
+            mixed=mixed,
+        )
         rows = _source(source, kept, poll, client, once=once)
         if isinstance(rows, Broker):
             at_end.callback(rows.close)
-        table = _table(out, kept)
-        events = None if json in {None, "-"} else Growing(Path(str(json)), kept)
-        told = 0
-        with _until_stopped():
-            for batch, wrong in rows.batches():
-                for why in dict.fromkeys(wrong):
-                    _say(f"note: {why}", quiet)
-                if not batch and not wrong:
-                    continue
-                corrected, news = fleet.take(batch)
-                if table is not None:
-                    table.write(corrected)
-                    table.done(kept)
-                if events is not None:
-                    events.write("".join(_json(event) for event in news))
-                    events.done(kept)
-                rows.done(kept)
-                kept.commit()
-                if isinstance(rows, Broker):
-                    rows.acknowledge()
-                told += sum(event.kind == "change" for event in news)
-                _tell(news, json, quiet or out == "-")
-        _say(f"{fleet.rows} rows, {fleet.corrected} corrected; {told} changes told", quiet)
+        run = Run(
+            fleet,
+            rows,
+            _table(out, kept),
+            None if json in {None, "-"} else Growing(Path(str(json)), kept),
+            None if letters is None else Growing(Path(letters), kept, append=True),
+            lambda news: _tell(news, json, quiet or out == "-"),
+            lambda text: _say(f"note: {text}", quiet),
+        )
+        kept.commit()
+        _until_it_ends(run, rows, quiet)
+
+
+def _until_it_ends(run: Run, rows: Source, quiet: bool) -> None:
+    """Take batches until there are no more, or somebody asks to stop; a batch that has begun is finished."""
+    asked: _Asked | None = None
+    with _stopped() as stop:
+        try:
+            for batch in rows.batches():
+                with stop.later():
+                    if batch:
+                        run.take(batch)
+                    if isinstance(rows, Broker):
+                        rows.acknowledge()
+        except _Asked as request:
+            asked = request
+        with stop.later():
+            run.end()
+            _say(run.summary(), quiet)
+    if asked is not None:
+        raise asked
+
+
+def _letters_beside(out: str | None, state: Path | None) -> str:
+    """Where messages that are no rows go: beside the output, or the state."""
+    beside = Path(str(out)) if out not in {None, "-"} else state
+    return "dead-letters.jsonl" if beside is None else str(beside.with_suffix(".dead-letters.jsonl"))
+
+
+def _refuse_same(*named: tuple[str, Any]) -> None:
+    seen: dict[Path, str] = {}
+    for option, path in named:
+        if path in {None, "-"}:
+            continue
+        first = seen.setdefault(Path(str(path)).resolve(), option)
+        if first != option:
+            message = f"{first} and {option} both name {path}; choose two names"
+            raise UsageError(message)
 
 
 def _refuse_contradictions(
@@ -192,14 +249,7 @@ def _refuse_contradictions(
 
 
 def _check_files(
-    source: str,
-    out: str | None,
-    json: str | None,
-    state: Path | None,
-    inputs: list[Any],
-    kept: State,
-    *,
-    force: bool,
+    source: str, outputs: dict[str, Any], inputs: list[Any], kept: State, *, force: bool
 ) -> None:
     """Refuse outputs that would destroy a file, or would be read again as rows."""
 
@@ -208,13 +258,12 @@ def _check_files(
             return True
         with file.open(encoding="utf-8", errors="replace") as stream:
             first = stream.readline()
-        return "corrected_distance_m" in first or '"echocal.event/1"' in first
+        return any(mark in first for mark in ("corrected_distance_m", '"echocal.event/1"', f'"{SCHEMA}"'))
 
     file = None if source == "-" or source.startswith(_BROKERS) else Path(source)
-    check_outputs(
-        Output("--out", out, ours), Output("--json", json, ours), inputs=[*inputs, file], force=force
-    )
-    for option, path in (("--out", out), ("--json", json), ("--state", state)):
+    written = [Output(option, outputs[option], ours) for option in outputs if option != "--state"]
+    check_outputs(*written, inputs=[*inputs, file], force=force)
+    for option, path in outputs.items():
         inside = path not in {None, "-"} and file is not None and file.is_dir()
         if inside and file is not None and file.resolve() in Path(str(path)).resolve().parents:
             message = f"{option} {path} lies in the folder that is watched; choose another place"
@@ -225,7 +274,7 @@ def _source(source: str, kept: State, poll: float, client: str, *, once: bool) -
     if source == "-":
         return Lines(sys.stdin.buffer, poll)
     if source.startswith(_BROKERS):
-        return Broker(source, client, poll)
+        return Broker(source, client, poll, kept)
     return Files(Path(source), kept, poll, once=once)
 
 
@@ -235,34 +284,61 @@ def _table(out: str | None, kept: State) -> Table | Stream | None:
     return Stream(sys.stdout) if out == "-" else Table(Path(out), kept)
 
 
-def _json(event: Event) -> str:
-    return json_.dumps(event.to_dict(), allow_nan=False) + "\n"
-
-
-def _tell(news: list[Event], json: str | None, quiet: bool) -> None:
+def _tell(news: Sequence[Event], json: str | None, quiet: bool) -> None:
     for event in news:
         if json == "-":
-            sys.stdout.write(_json(event))
+            sys.stdout.write(event.line_of_json())
         elif not quiet:
-            sys.stdout.write(event.line() + "\n")
+            sys.stdout.write(visible(event.line()) + "\n")
     sys.stdout.flush()
 
 
 def _say(text: str, quiet: bool) -> None:
     if not quiet:
-        sys.stderr.write(text + "\n")
+        sys.stderr.write(visible(text) + "\n")
+
+
+class _Asked(SystemExit):
+    """Somebody asked the watch to stop."""
+
+
+class _Stop:
+    """A request to stop: while it waits the watch ends at once, else when it has done what it does."""
+
+    def __init__(self) -> None:
+        self._asked: int | None = None
+        self._busy = False
+
+    def __call__(self, number: int, _frame: Any) -> None:
+        if self._busy and self._asked is None:
+            self._asked = number
+        else:
+            raise _Asked(128 + number)
+
+    @contextmanager
+    def later(self) -> Iterator[None]:
+        """Do something whole; a second request ends that, too."""
+        self._busy = True
+        try:
+            yield
+        finally:
+            self._busy = False
+        if self._asked is not None:
+            number, self._asked = self._asked, None
+            raise _Asked(128 + number)
 
 
 @contextmanager
-def _until_stopped() -> Iterator[None]:
-    """End at Ctrl-C or a request to terminate, without a traceback; the last commit stands."""
-
-    def stop(number: int, _frame: Any) -> None:
-        raise SystemExit(128 + number)
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+def _stopped() -> Iterator[_Stop]:
+    """End at Ctrl-C or a request to terminate, without a traceback."""
+    stop = _Stop()
+    requests = [signal.SIGINT, signal.SIGTERM]
+    closed = getattr(signal, "SIGHUP", None)  # the terminal; Windows has no such signal
+    if closed is not None and signal.getsignal(closed) is not signal.SIG_IGN:  # as after nohup
+        requests.append(closed)
+    before = {number: signal.signal(number, stop) for number in requests}
     try:
-        yield
+        yield stop
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

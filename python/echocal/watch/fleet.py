@@ -2,42 +2,34 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from echocal.errors import DataError
-from echocal.model.indicated_speed import speed_of
-from echocal.observations import Observations
+from echocal.correct.rows import Reading
+from echocal.correct.uncertainty import Uncertainties
+from echocal.errors import DataError, EchocalError, UsageError
+from echocal.model import Model
+from echocal.model.folder import label
+from echocal.observations.at import uncertainties_of
 from echocal.watch import verdict
+from echocal.watch.clock import Waiting
+from echocal.watch.comparison import Comparison
+from echocal.watch.correction import NO_ECHO, Entry, Results, correct
 from echocal.watch.events import Event
 from echocal.watch.reference import Models, Reference, refuse_columns
-from echocal.watch.rows import Block, Reader, Row
-from echocal.watch.sensor import Sensor
+from echocal.watch.rows import Reader, Row, refused_names
+from echocal.watch.sensor import RESULTS, Done, Sensor
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import unwatchable
 from echocal.watch.state import State
-from echocal.watch.target import Target
 
-__all__ = ["RESULTS", "Fleet"]
+__all__ = ["Fleet"]
 
-RESULTS = ("corrected_distance_m", "status")
-"""Names of the two columns that are appended."""
+_NO_KEY = "no key"
 
-Column = NDArray[np.float64]
-
-
-@dataclass
-class _Found:
-    """Results of a batch, by row: reason code, distance, time, reference; and by sensor, what was read."""
-
-    status: list[str]
-    distance: Column
-    times: Column
-    reference: Column
-    parts: dict[str, list[tuple[NDArray[np.intp], Observations]]] = field(default_factory=dict)
+Told = list[tuple[int, Event]]
 
 
 @dataclass
@@ -59,6 +51,14 @@ class Fleet:
         Time between rows of a sensor [s].
     own_models : bool
         Each sensor has a model of its own: one that cannot be watched stops its sensor, not the others.
+    mark_rows : bool
+        Whether rows that are as those which the diagnosis of the model left out get no corrected distance.
+    uncertainties : sequence of str, or mapping of str to float
+        See `echocal.correct.correct_table`.
+    decimal : str or None
+        Decimal separator of texts; None: as each source of rows has it.
+    mixed : bool
+        Rows of many kinds come, as messages do: the first ones do not show what the others have.
 
     Examples
     --------
@@ -81,188 +81,237 @@ class Fleet:
     options: dict[str, Any] = field(default_factory=dict)
     interval: float | None = None
     own_models: bool = False
+    mark_rows: bool = True
+    uncertainties: Sequence[str] | Mapping[str, float] = ()
+    decimal: str | None = None
+    mixed: bool = False
     rows: int = 0
     corrected: int = 0
+    ignored: int = 0
     _sensors: dict[str, Sensor | None] = field(default_factory=dict)
-    _readers: dict[str, Reader] = field(default_factory=dict)
-    _targets: dict[str, Target] = field(default_factory=dict)
-    _seen: dict[tuple[str, int], tuple[Target, int]] = field(default_factory=dict)
     _checked: bool = False
 
-    def take(self, rows: Sequence[Row]) -> tuple[list[Row], list[Event]]:
-        """Correct rows, and test them: the same rows with two columns more, and what there is to tell.
+    def __post_init__(self) -> None:
+        own = {name: value for name, value in self.options.items() if value not in (None, "")}
+        ignored = [name for name in (self.by, self.reference.target, "topic") if name]
+        self._reader = Reader(own.get("columns"), ignored=ignored, missing=own.get("missing", ()))
+        at = {name: str(value) for name, value in (own.get("at") or {}).items()}
+        stated = {**uncertainties_of(at), **Uncertainties.of(self.uncertainties).stated}
+        self._reading = Reading(
+            missing=own.get("missing", ()),
+            trust=tuple(own.get("trust", ())),
+            time_zone=own.get("time_zone", "UTC"),
+            reading_speed=own.get("reading_speed"),
+            mark_rows=self.mark_rows,
+            uncertainties=Uncertainties(stated),
+            at=at,
+        )
+        self._time_format = own.get("time_format")
+        self._comparison = Comparison(self.reference, self.state)
+
+    def refusal(self, row: Row) -> str:
+        """Why a row alone, of many kinds, is none of an echo; empty if it is one."""
+        if why := refused_names(row, RESULTS):
+            return why
+        if self.by is not None and not _id_of(row.get(self.by)):
+            held = f"holds {row[self.by]!r}" if self.by in row else f"is not there; it has {', '.join(row)}"
+            return f"no sensor id: the field '{self.by}' of --by {held:.200}"
+        try:
+            columns = self._reader.columns(list(row))
+        except EchocalError as error:
+            return str(error)
+        return "" if columns.has_echo else f"{NO_ECHO}; it has {', '.join(row):.200}"
+
+    def meet(self, rows: Sequence[Row]) -> list[Event]:
+        """Know the sensors of rows: with the state of a former watch, or anew.
 
         Raises
         ------
         DataError
-            If the rows lack what every row needs: a sensor's id, a time, something to be compared with.
+            If the state is of another model, or the model of all sensors cannot be watched.
+        """
+        ids = (self._id(row) for row in rows)
+        return [event for id_ in dict.fromkeys(ids) if id_ is not None for event in self._known(id_)]
+
+    def take(self, rows: Sequence[Row], decimal: str = ".") -> tuple[list[Row], list[Event]]:
+        """Correct rows, and test them: rows with three columns more, and what there is to tell.
+
+        Rows whose marks look at rows after them come when these have come; see `finish`.
+
+        Raises
+        ------
+        DataError
+            If the first rows lack what every row needs: a sensor's id, a time, something to be compared with.
         """
         if not rows:
             return [], []
-        self._check(rows)
-        ids = [self._id(row) for row in rows]
-        events = [event for id_ in dict.fromkeys(ids) for event in self._known(id_)]
-        unread = ["" if self._sensors[id_] else f"no model for sensor {id_}" for id_ in ids]
-        blank = np.full(len(rows), np.nan)
-        found = _Found(unread, blank, blank.copy(), blank.copy())
-        numbers = self._numbers(ids)
-        speeds = [speed_of(s.model) if (s := self._sensors[id_]) else None for id_ in ids]
-        for speed in dict.fromkeys(one for one in speeds if one is not None):
-            places = [p for p, own in enumerate(speeds) if own == speed]
-            blocks, reasons = self._reader(speed).read([rows[p] for p in places])
-            for place, why in zip(places, reasons, strict=True):
-                found.status[place] = why
-            for block in blocks:
-                of_all = np.array(places, dtype=np.intp)[block.index]
-                events += self._correct(replace(block, index=of_all), ids, numbers, found)
-        distance, times = found.distance, found.times
-        reference = self._references(rows, ids, numbers, distance, times, found.reference)
-        events += self._tests(rows, found.parts, distance, reference, times, numbers)
-        self._keep_targets(rows)
-        self.rows += len(rows)
-        self.corrected += int(np.isfinite(distance).sum())
-        for id_ in dict.fromkeys(ids):
-            if sensor := self._sensors[id_]:
-                self.state.keep(id_, sensor.to_dict())
-        done: list[Row] = [
-            {**row, RESULTS[0]: None if math.isnan(d) else round(d, 9), RESULTS[1]: why}
-            for row, d, why in zip(rows, distance.tolist(), found.status, strict=True)
-        ]
-        return done, sorted(events, key=lambda event: -math.inf if event.time is None else event.time)
-
-    def _correct(self, block: Block, ids: list[str], numbers: list[int], found: "_Found") -> list[Event]:
-        """Correct the rows of a block, sensor by sensor; notes on domains that they leave."""
-        events = []
-        for id_, where, at in _runs(block.index, ids):
-            sensor = self._sensors[id_]
-            assert sensor is not None
-            times = block.time[where]
-            if self.interval is not None and np.isnan(times).all():
-                times = self.interval * np.array([numbers[p] for p in at.tolist()], dtype=float)
-            outside = len(sensor.outside)
-            own = replace(block, time=_put(block.time, where, times))
-            found.distance[at], reasons, seen = sensor.correct(own, where)
-            found.times[at], found.reference[at] = times, block.reference[where]
-            for place, reason in zip(at.tolist(), reasons, strict=True):
-                found.status[place] = reason
-            found.parts.setdefault(id_, []).append((at, seen))
-            left = sensor.outside[outside:]
-            events += [Event("note", id_, None, 0, f"outside of a domain: {text}") for text in left]
-        return events
-
-    def _tests(
-        self,
-        rows: Sequence[Row],
-        parts: Mapping[str, list[tuple[NDArray[np.intp], Observations]]],
-        distance: Column,
-        reference: Column,
-        times: Column,
-        numbers: list[int],
-    ) -> list[Event]:
-        events: list[Event] = []
-        for id_, own in parts.items():
-            sensor = self._sensors[id_]
-            assert sensor is not None
-            for at, seen in sorted(own, key=lambda part: int(part[0][0])):
-                places = at.tolist()
-                kept = [
-                    (numbers[p], times[p], self._with_reference(rows[p], reference[p]))
-                    for p in places
-                    if np.isfinite(distance[p]) and np.isfinite(reference[p]) and np.isfinite(times[p])
-                ]
-                self.state.add_rows(id_, kept)
-                of_rows = [numbers[p] for p in places]
-                events += sensor.test(
-                    distance[at],
-                    reference[at],
-                    times[at],
-                    seen,
-                    of_rows,
-                    self._diagnosed,
-                    self._farthest,
-                )
-            self.state.forget_rows(id_, sensor.rows - self.settings.kept)
-        return events
-
-    def _with_reference(self, row: Row, reference: float) -> Row:
-        return {**row, "distance_m": reference} if self.reference.kind == "others" else row
-
-    def _references(
-        self,
-        rows: Sequence[Row],
-        ids: list[str],
-        numbers: list[int],
-        distance: Column,
-        times: Column,
-        given: Column,
-    ) -> Column:
-        """Reference distance of each row [m]; NaN where there is none."""
-        if self.reference.kind == "distance":
-            return np.full(len(rows), float(self.reference.distance or 0.0))
-        if self.reference.kind == "constant":
-            return distance
-        if self.reference.kind != "others":
-            return given
-        found = np.full(len(rows), np.nan)
-        for place, row in enumerate(rows):
-            now, name = float(times[place]), self._target(row)
-            if math.isnan(distance[place]) or math.isnan(now) or not name:
+        told: Told = [(-1, event) for event in (*self._check(rows), *self.meet(rows))]
+        place = int(self.state.fact("place") or 0)
+        self.state.set_fact("place", place + len(rows))
+        lost: list[Done] = []
+        own: dict[str, list[Entry]] = {}
+        for row in rows:
+            place, id_ = place + 1, self._id(row)
+            sensor = None if id_ is None else self._sensors[id_]
+            if id_ is None or sensor is None:
+                why = _NO_KEY if id_ is None else f"no model for sensor {id_}"
+                lost.append(Done(Entry(row, 0, place), None, why, released=place))
                 continue
-            if name not in self._targets:
-                kept = self.state.fact(f"target {name}")
-                self._targets[name] = Target() if kept is None else Target.restored(kept)
-            target = self._targets[name]
-            found[place] = target.add(ids[place], now, float(distance[place]), self.reference.within)
-            self._seen[ids[place], numbers[place]] = target, target.rows
+            sensor.rows += 1
+            entry = Entry(row, sensor.rows, place, self.decimal or decimal)
+            own.setdefault(id_, []).append(entry.read(self._reader))
+        sensors = [sensor for id_ in own if (sensor := self._sensors[id_])]
+        for sensor in sensors:
+            sensor.arrive(own[sensor.id], self._reading.time_zone, self._time_format)
+        done, notes = self._corrected([(sensor, sensor.released()) for sensor in sensors])
+        for sensor in sensors:
+            sensor.release(sensor.released())
+        self.rows += len(rows)
+        return self._finished([*done, *lost], told + notes, sensors)
+
+    def finish(self) -> tuple[list[Row], list[Event]]:
+        """Correct and test the rows that still wait for later ones, which do not come any more."""
+        waiting = [(sensor, sensor.released(all_of_them=True)) for sensor in self._waiting()]
+        done, notes = self._corrected(waiting)
+        for sensor, rows in waiting:
+            sensor.release(rows)
+        return self._finished(done, notes, [sensor for sensor, _ in waiting])
+
+    def so_far(self) -> list[Row]:
+        """The rows that still wait, corrected as if no row came any more; nothing changes."""
+        waiting = [(sensor, sensor.released(all_of_them=True)) for sensor in self._waiting()]
+        done, _ = self._corrected(waiting, tell=False)
+        return [row.output() for row in sorted(done, key=Done.order)]
+
+    def forget(self) -> None:
+        """Forget what the state does not know."""
+        self._sensors, self._comparison = {}, Comparison(self.reference, self.state)
+
+    def _waiting(self) -> list[Sensor]:
+        """Sensors with rows that wait for later ones."""
+        ids = self.state.fact("waiting") or []
+        for id_ in ids:
+            self._known(id_)
+        return [sensor for id_ in ids if (sensor := self._sensors[id_])]
+
+    def _corrected(
+        self, released: Sequence[tuple[Sensor, range]], *, tell: bool = True
+    ) -> tuple[list[Done], Told]:
+        """Correct rows of windows: sensors of one model together, unless marks look at the rows around."""
+        alone = [(sensor, rows) for sensor, rows in released if sensor.context]
+        together: dict[int, list[tuple[Sensor, range]]] = {}
+        for sensor, rows in released:
+            if not sensor.context:
+                together.setdefault(id(sensor.model), []).append((sensor, rows))
+        done: list[Done] = []
+        told: Told = []
+        for parts in [*([one] for one in alone), *together.values()]:
+            entries = [(sensor, entry) for sensor, _ in parts for entry in sensor.window]
+            model = parts[0][0].model
+            results = correct([entry for _, entry in entries], model, self._reader, self._reading)
+            at = 0
+            for sensor, rows in parts:
+                done += [_done(sensor, place, results, at + place) for place in rows]
+                at += len(sensor.window)
+            told += self._news(model, entries, results) if tell else []
+        return done, told
+
+    def _news(self, model: Model, entries: Sequence[tuple[Sensor, Entry]], results: Results) -> Told:
+        """Notes on a correction, each once for a model."""
+        known = self.state.fact("notes") or []
+        found = []
+        for text, first in results.notes.items():
+            if [model.hash, text] not in known:
+                sensor, entry = entries[first]
+                known.append([model.hash, text])
+                found.append((entry.place, Event("note", sensor.id, None, 0, text)))
+        if found:
+            self.state.set_fact("notes", known)
         return found
 
-    def _target(self, row: Row) -> str:
-        return str(row.get(str(self.reference.target), ""))
+    def _finished(
+        self, done: list[Done], told: Told, sensors: Sequence[Sensor]
+    ) -> tuple[list[Row], list[Event]]:
+        """Test corrected rows, and keep everything."""
+        done.sort(key=Done.order)
+        self._comparison.give(done)
+        own: dict[str, list[Done]] = {sensor.id: [] for sensor in sensors}
+        for row in done:
+            if row.sensor is not None:
+                own[row.sensor.id].append(row)
+        for sensor in sensors:
+            before = sensor.ignored
+            told += sensor.test(own[sensor.id], self)
+            self.ignored += sensor.ignored - before
+            self.state.forget_rows(sensor.id, sensor.rows - self.settings.kept)
+        self._comparison.keep(done)
+        self.corrected += sum(math.isfinite(row.distance) for row in done)
+        self._keep(sensors)
+        told.sort(key=lambda one: one[0])
+        return [row.output() for row in done], [event for _, event in told]
 
-    def _farthest(self, id_: str, number: int, since: float) -> str | None:
-        """The sensor of a target that has moved farthest until a row of one of them."""
-        if (id_, number) not in self._seen:
-            return None
-        target, row = self._seen[id_, number]
-        return target.moved_most(since, row)
+    def _keep(self, sensors: Sequence[Sensor]) -> None:
+        before = self.state.fact("waiting") or []
+        ids = dict.fromkeys(before)
+        for sensor in sensors:
+            self.state.keep(sensor.id, sensor.to_dict())
+            ids.pop(sensor.id, None)
+            if len(sensor.window) > sensor.done:
+                ids[sensor.id] = None
+        if list(ids) != before:
+            self.state.set_fact("waiting", list(ids))
 
-    def _keep_targets(self, rows: Sequence[Row]) -> None:
-        self._seen = {}
-        for name in dict.fromkeys(self._target(row) for row in rows):
-            if name in self._targets:
-                self._targets[name].forget()
-                self.state.set_fact(f"target {name}", self._targets[name].to_dict())
+    def keep(self, sensor: Sensor, row: Waiting, time: float) -> None:
+        """Keep a row that is tested, by the time of the test [s]; see `Host`."""
+        kept = dict(row.row)
+        if sensor.dated:
+            kept["time"] = str(np.datetime64(round(time * 1e9), "ns")) + "Z"
+        elif self.interval is None:
+            kept["time_s"] = time
+        self.state.add_rows(sensor.id, [(row.number, time, kept)])
 
-    def _diagnosed(self, sensor: Sensor, time: float, number: int) -> Event | None:
+    def farthest(self, row: Waiting, since: float) -> str | None:
+        """The sensor of a target that has moved farthest until a row of one of them; see `Host`."""
+        return self._comparison.farthest(row, since)
+
+    def diagnosed(self, sensor: Sensor, row: Waiting) -> Event | None:
+        """Run the diagnosis on the rows up to this one; see `Host`."""
         assert sensor.follow is not None
-        after = number - self.settings.kept
-        rows = self.state.rows_between(sensor.id, sensor.follow["from"], after, number)
-        names = {name for row in rows for name in row}
-        options = dict(self.options)
-        asked = options.get("columns") or {}
-        columns = {name: said for name, said in asked.items() if name in names}
-        away = [name for name in (self.by, self.reference.target, "topic") if name in names and name]
-        options["columns"] = columns | dict.fromkeys(away, "ignore")
+        after = row.number - self.settings.kept
+        rows = self.state.rows_between(sensor.id, sensor.follow["from"], after, row.number)
+        names = {name for one in rows for name in one}
+        options = {
+            name: value for name, value in self.options.items() if name not in {"missing", "time_format"}
+        }
+        asked = {**(options.get("columns") or {}), "time": "time", "time_s": "time_s"}
+        away = [name for name in (self.by, self.reference.target, "topic") if name]
+        columns = {**asked, **dict.fromkeys(away, "ignore")}
+        options["columns"] = {name: said for name, said in columns.items() if name in names}
+        options["trust"] = [name for name in options.get("trust") or () if name in names]
         if self.reference.kind == "distance":
             options["reference_distance"] = self.reference.distance
         options["constant_distance"] = self.reference.kind == "constant"
-        return verdict.told(sensor, rows, time, number, options)
+        return verdict.told(sensor, rows, row, options)
 
-    def _id(self, row: Row) -> str:
-        if self.by is None:
-            return ""
-        if self.by not in row or row[self.by] in {None, ""}:
-            message = f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(row)}"
-            raise DataError(message)
-        return str(row[self.by])
+    def _id(self, row: Row) -> str | None:
+        """Id of the sensor of a row; None where it has none."""
+        return "" if self.by is None else _id_of(row.get(self.by)) or None
 
     def _known(self, id_: str) -> list[Event]:
         """A sensor's state, on its first row: that of a former watch, or a new one."""
         if id_ in self._sensors:
             return []
-        model = self.models(id_)
+        self._sensors[id_] = None
+        try:
+            model = self.models(id_)
+            why = "" if model is None or not self.own_models else unwatchable(model)
+        except EchocalError as error:
+            if not self.own_models:
+                raise
+            model, why = None, str(error)
+        if why:
+            return [Event("note", id_, None, 0, f"{why}; its rows are passed on without correction")]
         if model is None:
-            self._sensors[id_] = None
             sentence = "no model: its rows are passed on without correction; --models needs a file NAME.json"
             return [Event("note", id_, None, 0, sentence)]
         notes = []
@@ -271,56 +320,67 @@ class Fleet:
             sentence = f"the model has {named}, of the campaign that it was found in; the watch leaves it out"
             notes.append(Event("note", id_, None, 0, sentence))
             model = model.transferable()
-        if self.own_models and (why := unwatchable(model)):
-            self._sensors[id_] = None
-            return [Event("note", id_, None, 0, f"{why}; its rows are passed on without correction")]
-        sensor = Sensor(id_, model, self.settings, self.reference.kind, self.interval)
+        sensor = Sensor(id_, model, self.settings, self.reference.kind, self.interval, self.mark_rows)
+        if sensor.context:
+            notes.append(Event("note", id_, None, 0, _waits(sensor.context)))
         kept = self.state.sensor(id_)
         if kept is not None:
             sensor.restore(kept)
+            for entry in sensor.window:
+                entry.read(self._reader)
             notes = []
         self._sensors[id_] = sensor
         return notes
 
-    def _numbers(self, ids: list[str]) -> list[int]:
-        found = []
-        for id_ in ids:
-            sensor = self._sensors[id_]
-            if sensor is not None:
-                sensor.rows += 1
-            found.append(0 if sensor is None else sensor.rows)
-        return found
-
-    def _reader(self, speed: str) -> Reader:
-        if speed not in self._readers:
-            ignored = [name for name in (self.by, self.reference.target, "topic") if name]
-            own = {name: value for name, value in self.options.items() if value not in (None, "")}
-            own["reading_speed"] = own.get("reading_speed") or speed
-            self._readers[speed] = Reader(own.pop("columns", None), ignored=ignored, **own)
-        return self._readers[speed]
-
-    def _check(self, rows: Sequence[Row]) -> None:
-        """Refuse, on the first rows, what no test is possible with."""
+    def _check(self, rows: Sequence[Row]) -> list[Event]:
+        """Refuse, on the first rows, what no test is possible with; tell it where rows are of many kinds."""
         if self._checked:
-            return
+            return []
         self._checked = True
         if self.state.fact("begun"):
-            return
+            return []
         names = list(dict.fromkeys(name for row in rows for name in row))
-        asked = dict(self.options.get("columns") or {})
-        refuse_columns(names, asked, RESULTS, self.reference, self.interval)
+        try:
+            if self.by is not None and not any(_id_of(row.get(self.by)) for row in rows):
+                message = (
+                    f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(names)}"
+                )
+                raise DataError(message)
+            known = {name for row in rows for name in self._reader.columns(list(row)).plan.assignments}
+            asked = list(self.options.get("columns") or ())
+            refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
+            self._refuse_no_echo(rows[0])
+        except (DataError, UsageError) as error:
+            if not self.mixed:
+                raise
+            return [Event("note", "", None, 0, str(error))]
         self.state.set_fact("begun", True)
+        return []
+
+    def _refuse_no_echo(self, row: Row) -> None:
+        if not self._reader.columns(list(row)).has_echo:
+            from echocal.observations import read_observations
+
+            requests = self._reader.columns(list(row)).requests
+            read_observations({name: [1.0] for name in row}, requests)  # it says what could be one
+            raise DataError(NO_ECHO)
 
 
-def _runs(index: NDArray[np.intp], ids: list[str]) -> list[tuple[str, NDArray[np.intp], NDArray[np.intp]]]:
-    """Rows of a block by sensor: id, places in the block, places among all rows."""
-    own: dict[str, list[int]] = {}
-    for where, place in enumerate(index.tolist()):
-        own.setdefault(ids[place], []).append(where)
-    return [(id_, np.array(where, dtype=np.intp), index[where]) for id_, where in own.items()]
+def _done(sensor: Sensor, place: int, results: Results, at: int) -> Done:
+    entry = sensor.window[place]
+    last = sensor.window[min(place + sensor.context, len(sensor.window) - 1)]
+    distance, uncertainty = float(results.distance[at]), float(results.uncertainty[at])
+    return Done(entry, sensor, results.status[at], distance, uncertainty, last.place)
 
 
-def _put(values: Column, where: NDArray[np.intp], new: Column) -> Column:
-    changed = values.copy()
-    changed[where] = new
-    return changed
+def _id_of(field: Any) -> str:
+    """Id of a sensor as text; empty for what is none."""
+    known = isinstance(field, str | int | float | np.generic) and not isinstance(field, bool | np.bool_)
+    return label(field) if known else ""
+
+
+def _waits(context: int) -> str:
+    return (
+        f"the marks of its model look at {context} rows before and after a row: a row comes out when "
+        f"{context} rows have come after it, or when the watch ends; --no-mark-rows: at once, without marks"
+    )

@@ -1,13 +1,15 @@
 """Rows from an MQTT broker, by the library paho-mqtt."""
 
+import hashlib
+import json
 import queue
 from collections.abc import Iterator
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from echocal.errors import DataError, UsageError
+from echocal.watch.parser import Batch, json_of, parsed
 from echocal.watch.rows import Row
-from echocal.watch.source import Batch, parsed
 from echocal.watch.state import State
 
 __all__ = ["Broker"]
@@ -18,8 +20,8 @@ _MOST = 2000  # messages of a batch
 class Broker:
     """Messages of a topic: each payload is one JSON object or a list of them.
 
-    A message is acknowledged when its rows are committed. With a client's name and quality of service 1,
-    the broker keeps what comes while nobody watches.
+    A message is acknowledged when its rows are committed, or when it is set aside. With a client's name and
+    quality of service 1, the broker keeps what comes while nobody watches.
 
     Parameters
     ----------
@@ -29,6 +31,8 @@ class Broker:
         Name of the client, which the broker keeps messages for; empty for none.
     wait : float
         Longest wait for the next message before an empty batch [s].
+    state : State
+        Knows the last message of each topic: one that the broker keeps counts once.
 
     Raises
     ------
@@ -38,7 +42,7 @@ class Broker:
         If the broker cannot be reached or refuses.
     """
 
-    def __init__(self, url: str, client: str, wait: float) -> None:
+    def __init__(self, url: str, client: str, wait: float, state: State) -> None:
         try:
             from paho.mqtt.client import Client, MQTTMessage
             from paho.mqtt.enums import CallbackAPIVersion
@@ -47,6 +51,9 @@ class Broker:
             raise UsageError(message) from None
         parts = urlsplit(url.replace("#", "%23"))
         self.topic, self.wait = unquote(parts.path.lstrip("/")), wait
+        self._state, self._last = state, dict[str, str]()
+        self._session = f"mqtt session {parts.hostname}:{parts.port} {client}"
+        self._subscribed = state.position(self._session) if client else None
         if not parts.hostname or not self.topic:
             message = f"{url} is no address of a topic; give mqtt://host[:port]/topic, e.g. mqtt://host/tanks/+/echo"
             raise UsageError(message)
@@ -70,46 +77,61 @@ class Broker:
             raise DataError(message) from None
         self._client.loop_start()
 
-    def _connected(self, client: Any, _data: Any, _flags: Any, reason: Any, _properties: Any) -> None:
+    def _connected(self, client: Any, _data: Any, flags: Any, reason: Any, _properties: Any) -> None:
         if reason.is_failure:
             self._arrived.put(DataError(f"the broker {self.place} refuses: {reason}"))
-        else:  # after a loss of the connection, too
+        elif not (flags.session_present and self._subscribed == self.topic):
+            # also after a loss of the connection; where the broker still knows it, it would send what it
+            # retains again, beside what it has kept for this client
             client.subscribe(self.topic, qos=1)
 
     def batches(self) -> Iterator[Batch]:
         """Rows of messages; each row has its topic as column ``topic``."""
         while True:
-            rows: list[Row] = []
-            wrong: list[str] = []
+            batch = Batch()
             try:
-                self._take(self._arrived.get(timeout=self.wait), rows, wrong)
+                self._take(self._arrived.get(timeout=self.wait), batch)
                 for _ in range(_MOST):
-                    self._take(self._arrived.get_nowait(), rows, wrong)
+                    self._take(self._arrived.get_nowait(), batch)
             except queue.Empty:
                 pass
-            yield rows, wrong
+            yield batch
 
-    def _take(self, message: Any, rows: list[Row], wrong: list[str]) -> None:
+    def _take(self, message: Any, batch: Batch) -> None:
         if isinstance(message, DataError):
             raise message
         self._taken.append(message)
-        text = message.payload.decode("utf-8", errors="replace").strip()
-        many = text.startswith("[")
-        row, why = parsed(f'{{"rows": {text}}}' if many else text)
-        if row is None:
-            wrong.append(f"{message.topic}: {why}")
+        topic, text = message.topic, bytes(message.payload)
+        if self._came_before(topic, text, retained=message.retain):
             return
-        for one in row["rows"] if many else [row]:
-            if isinstance(one, dict):
-                rows.append({"topic": message.topic, **one})
-            else:
-                wrong.append(f"{message.topic}: a list holds what is no JSON object: {str(one)[:80]}")
+        if not text.lstrip().startswith(b"["):
+            batch.add(*_with_topic(*parsed(text), topic), text, topic)
+            return
+        listed, why = json_of(text)
+        if why or not listed:
+            batch.add(None, why or "a list without rows", text, topic)
+            return
+        for one in listed:
+            own = json.dumps(one).encode()
+            batch.add(*_with_topic(*parsed(own), topic), own, topic)
+
+    def _came_before(self, topic: str, text: bytes, *, retained: bool) -> bool:
+        """Whether this is the message that the broker keeps of a topic, and it was taken before."""
+        key = f"mqtt {self.place} {topic}"
+        digest = hashlib.sha256(text).hexdigest()
+        before = self._last.get(key) or self._state.position(key)
+        self._last[key] = digest
+        return retained and before == digest
 
     def done(self, state: State) -> None:
-        """Nothing to keep: the broker does."""
+        """Keep the last message of each topic: the broker may send it again."""
+        for key, digest in self._last.items():
+            state.set_position(key, digest)
+        self._last.clear()
+        state.set_position(self._session, self.topic)
 
     def acknowledge(self) -> None:
-        """Tell the broker that the rows so far are committed."""
+        """Tell the broker that the messages so far are dealt with."""
         for message in self._taken:
             self._client.ack(message.mid, message.qos)
         self._taken.clear()
@@ -118,3 +140,12 @@ class Broker:
         """Leave the broker."""
         self._client.disconnect()
         self._client.loop_stop()
+
+
+def _with_topic(row: Row | None, why: str, topic: str) -> tuple[Row | None, str]:
+    """A row with its topic; none that says another one."""
+    if row is None:
+        return row, why
+    if row.get("topic", topic) != topic:
+        return None, f"its field 'topic' says {row['topic']!r}, and it came on {topic!r}"[:300]
+    return {"topic": topic, **row}, ""

@@ -1,13 +1,12 @@
 """What a corrected distance is compared with, and which model a sensor has."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from echocal.errors import DataError, EchocalError, UsageError
+from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.names import by_name, by_request
-from echocal.observations.units import Form
+from echocal.model.folder import ModelFolder
 
 __all__ = ["Models", "Reference", "models_of", "refuse_columns"]
 
@@ -73,7 +72,7 @@ class Reference:
 
 
 def models_of(model: Model | None, folder: Path | None) -> Models:
-    """Model by sensor: one for all, or ``folder/ID.json``; None where a sensor has none.
+    """Model by sensor: one for all, or that of a folder (`ModelFolder`); None where a sensor has none.
 
     Raises
     ------
@@ -85,18 +84,28 @@ def models_of(model: Model | None, folder: Path | None) -> Models:
     if not folder.is_dir():
         message = f"--models {folder} is no folder; `echocal diagnose --by COLUMN --models DIR` writes one"
         raise UsageError(message)
-    files = {file.stem: file for file in folder.glob("*.json")}
-    return lambda id_: Model.load(files[id_]) if id_ in files else None
+    return ModelFolder(folder).model
 
 
 def refuse_columns(
     names: Sequence[str],
-    asked: Mapping[str, str],
+    asked: Collection[str],
+    known: Collection[str],
     results: Sequence[str],
     reference: Reference,
     interval: float | None,
 ) -> None:
     """Refuse, on the first rows, what no test is possible with.
+
+    Parameters
+    ----------
+    names, asked, known : collection of str
+        Columns of the rows, columns that the user says something of, and quantities that the rows have.
+    results : sequence of str
+        Columns that are appended.
+    reference : Reference
+    interval : float or None
+        Time between rows that the user states [s].
 
     Raises
     ------
@@ -116,7 +125,6 @@ def refuse_columns(
         raise DataError(message)
     if reference.kind == "none":
         return
-    known = {form.quantity for name in names for form in _forms(name, asked.get(name))}
     if reference.kind == "column" and not reference.later and "reference_distance" not in known:
         message = (
             "no row has a reference distance, so nothing tells an error from a target that moves; say what "
@@ -125,17 +133,9 @@ def refuse_columns(
             "comes now and then), or --correct-only"
         )
         raise DataError(message)
-    if not known & {"time", "elapsed_time"} and interval is None:
+    if "elapsed_time" not in known and interval is None:
         message = (
             "no row has a time, which dates a change and gives the false alarms per year; the rows have "
             f"{listed}: add a column time (ISO 8601) or time_s, or give --interval SECONDS"
         )
         raise DataError(message)
-
-
-def _forms(name: str, request: str | None) -> list[Form]:
-    try:
-        found = by_name(name) if request is None else by_request(name, request)
-    except EchocalError:
-        return []
-    return [found[0]] if found else []

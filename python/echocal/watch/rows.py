@@ -1,196 +1,207 @@
-"""Rows as they come, read like a table: what cannot be read has a reason and stops nothing."""
+"""The fields of rows as they come, each read by itself: the rows around it change nothing."""
 
-import warnings
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from echocal.errors import DataError, UsageError
-from echocal.observations import Observations, read_observations
 from echocal.observations.hints import completed
-from echocal.observations.names import IGNORE
-from echocal.observations.numbers import Missing, is_damaged, to_numbers
-from echocal.observations.plan import EVERYTHING, Plan, make, read_columns
+from echocal.observations.names import EXTRA, IGNORE, by_request
+from echocal.observations.numbers import NO_NUMBER, Missing
+from echocal.observations.plan import Assignment, Plan, make, read_columns
+from echocal.quantities import QUANTITIES
 
-__all__ = ["Block", "Reader", "Row", "taken"]
+__all__ = ["Columns", "Reader", "Row", "conditions_of", "in_range", "refused_names"]
 
 Row = Mapping[str, Any]
-Column = NDArray[np.float64]
 
-_REFERENCES = ("reference_distance", "stand", "group", "order")
-_WORDS = ("elapsed_time", "stand", "group")
-_NEEDED = ("echo_time", "reading")
+_ECHOES = ("echo_time", "reading")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_PLANS = 256  # sets of columns that are remembered
+_LONGEST = 1000  # letters of a name, and fields of a row: what reads names takes the square of that
 
 
 @dataclass(frozen=True)
-class Block:
-    """Rows with the same columns.
+class Columns:
+    """What the columns of a row are.
 
     Attributes
     ----------
-    index : ndarray of int, shape (n,)
-        Their places among the rows that were given.
-    observations : Observations
-    reference : ndarray, shape (n,)
-        Reference distance [m]; NaN where a row has none.
-    time : ndarray, shape (n,)
-        Seconds, since 1970 where the rows have times of day; NaN where a row has none.
+    names : tuple of str
+    requests : dict of str to str
+        Meaning of columns, with what names and units say.
+    plan : Plan
     """
 
-    index: NDArray[np.intp]
-    observations: Observations
-    reference: Column
-    time: Column
+    names: tuple[str, ...]
+    requests: dict[str, str]
+    plan: Plan
+
+    @property
+    def has_echo(self) -> bool:
+        """Whether a row with these columns can have a distance."""
+        return any(name in self.plan.assignments for name in _ECHOES)
+
+    @property
+    def clock(self) -> Assignment | None:
+        """The column of the time."""
+        return self.plan.assignments.get("elapsed_time")
+
+    @property
+    def measured(self) -> dict[str, Assignment]:
+        """Columns of numbers that are quantities, by name of the column; without the time."""
+        own = [*self.plan.assignments.values(), *self.plan.several.values()]
+        return {a.column: a for a in own if not a.form.label and a.name != "time"}
 
 
 class Reader:
-    """Read rows by the names of their columns.
+    """Read the fields of rows by the names of their columns.
 
     Parameters
     ----------
     columns : mapping of str to str, optional
         Meaning of columns, as in `echocal.read_observations`.
-    ignored : collection of str
+    ignored : sequence of str
         Columns that hold no quantity, such as the sensor's id.
-    **options
-        Further arguments of `echocal.read_observations`.
+    missing : collection, or mapping of str to collection
+        Error codes that mean "no value".
+
+    Raises
+    ------
+    UsageError
+        If a meaning names no quantity.
     """
 
     def __init__(
-        self, columns: Mapping[str, str] | None = None, *, ignored: Sequence[str] = (), **options: Any
+        self, columns: Mapping[str, str] | None = None, *, ignored: Sequence[str] = (), missing: Any = ()
     ) -> None:
         self.requests = read_columns(columns)
+        for name, request in self.requests.items():
+            if request.strip() not in {EXTRA, IGNORE}:
+                by_request(name, request)
         self.ignored = tuple(ignored)
-        self.options = options
-        self.trust = tuple(options.pop("trust", ()))
+        self.missing = Missing(missing)
+        self._known: dict[frozenset[str], Columns] = {}
+        self._codes: dict[str, tuple[frozenset[str], frozenset[float]]] = {}
 
-    def read(self, rows: Sequence[Row]) -> tuple[list[Block], list[str]]:
-        """Blocks of the rows that can be read, and for each row why it cannot be, else empty."""
-        status = [""] * len(rows)
-        groups: dict[frozenset[str], list[int]] = {}
-        for place, row in enumerate(rows):
-            groups.setdefault(frozenset(row), []).append(place)
-        blocks = [
-            block
-            for names, places in groups.items()
-            for block in self._group([n for n in rows[places[0]] if n in names], places, rows, status)
-        ]
-        return blocks, status
+    def columns(self, names: Sequence[str]) -> Columns:
+        """What columns are, by their names.
 
-    def _group(
-        self, names: list[str], places: list[int], rows: Sequence[Row], status: list[str]
-    ) -> list[Block]:
-        requests = {name: said for name, said in self.requests.items() if name in names}
-        requests |= {name: IGNORE for name in self.ignored if name in names}
-        requests, _ = completed(names, requests)
-        plan = make(names, requests)
-        echo = [plan.assignments[name].column for name in _NEEDED if name in plan.assignments]
-        if not echo:
-            reading = read_observations({name: [1.0] for name in names}, requests, trust=[EVERYTHING])
-            raise DataError(f"rows without an echo: {reading.notes}")  # the reader has said it better
-        full = []
-        for place in places:
-            absent = [name for name in echo if _is_empty(rows[place][name])]
-            if len(absent) == len(echo):
-                status[place] = f"{echo[0]} missing"
-            else:
-                full.append(place)
-        try:
-            return [self._block(names, requests, plan, full, rows)] if full else []
-        except UsageError:
-            raise
-        except DataError as error:
-            if len(full) == 1:
-                status[full[0]] = self._damage(plan, rows[full[0]]) or str(error)
-                return []
-        found = []
-        for place in full:  # one of them cannot be read
-            found += self._group(names, [place], rows, status)
-        return found
+        Raises
+        ------
+        DataError
+            If a name has no known unit, or two hold the same quantity.
+        """
+        key = frozenset(names)
+        if key not in self._known:
+            if len(self._known) >= _PLANS:
+                self._known.pop(next(iter(self._known)))
+            requests = {name: said for name, said in self.requests.items() if name in key}
+            requests |= dict.fromkeys((name for name in self.ignored if name in key), IGNORE)
+            requests, _ = completed(names, requests)
+            self._known[key] = Columns(tuple(names), requests, make(names, requests))
+        return self._known[key]
 
-    def _block(
-        self,
-        names: list[str],
-        requests: dict[str, str],
-        plan: Plan,
-        places: list[int],
-        rows: Sequence[Row],
-    ) -> Block:
-        frame = pd.DataFrame({name: [rows[place][name] for place in places] for name in names})
-        away = {plan.assignments[role].column for role in _REFERENCES if role in plan.assignments}
-        hollow = {name for name in names if name not in away and all(map(_is_empty, frame[name]))}
-        away |= hollow & {a.column for a in plan.assignments.values() if a.form.quantity in _NEEDED}
-        ignored = requests | dict.fromkeys(away, IGNORE)
-        with warnings.catch_warnings(action="ignore"):  # each row has its reason
-            observations = read_observations(
-                frame, ignored, trust=(*self._trusted(names), EVERYTHING), **self._options(names)
-            )
-        return Block(
-            np.array(places, dtype=np.intp),
-            observations,
-            self._reference(frame, plan),
-            _time(observations, len(places)),
-        )
+    def read(self, row: Row, columns: Columns, decimal: str = ".") -> tuple[dict[str, float], list[str]]:
+        """Numbers of the columns that hold some, NaN where a field has none; and columns with another text.
 
-    def _damage(self, plan: Plan, row: Row) -> str:
-        """Why a row alone cannot be read, in the words of a table that has it among others."""
-        missing = Missing(self._options(list(row)).get("missing", ()))
-        for role, source in plan.assignments.items():
-            if role not in _WORDS and is_damaged(row[source.column], source.column, missing):
-                return f"{source.column} is no number"
-        clock = plan.assignments.get("elapsed_time")
-        if clock is None or not isinstance(row[clock.column], str):
-            return ""
-        instant = pd.to_datetime(row[clock.column], format="ISO8601", errors="coerce")
-        return f"{clock.column} missing" if pd.isna(instant) else ""
+        Parameters
+        ----------
+        decimal : str
+            Decimal separator of texts.
+        """
+        numbers: dict[str, float] = {}
+        damaged = []
+        for column in columns.measured:
+            value = self._number(row[column], column, decimal)
+            if value is None and isinstance(row[column], str):
+                value = _odd_number(row[column])
+            numbers[column] = np.nan if value is None else value
+            if value is None:
+                damaged.append(column)
+        for column in columns.plan.others:
+            value = self._number(row[column], column, decimal)
+            if value is not None:
+                numbers[column] = value
+        return numbers, damaged
 
-    def _trusted(self, names: list[str]) -> list[str]:
-        return [name for name in self.trust if name in names]
-
-    def _options(self, names: list[str]) -> dict[str, Any]:
-        missing = self.options.get("missing", ())
-        if isinstance(missing, Mapping):
-            missing = {name: codes for name, codes in missing.items() if name in (*names, "")}
-        return {**self.options, "missing": missing}
-
-    def _reference(self, frame: pd.DataFrame, plan: Plan) -> Column:
-        source = plan.assignments.get("reference_distance")
-        if source is None or all(map(_is_empty, frame[source.column])):
-            return np.full(len(frame), np.nan)
-        missing = self._options(list(frame.columns)).get("missing", ())
-        values = source.unit.to_si(to_numbers(frame[source.column], source.column, Missing(missing)))
-        return np.where(np.asarray(values) > 0.0, values, np.nan)
+    def _number(self, field: Any, column: str, decimal: str) -> float | None:
+        """A number, NaN for no value, None for what is neither."""
+        if column not in self._codes:
+            texts, numbers = self.missing.texts(column), self.missing.numbers(column)
+            self._codes[column] = NO_NUMBER | texts, frozenset(numbers)
+        texts, codes = self._codes[column]
+        if isinstance(field, str):
+            number = _of_text(field.strip(), texts, decimal)
+        elif field is None or field is pd.NA or field is pd.NaT:
+            return np.nan
+        elif isinstance(field, bool | np.bool_) or not hasattr(field, "__float__"):
+            return None
+        else:
+            try:
+                number = float(field)
+            except OverflowError:  # an integer beyond all floats
+                number = np.inf if field > 0 else -np.inf
+            except (TypeError, ValueError):
+                return None
+        return np.nan if number in codes else number
 
 
-def taken(observations: Observations, rows: NDArray[np.intp]) -> Observations:
-    """Some rows of a table, with what their correction needs."""
-    reading = observations.reading
-    return replace(
-        observations,
-        echo_time=observations.echo_time[rows],
-        conditions={name: values[rows] for name, values in observations.conditions.items()},
-        unusable=observations.unusable[rows],
-        reading=None if reading is None else reading[rows],
-        time=None if observations.time is None else observations.time[rows],
-        labels={},
-        extra={name: values[rows] for name, values in observations.extra.items()},
-        thermometers={name: values[rows] for name, values in observations.thermometers.items()},
-    )
+def _of_text(text: str, absent: frozenset[str], decimal: str) -> float | None:
+    if text in absent:
+        return np.nan
+    if decimal != "." and "." not in text:
+        text = text.replace(decimal, ".", 1)
+    return float(text) if _NUMBER.fullmatch(text) else None
 
 
-def _time(observations: Observations, rows: int) -> Column:
-    times = observations.time
-    if times is not None:
-        seconds = (times - np.datetime64(0, "ns")) / np.timedelta64(1, "s")
-        return np.asarray(np.where(np.isnat(times), np.nan, seconds), dtype=np.float64)
-    return np.asarray(observations.conditions.get("elapsed_time", np.full(rows, np.nan)))
+def _odd_number(text: str) -> float | None:
+    """What a table takes for a number, too."""
+    number = float(pd.to_numeric(pd.Series([text.strip()], dtype=object), errors="coerce").iloc[0])
+    return None if np.isnan(number) else number
 
 
-def _is_empty(value: Any) -> bool:
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return True
-    return isinstance(value, str) and value.strip().lower() in {"", "nan", "na", "null", "none"}
+def refused_names(row: Row, results: Sequence[str]) -> str:
+    """Why the names of a row cannot be read, or written with results beside them; empty if they can."""
+    if len(row) > _LONGEST:
+        return f"it has {len(row)} fields; at most {_LONGEST} are read"
+    for name in row:
+        if len(name) > _LONGEST:
+            return f"a name has {len(name)} letters, '{name[:40]}...'; at most {_LONGEST} are read"
+    taken = [name for name in results if name in row]
+    if taken:
+        return f"it already has a field '{taken[0]}', which a correction adds; rename it"
+    return ""
+
+
+def in_range(value: float, source: Assignment) -> float:
+    """A number in SI units; NaN where the quantity cannot have it."""
+    low, high = source.form.physical
+    si = float(source.unit.to_si(value))
+    return si if low <= si <= high and not (source.form.positive and si == low) else np.nan
+
+
+def conditions_of(numbers: Mapping[str, float], columns: Columns) -> dict[str, float]:
+    """Recorded influence quantities of a row by name [SI]; without the time."""
+    return {
+        quantity: in_range(numbers[a.column], a)
+        for quantity, a in columns.plan.assignments.items()
+        if quantity in QUANTITIES and quantity != "elapsed_time"
+    }
+
+
+def row_to_keep(row: Row, numbers: Mapping[str, float], columns: Columns | None) -> dict[str, Any]:
+    """A row as a diagnosis reads it later, when the rows around are others: numbers, and no time yet."""
+    clock = None if columns is None else columns.clock
+    kept: dict[str, Any] = {}
+    for name, field in row.items():
+        if name in numbers:
+            kept[name] = None if np.isnan(numbers[name]) else numbers[name]
+        elif field is None or isinstance(field, str | int | float):
+            kept[name] = field
+    if clock is not None:
+        kept.pop(clock.column, None)
+    return kept

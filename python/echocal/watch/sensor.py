@@ -1,29 +1,92 @@
-"""One sensor: its model corrects its rows, its monitor tests them, its changes are told."""
+"""One sensor: its rows wait for what their correction needs, its monitor tests them, its changes are told."""
 
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError, DomainWarning
+from echocal.correct.marks import context_of
+from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
+from echocal.errors import DataError
 from echocal.model import Model
-from echocal.observations import Observations
-from echocal.observations.correction import corrected_distance
-from echocal.watch.events import Event, instant
-from echocal.watch.monitor import DAY, Alarm, Monitor
-from echocal.watch.rows import Block, taken
+from echocal.observations.clock import hour_angle, zone_of
+from echocal.observations.marks import MARKS
+from echocal.watch import sentences
+from echocal.watch.clock import Clock, Waiting
+from echocal.watch.correction import RATES, Entry
+from echocal.watch.events import Event, finite
+from echocal.watch.monitor import Monitor
+from echocal.watch.rows import Row, conditions_of, row_to_keep
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature, Signatures, refuse_unwatchable, step_and_drift
+from echocal.watch.times import Times
 
-__all__ = ["Sensor"]
+__all__ = ["RESULTS", "Done", "Host", "Sensor"]
+
+RESULTS = (DISTANCE, UNCERTAINTY, STATUS)
+"""Names of the columns that are appended."""
 
 Column = NDArray[np.float64]
 
-_RATES = {"temperature_rate": "temperature", "radiation_rate": "radiation"}
+_DIGITS = 9  # of a distance [m]: to a nanometer
 _WINDOW = 15.0  # s: what a rate is taken over at least, as far back as at the end of a table
+_PLAIN = ("recorded", "level", "before", "follow", "told", "ignored", "rows", "done", "dated")
+
+
+@dataclass
+class Done:
+    """A corrected row of a sensor.
+
+    Attributes
+    ----------
+    entry : Entry
+    sensor : Sensor or None
+        None where there is no model.
+    status : str
+    distance, uncertainty : float
+        Corrected distance and its standard uncertainty [m].
+    released : int
+        Place of the row that this one has waited for.
+    reference : float
+        Reference distance [m].
+    target : (str, int) or None
+        See `Waiting`.
+    """
+
+    entry: Entry
+    sensor: "Sensor | None"
+    status: str
+    distance: float = np.nan
+    uncertainty: float = np.nan
+    released: int = 0
+    reference: float = np.nan
+    target: tuple[str, int] | None = None
+
+    def order(self) -> tuple[int, int]:
+        """Rows come out when they are released, in the order in which they came."""
+        return self.released, self.entry.place
+
+    def output(self) -> Row:
+        """The row with its results; not a number is None."""
+        uncertainty = float(str(np.float32(self.uncertainty)))
+        results = map(finite, (round(self.distance, _DIGITS), uncertainty, self.status))
+        return {**self.entry.row, **dict(zip(RESULTS, results, strict=True))}
+
+
+class Host(Protocol):
+    """What a sensor asks of those who watch it."""
+
+    def keep(self, sensor: "Sensor", row: Waiting, time: float) -> None:
+        """Keep a row that is tested, by the time of the test [s]."""
+
+    def diagnosed(self, sensor: "Sensor", row: Waiting) -> Event | None:
+        """Run the diagnosis on the rows up to this one; an event if there is news."""
+
+    def farthest(self, row: Waiting, since: float) -> str | None:
+        """The sensor of the target that has moved farthest since a time [s]."""
 
 
 @dataclass
@@ -39,6 +102,12 @@ class Sensor:
         Where its reference distance comes from.
     interval : float or None
         Time between rows [s] that the user states.
+    mark_rows : bool
+        Whether rules of the model mark rows.
+    window : list of Entry
+        Rows that wait for later ones, and the corrected ones before them that their marks look at.
+    done : int
+        How many of them are corrected.
     """
 
     id: str
@@ -46,104 +115,120 @@ class Sensor:
     settings: WatchSettings
     reference: str
     interval: float | None = None
+    mark_rows: bool = True
     monitor: Monitor = field(init=False)
+    clock: Clock = field(init=False)
+    times: Times = field(default_factory=lambda: Times(""))
     recorded: list[str] | None = None
     level: float | None = None
     before: list[list[float]] = field(default_factory=list)
     follow: dict[str, Any] | None = None
     told: list[Any] | None = None
-    outside: list[str] = field(default_factory=list)
-    late: int = 0
+    ignored: int = 0
     rows: int = 0
+    window: list[Entry] = field(default_factory=list)
+    done: int = 0
+    dated: bool = False
     _signatures: Signatures | None = None
 
     def __post_init__(self) -> None:
         refuse_unwatchable(self.model)
         self.monitor = Monitor(self.settings, self.interval)
+        self.clock = Clock(self.settings)
 
-    def correct(self, block: Block, places: NDArray[np.intp]) -> tuple[Column, list[str], Observations]:
-        """Corrected distances [m] of some rows of a block, and why one has none."""
-        seen = self._with_rates(taken(block.observations, places), block.time[places])
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", DomainWarning)
-            try:
-                distance = corrected_distance(seen, self.model)
-            except DataError as error:
-                return np.full(len(places), np.nan), [str(error)] * len(places), seen
-        left = (str(warning.message).partition(":")[0] for warning in caught)
-        self.outside += [text for text in dict.fromkeys(left) if text not in self.outside]
-        status = seen.unusable.astype(object)
-        lost = seen.usable & np.isnan(distance)
-        status[lost] = "no distance fits"
-        for column in self.model.columns.values():
-            status[lost & np.isnan(seen.thermometers[column])] = f"{column} missing"
-        return distance, status.tolist(), seen
+    @property
+    def context(self) -> int:
+        """Rows before and after a row that its marks look at."""
+        return context_of(self.model) if self.mark_rows and MARKS in self.model.provenance else 0
 
-    def test(
-        self,
-        distance: Column,
-        reference: Column,
-        time: Column,
-        seen: Observations,
-        numbers: list[int],
-        ask: Callable[["Sensor", float, int], Event | None],
-        farthest: Callable[[str, int, float], str | None],
-    ) -> list[Event]:
-        """Test corrected rows against their reference, in the order of time; `ask` runs the diagnosis.
+    def arrive(self, entries: Sequence[Entry], zone: str, time_format: str | None) -> None:
+        """Read the times of new rows and the rates at them, and let them wait."""
+        written: dict[str, list[Entry]] = {}
+        for entry in entries:
+            clock = entry.columns.clock if entry.columns is not None else None
+            if clock is not None and clock.name == "time":
+                written.setdefault(clock.column, []).append(entry)
+                self.dated = True
+            elif clock is not None:
+                entry.time = float(clock.unit.to_si(entry.numbers[clock.column]))
+                entry.untimed = f"{clock.column} is no number" if clock.column in entry.damaged else ""
+            elif self.interval is not None:
+                entry.time = self.interval * entry.number
+        for column, own in written.items():
+            self.times.column, self.times.zone = column, zone_of(column, zone)
+            self.times.time_format = time_format
+            seconds, reasons = self.times.read([entry.row[column] for entry in own])
+            for entry, time, reason in zip(own, seconds.tolist(), reasons, strict=True):
+                entry.time, entry.untimed = time, reason
+        for entry in entries:
+            self._rate(entry)
+        self.window += entries
 
-        `farthest` is the sensor of the same target that has moved farthest since a time.
-        """
+    def released(self, *, all_of_them: bool = False) -> range:
+        """Places in the window of the rows that wait no longer."""
+        return range(self.done, len(self.window) if all_of_them else self.done + self.ready)
+
+    @property
+    def ready(self) -> int:
+        """How many rows wait no longer."""
+        return max(len(self.window) - self.done - self.context, 0)
+
+    def release(self, rows: range) -> None:
+        """Take rows for corrected; keep as many as the marks of the next ones look at."""
+        first = max(rows.stop - self.context, 0)
+        self.window, self.done = self.window[first:], rows.stop - first
+
+    def test(self, rows: Sequence[Done], host: Host) -> list[tuple[int, Event]]:
+        """Test corrected rows against their reference, in their order; events with the places of rows."""
         if self.reference == "none":
             return []
-        if self.reference == "constant":
-            reference = distance
-        usable = np.isfinite(distance) & np.isfinite(reference) & np.isfinite(time)
-        if self.recorded is None:
-            if not usable.any():
-                return []
-            self.recorded = list(seen.conditions)
-        signatures = self._candidates()
-        blank = np.full(len(time), np.nan)
-        conditions = {name: seen.conditions.get(name, blank) for name in self.recorded}
-        with warnings.catch_warnings(action="ignore"):  # the correction has told it
-            found = signatures.at(np.where(usable, reference, np.nan), conditions)
-        found = np.column_stack([np.full(len(time), 0.005), found])
-        against = (
-            np.full(len(time), self._level(distance, usable)) if self.reference == "constant" else reference
-        )
-        events: list[Event] = []
-        for row in np.flatnonzero(usable).tolist():
-            if time[row] <= self.monitor.last:
-                self.late += 1
+        if self.reference == "constant" and self.level is None:
+            self.level = next((row.distance for row in rows if np.isfinite(row.distance)), None)
+        usable = [row for row in rows if np.isfinite(row.distance) and np.isfinite(row.reference)]
+        if not usable:
+            return []
+        signatures = self._at(usable)
+        events: list[tuple[int, Event]] = []
+        for row, signature in zip(usable, signatures.tolist(), strict=True):
+            entry = row.entry
+            against = row.reference if self.level is None else self.level
+            kept = row_to_keep(entry.row, entry.numbers, entry.columns)
+            if self.reference == "others":
+                kept["distance_m"] = row.reference
+            one = Waiting(entry.time, entry.number, row.distance - against, signature, kept, row.target)
+            if row.status:
+                events += [(entry.place, e) for e in sentences.ignored(self, one, [one], row.status)]
                 continue
-            residual = float(distance[row] - against[row])
-            own = float(time[row]), residual, found[row], numbers[row]
-            events += self._row(*own, ask, farthest)
+            events += [(entry.place, event) for event in self._row(one, entry.untimed, host)]
         return events
 
-    def _level(self, distance: Column, usable: NDArray[np.bool_]) -> float:
-        """The first distance, which stands in for one that is unknown but constant [m]."""
-        if self.level is None and usable.any():
-            self.level = float(distance[usable][0])
-        return 0.0 if self.level is None else self.level
+    def _row(self, row: Waiting, untimed: str, host: Host) -> list[Event]:
+        if not np.isfinite(row.time):
+            why = untimed or "it has no time of the years 1678 to 2261"
+            return sentences.ignored(self, row, [row], why)
+        last = self.clock.last
+        believed, refuted, moved = self.clock.add(row)
+        events = []
+        if refuted:
+            events = sentences.ignored(self, row, refuted, sentences.why_refuted(self, refuted, last))
+        if moved is not None:
+            events.append(sentences.moved(self, row, moved))
+        for one in believed:
+            events += self._tested(one, host)
+        return events
 
-    def _row(
-        self,
-        time: float,
-        residual: float,
-        signature: Column,
-        number: int,
-        ask: Callable[["Sensor", float, int], Event | None],
-        farthest: Callable[[str, int, float], str | None],
-    ) -> list[Event]:
+    def _tested(self, row: Waiting, host: Host) -> list[Event]:
+        time = self.clock.of_test(row.time)
+        host.keep(self, row, time)
         events = []
         was_learning = self.monitor.learning
-        alarm = self.monitor.add(time, residual, signature)
+        alarm = self.monitor.add(time, row.residual, np.array(row.signature))
         if was_learning and not self.monitor.learning:
-            events.append(self._learned(time, number))
+            events.append(sentences.learned(self, row))
         if alarm is not None:
-            events.append(self._change(alarm, number, farthest(self.id, number, alarm.times[0])))
-        verdict = ask(self, time, number) if self._is_due() else None
+            farthest = host.farthest(row, self.clock.shown(alarm.times[0]))
+            events.append(sentences.changed(self, row, alarm, farthest))
+        verdict = host.diagnosed(self, row) if self._is_due() else None
         return events if verdict is None else [*events, verdict]
 
     def _is_due(self) -> bool:
@@ -154,38 +239,57 @@ class Sensor:
         rows, before = self.follow["rows"], self.follow["at"]
         return bool(rows >= self.settings.fewest and rows >= 2 * before)
 
+    def _at(self, rows: Sequence[Done]) -> Column:
+        """What each cause would add to the residual of each row; the step is the first [m]."""
+        given = [self._conditions(row.entry) for row in rows]
+        if self.dated:
+            instants = np.array([row.entry.time for row in rows]) * 1e9
+            angles = hour_angle(instants.astype("datetime64[ns]"), self.times.zone).tolist()
+            given = [{**own, "hour_angle": angle} for own, angle in zip(given, angles, strict=True)]
+        if self.recorded is None:
+            self.recorded = list(given[0])
+        conditions = {name: np.array([own.get(name, np.nan) for own in given]) for name in self.recorded}
+        with warnings.catch_warnings(action="ignore"):  # the correction has told it
+            found = self._candidates().at(np.array([row.reference for row in rows]), conditions)
+        return np.column_stack([np.full(len(rows), 0.005), found])
+
+    def _conditions(self, entry: Entry) -> dict[str, float]:
+        """Influence quantities of a row, with the rates."""
+        assert entry.columns is not None
+        found = conditions_of(entry.numbers, entry.columns)
+        for rate, value in zip(RATES, entry.rates, strict=True):
+            if RATES[rate] in found and entry.columns.clock is not None:
+                found[rate] = value
+        return found
+
     def _candidates(self) -> Signatures:
         if self._signatures is None:
             self._signatures = Signatures(self.model, self.recorded or ())
         return self._signatures
 
-    def _with_rates(self, seen: Observations, time: Column) -> Observations:
-        """Rates from this row and the rows before it; the rows after it have not come yet."""
-        quantities = [(rate, of) for rate, of in _RATES.items() if of in seen.conditions]
-        conditions = {
-            name: values
-            for name, values in seen.conditions.items()
-            if not name.startswith("temperature_later_")
-        }
-        conditions.pop("elapsed_time", None)  # of the table that was read, which is no campaign
-        conditions.pop("position_in_group", None)
-        for rate, _ in quantities:
-            conditions[rate] = np.full(len(time), np.nan)
-        for row, now in enumerate(time.tolist()):
-            values = [float(seen.conditions[of][row]) for _, of in quantities]
-            if not (np.isfinite(now) and np.isfinite(values).all()):
-                continue
-            for place, (rate, _) in enumerate(quantities):
-                conditions[rate][row] = self._rate(now, values[place], place)
-            if quantities and (not self.before or now > self.before[-1][0]):
-                old = [row for row in self.before if row[0] < now - _WINDOW]
-                self.before = [*old[-1:], *[r for r in self.before if r[0] >= now - _WINDOW], [now, *values]]
-        return replace(seen, conditions=conditions)
+    def _rate(self, entry: Entry) -> None:
+        """Rates from this row and the rows before it; the rows after it have not come yet.
 
-    def _rate(self, now: float, value: float, place: int) -> float:
-        earlier = [row for row in self.before if row[0] < now]
-        if not earlier:
-            return 0.0
+        Where the clock goes back, the rows before are of another time: rates begin anew.
+        """
+        if entry.columns is None or not np.isfinite(entry.time) or entry.columns.clock is None:
+            return
+        given, now = conditions_of(entry.numbers, entry.columns), entry.time
+        values = [given.get(of, np.nan) for of in RATES.values()]
+        if not np.isfinite(values).any():
+            return
+        if self.before and now < self.before[-1][0]:
+            self.before = []
+        for place, value in enumerate(values):
+            entry.rates[place] = self._rate_of(now, value, place)
+        if not self.before or now > self.before[-1][0]:
+            old = [row for row in self.before if row[0] < now - _WINDOW]
+            self.before = [*old[-1:], *[r for r in self.before if r[0] >= now - _WINDOW], [now, *values]]
+
+    def _rate_of(self, now: float, value: float, place: int) -> float:
+        earlier = [row for row in self.before if row[0] < now and np.isfinite(row[1 + place])]
+        if not earlier or not np.isfinite(value):
+            return 0.0 if np.isfinite(value) else np.nan
         times = [row[0] for row in earlier]
         start = max(min(now - _WINDOW, times[-1]), times[0])
         was = float(np.interp(start, times, [row[1 + place] for row in earlier]))
@@ -200,78 +304,19 @@ class Sensor:
         listed = self.signatures()
         return [[listed[c].id for c in own] for own in self.monitor.classes] + [[listed[-1].id]]
 
-    def _learned(self, time: float, row: int) -> Event:
-        own = self.monitor
-        level = 0.5 * own.height**2
-        sentence = (
-            f"learned what is usual from {self.settings.learn} rows: noise {1e3 * own.scale:.2f} mm "
-            f"(autocorrelation {own.rho:g}), a row every {own.interval:g} s; tests {len(own.tested) + 1} "
-            f"signatures; tells a change from a log likelihood ratio of {level:.1f} on, for at most "
-            f"{self.settings.false_alarms:g} false alarms a year"
-        )
-        details = {
-            "standard_deviation_m": own.scale,
-            "autocorrelation": own.rho,
-            "white_part": own.theta,
-            "interval_s": own.interval,
-            "threshold": level,
-            "false_alarms_per_year": self.settings.false_alarms,
-            "tested": self.classes(),
-        }
-        self.follow = {"since": None, "from": -1e300, "at": 0, "rows": self.settings.learn - 1}
-        return Event("learned", self.id, time, row, sentence, details)
-
-    def _change(self, alarm: Alarm, row: int, farthest: str | None) -> Event:
-        listed, classes = self.signatures(), self.classes()
-        columns = [*(own[0] for own in self.monitor.classes), len(listed) - 1]
-        order = np.argsort(-alarm.onset.probabilities, kind="stable")
-        candidates = []
-        for place in order[:5].tolist():
-            one = listed[columns[place]]
-            candidates.append(
-                {
-                    "ids": classes[place],
-                    "probability": alarm.onset.probabilities[place],
-                    "parameter": one.parameter,
-                    "value": one.scale * alarm.onset.sizes[place],
-                    "standard_uncertainty": one.scale * alarm.onset.uncertainties[place],
-                    "unit": one.unit,
-                }
-            )
-        since, low, high = alarm.times
-        first = candidates[0]
-        value, unsure = first["value"], first["standard_uncertainty"]
-        size = f"{first['parameter']} {value:.3g} +- {unsure:.2g} {first['unit']}"
-        others = f", or {len(first['ids']) - 1} causes like it" if len(first["ids"]) > 1 else ""
-        doubt = _doubt(self.reference, self.id, farthest)
-        sentence = (
-            f"CHANGED since {instant(since)} (between {instant(low)} and {instant(high)}), told after "
-            f"{alarm.onset.rows} rows, {(alarm.time - since) / DAY:.2g} days; most like "
-            f"{first['ids'][0]}{others} ({first['probability']:.0%}; {size}){doubt}"
-        )
-        details = {
-            "since": instant(since),
-            "since_interval": [instant(low), instant(high)],
-            "rows_since": alarm.onset.rows,
-            "log_likelihood_ratio": alarm.statistic**2 / 2.0,
-            "threshold": alarm.height**2 / 2.0,
-            "candidates": candidates,
-            "reference": self.reference,
-            "moved_farthest": farthest,
-        }
-        self.follow = {"since": since, "from": since, "at": 0, "rows": alarm.onset.rows - 1}
-        return Event("change", self.id, alarm.time, row, sentence, details)
-
     def to_dict(self) -> dict[str, Any]:
         """As plain data, exactly."""
-        names = ("recorded", "level", "before", "follow", "told", "outside", "late", "rows")
-        return {name: getattr(self, name) for name in names} | {
+        times = {name: getattr(self.times, name) for name in ("dates", "told_apart", "last")}
+        return {name: getattr(self, name) for name in _PLAIN} | {
             "monitor": self.monitor.to_dict(),
+            "clock": self.clock.to_dict(),
+            "times": times,
+            "window": [entry.to_list() for entry in self.window],
             "model": self.model.hash,
         }
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Continue where `to_dict` was called."""
+        """Continue where `to_dict` was called; the rows of the window are still to be read."""
         if kept["model"] != self.model.hash:
             who = f"sensor {self.id}" if self.id else "the sensor"
             message = (
@@ -279,18 +324,9 @@ class Sensor:
                 "give that model, or begin with another --state"
             )
             raise DataError(message)
-        for name in ("recorded", "level", "before", "follow", "told", "outside", "late", "rows"):
+        for name in _PLAIN:
             setattr(self, name, kept[name])
+        self.times = Times("", **kept["times"])
+        self.clock = Clock.restored(kept["clock"], self.settings)
         self.monitor = Monitor.restored(kept["monitor"], self.settings)
-
-
-def _doubt(reference: str, sensor: str, farthest: str | None) -> str:
-    if reference == "constant":
-        return "; the target may have moved, which looks like a step or a drift"
-    if reference != "others":
-        return ""
-    if farthest is None:
-        return "; another sensor of the target may have changed instead"
-    if farthest == sensor:
-        return "; of the sensors of the target, it has moved farthest"
-    return f"; sensor {farthest} of the target has moved farther, and has probably changed instead"
+        self.window = [Entry(*row) for row in kept["window"]]

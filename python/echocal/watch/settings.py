@@ -77,6 +77,12 @@ class WatchSettings:
     white: float = number(0.5, "1", "prior probability of white noise", "as the diagnosis")
     interval: float = number(0.95, "1", "probability of the interval of an onset", "convention")
     gap: float = number(5.0, "usual intervals", "a longer wait begins a new series", "as the diagnosis")
+    confirm: int = number(
+        3,
+        "rows",
+        "that go on from a leap of the clock before it is believed",
+        "chosen by hand: two wrong times in a row are rare, and a pause delays a test by two rows",
+    )
     fewest: int = number(
         40, "rows", "after the onset before the diagnosis runs", "chosen by hand: the diagnosis needs ten"
     )

@@ -1,7 +1,5 @@
 """Where rows come from: files that grow, a folder of them, lines of stdin."""
 
-import csv
-import json
 import os
 import select
 import time
@@ -10,70 +8,24 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 from echocal.errors import DataError, UsageError
-from echocal.watch.rows import Row
+from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
 
-__all__ = ["Files", "Lines", "Source", "parsed"]
+__all__ = ["Files", "Lines", "Source"]
 
 _TEXTS = (".csv", ".tsv", ".jsonl", ".ndjson")
 _MOST = 2000  # rows of a batch: what a stop by force repeats at most
 _BYTES = 1 << 20  # that are read at a time
-
-Batch = tuple[list[Row], list[str]]
 
 
 class Source(Protocol):
     """Anything that rows come from."""
 
     def batches(self) -> Iterator[Batch]:
-        """Rows, and why a line is none, as they come; an empty batch while nothing does."""
+        """Rows, and what is none, as they come; an empty batch while nothing does."""
 
     def done(self, state: State) -> None:
         """Take the last batch for done, for what is committed next."""
-
-
-class Parser:
-    """From lines to rows: JSON where a line begins with a brace, else fields below a header."""
-
-    def __init__(self, separator: str = ",", header: list[str] | None = None) -> None:
-        self.separator, self.header = separator, header
-
-    def row(self, line: str) -> tuple[Row | None, str]:
-        """A row, or why the line is none; neither for a header or an empty line."""
-        text = line.strip("\r\n\ufeff")
-        if not text.strip() or text.startswith("#"):
-            return None, ""
-        if text.lstrip().startswith("{"):
-            return parsed(text)
-        fields = next(csv.reader([text], delimiter=self.separator))
-        if self.header is None or fields == self.header:
-            if self.header is None and ";" in text and len(fields) == 1:
-                self.separator = ";"
-                fields = next(csv.reader([text], delimiter=";"))
-            self.header = [field.strip() for field in fields]
-            if len(set(self.header)) < len(self.header):
-                message = f"the header names a column twice: {text[:200]}"
-                raise DataError(message)
-            return None, ""
-        if len(fields) != len(self.header):
-            return None, f"a line has {len(fields)} fields, its header {len(self.header)}: {text[:80]}"
-        return dict(zip(self.header, fields, strict=True)), ""
-
-
-def parsed(text: str) -> tuple[Row | None, str]:
-    """A row from a JSON object, or why there is none.
-
-    Examples
-    --------
-    >>> from echocal.watch.source import parsed
-    >>> parsed('{"echo_us": 11660}'), parsed("[1]")
-    (({'echo_us': 11660}, ''), (None, 'a line is no JSON object: [1]'))
-    """
-    try:
-        row = json.loads(text)
-    except ValueError:
-        row = None
-    return (row, "") if isinstance(row, dict) and row else (None, f"a line is no JSON object: {text[:80]}")
 
 
 class Lines:
@@ -95,14 +47,14 @@ class Lines:
         while True:
             ready = select.select([number], [], [], self.wait)[0]
             if not ready:
-                yield [], []
+                yield Batch()
                 continue
             data = os.read(number, _BYTES)
             lines = (rest + data).split(b"\n")
             rest = lines.pop()
             if not data and rest:
                 lines, rest = [rest], b""
-            yield _rows(parser, lines)
+            yield parser.batch(lines, "stdin")
             if not data:
                 return
 
@@ -133,6 +85,7 @@ class Files:
             raise UsageError(message)
         self.path, self.state, self.poll, self.once = path, state, poll, once
         self._unfinished: dict[Path, None] = {}
+        self._read: dict[str, dict[str, Any]] = {}
         self.reading: tuple[str, dict[str, Any]] | None = None
 
     def batches(self) -> Iterator[Batch]:
@@ -145,16 +98,11 @@ class Files:
                     yield batch
             if idle and self.once:
                 if self._unfinished:
-                    yield (
-                        [],
-                        [
-                            f"{file} ends within a line, which is read when it is whole"
-                            for file in self._unfinished
-                        ],
-                    )
+                    said = "ends within a line, which is read when it is whole"
+                    yield Batch(notes=[f"{file} {said}" for file in self._unfinished])
                 return
             if idle:
-                yield [], []
+                yield Batch()
                 time.sleep(self.poll)
 
     def done(self, state: State) -> None:
@@ -173,7 +121,7 @@ class Files:
 
     def _news(self, file: Path) -> Iterator[Batch]:
         key = str(file.resolve())
-        at = self.state.position(key) or {"byte": 0, "header": None, "separator": None}
+        at = self._read.get(key) or self.state.position(key) or {"byte": 0}
         try:
             size = file.stat().st_size
             if size < at["byte"]:
@@ -184,18 +132,15 @@ class Files:
                 raise DataError(message)
             if size == at["byte"]:
                 return
-            separator = at["separator"] or ("\t" if file.suffix.lower() == ".tsv" else ",")
-            parser = Parser(separator, at["header"])
+            begin = {"separator": "\t" if file.suffix.lower() == ".tsv" else ","}
+            parser = Parser(**(at.get("parser") or begin))
             with file.open("rb") as stream:
                 stream.seek(at["byte"])
                 while lines := self._lines(stream, file):
-                    batch = _rows(parser, lines)
-                    at = {
-                        "byte": at["byte"] + sum(map(len, lines)),
-                        "header": parser.header,
-                        "separator": parser.separator,
-                    }
+                    batch = parser.batch(lines, str(file))
+                    at = {"byte": at["byte"] + sum(map(len, lines)), "parser": parser.to_dict()}
                     self.reading = (key, at)
+                    self._read[key] = at  # also of lines without a row, which nobody takes for done
                     yield batch
         except OSError as error:
             message = f"{file} cannot be read: {error.strerror or error}"
@@ -212,15 +157,3 @@ class Files:
                 break  # a line that is still being written is read when it is whole
             lines.append(line)
         return lines
-
-
-def _rows(parser: Parser, lines: list[bytes]) -> Batch:
-    rows: list[Row] = []
-    wrong = []
-    for line in lines:
-        row, why = parser.row(line.decode("utf-8", errors="replace"))
-        if row is not None:
-            rows.append(row)
-        if why:
-            wrong.append(why)
-    return rows, wrong

@@ -6,12 +6,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from echocal.errors import DataError, UsageError
 from echocal.watch.rows import Row
 
 __all__ = ["State"]
 
-SCHEMA = "echocal.watch/2"
+SCHEMA = "echocal.watch/3"
 
 _TABLES = {
     "facts": "name text primary key, value text",
@@ -46,6 +48,7 @@ class State:
             self._base.execute("begin exclusive")
             for name, columns in _TABLES.items():
                 self._base.execute(f"create table if not exists {name} ({columns})")
+            self.commit()
         except sqlite3.DatabaseError as error:
             busy = "another watch is using it" if "locked" in str(error) else str(error)
             message = f"--state {path} cannot be used: {busy}"
@@ -84,7 +87,8 @@ class State:
 
     def keep(self, id_: str, value: Mapping[str, Any]) -> None:
         """Keep the state of a sensor."""
-        self._base.execute("insert or replace into sensors values (?, ?)", (id_, json.dumps(value)))
+        text = json.dumps(value, default=_plain)
+        self._base.execute("insert or replace into sensors values (?, ?)", (id_, text))
 
     def position(self, source: str) -> Any:
         """How far a source was read; None if it is new."""
@@ -96,7 +100,7 @@ class State:
 
     def add_rows(self, sensor: str, rows: Iterable[tuple[int, float, Row]]) -> None:
         """Keep rows of a sensor by number and time."""
-        kept = [(sensor, number, time, json.dumps(dict(row), default=str)) for number, time, row in rows]
+        kept = [(sensor, number, time, json.dumps(dict(row), default=_plain)) for number, time, row in rows]
         self._base.executemany("insert or replace into rows values (?, ?, ?, ?)", kept)
 
     def forget_rows(self, sensor: str, until: int) -> None:
@@ -117,6 +121,11 @@ class State:
         self._base.execute("commit")
         self._base.execute("begin exclusive")
 
+    def roll_back(self) -> None:
+        """Forget all changes since the last commit."""
+        self._base.execute("rollback")
+        self._base.execute("begin exclusive")
+
     def close(self) -> None:
         """Forget what was not committed."""
         self._base.close()
@@ -124,3 +133,8 @@ class State:
     def _one(self, query: str, key: str) -> Any:
         found = self._base.execute(query, (key,)).fetchone()
         return None if found is None else json.loads(found[0])
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold of a field: a number of NumPy as a number, anything else as text."""
+    return value.item() if isinstance(value, np.generic) else str(value)

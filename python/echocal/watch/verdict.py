@@ -6,16 +6,20 @@ from typing import Any
 import pandas as pd
 
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.errors import DataError, EchocalError
-from echocal.watch.events import Event, instant
+from echocal.errors import EchocalError
+from echocal.watch.clock import Waiting
+from echocal.watch.events import Event
 from echocal.watch.rows import Row
 from echocal.watch.sensor import Sensor
 
 __all__ = ["told"]
 
 
-def told(sensor: Sensor, rows: list[Row], time: float, number: int, options: dict[str, Any]) -> Event | None:
-    """Run the diagnosis on rows; an event if its verdict is another one than the last one told."""
+def told(sensor: Sensor, rows: list[Row], last: Waiting, options: dict[str, Any]) -> Event | None:
+    """Run the diagnosis on rows; an event if its verdict is another one than the last one told.
+
+    A diagnosis that fails stops no watch, whatever the reason.
+    """
     assert sensor.follow is not None
     since = sensor.follow["since"]
     sensor.follow["at"] = sensor.follow["rows"]
@@ -24,11 +28,12 @@ def told(sensor: Sensor, rows: list[Row], time: float, number: int, options: dic
     try:
         with warnings.catch_warnings(action="ignore"):
             diagnosis = diagnose(pd.DataFrame(rows).fillna(""), base=sensor.model, **options)
-    except (DataError, EchocalError) as error:
-        told = Event("note", sensor.id, time, number, f"no verdict: {error}")
-        return _once(sensor, ["error", str(error), []], told)
+    except Exception as error:
+        why = str(error) if isinstance(error, EchocalError) else f"{type(error).__name__}: {error}"
+        told = Event("note", sensor.id, last.time, last.number, f"no verdict: {why}")
+        return _once(sensor, ["error", why, []], told)
     causes = [[cause.id, *cause.indistinguishable_from] for cause in diagnosis.causes]
-    return _once(sensor, [diagnosis.verdict, since, causes], _event(sensor, diagnosis, since, time, number))
+    return _once(sensor, [diagnosis.verdict, since, causes], _event(sensor, diagnosis, since, last))
 
 
 def _once(sensor: Sensor, verdict: list[Any], event: Event) -> Event | None:
@@ -41,7 +46,7 @@ def _once(sensor: Sensor, verdict: list[Any], event: Event) -> Event | None:
     return None if same else event
 
 
-def _event(sensor: Sensor, found: Diagnosis, since: float | None, time: float, number: int) -> Event:
+def _event(sensor: Sensor, found: Diagnosis, since: str | float | None, last: Waiting) -> Event:
     causes = [
         {
             "id": cause.id,
@@ -60,7 +65,7 @@ def _event(sensor: Sensor, found: Diagnosis, since: float | None, time: float, n
         }
         for cause in found.causes
     ]
-    period = "of the first rows" if since is None else f"since {instant(since)}"
+    period = "of the first rows" if since is None else f"since {since}"
     said = "; ".join(
         " or ".join([cause.id, *cause.indistinguishable_from])
         + f" ({cause.probability:.0%}"
@@ -72,9 +77,9 @@ def _event(sensor: Sensor, found: Diagnosis, since: float | None, time: float, n
     )
     sentence = f"verdict {period}, {found.rows['used']} rows: {found.verdict}{': ' if said else ''}{said}"
     details = {
-        "since": None if since is None else instant(since),
+        "since": since,
         "verdict": found.verdict,
         "causes": causes,
         "rows_used": found.rows["used"],
     }
-    return Event("verdict", sensor.id, time, number, sentence, details)
+    return Event("verdict", sensor.id, last.time, last.number, sentence, details)
