@@ -56,3 +56,14 @@ def test_memory_that_runs_out_is_one_line() -> None:
     assert run.returncode == 3
     assert run.stderr.startswith("echocal: memory ran out")
     assert run.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("sign", ["\x1b]0;pwned\x07", "\x1b[2J", "\x9b31m", "\n", "\r", "\u202e", "\x7f"])
+def test_a_message_shows_the_signs_that_would_steer_the_terminal(sign: str, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "echocal", "inspect", f"no{sign}file.csv"]
+    run = subprocess.run(words, cwd=tmp_path, capture_output=True, check=False, timeout=60)
+    said = run.stderr.decode()
+    assert run.returncode != 0
+    assert said.endswith("\n")
+    assert said.removesuffix("\n").isprintable()
+    assert f"no{ascii(sign)[1:-1]}file.csv" in said

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from echocal._core import __version__
-from echocal.cli._terminal import write_what_can_be_written
+from echocal.cli._terminal import visible, write_what_can_be_written
 from echocal.errors import DataError, EchocalError
 
 __all__ = ["COMMANDS", "app", "main"]
@@ -71,7 +71,7 @@ def main() -> None:
     try:
         app(prog_name="echocal")
     except EchocalError as error:
-        sys.stderr.write(f"echocal: {error}\n")
+        sys.stderr.write(f"echocal: {visible(str(error))}\n")
         sys.exit(error.exit_code)
     except MemoryError as error:
         reason = f" ({error})" if str(error) else ""

@@ -3,7 +3,7 @@
 import codecs
 import sys
 
-__all__ = ["write_what_can_be_written"]
+__all__ = ["visible", "write_what_can_be_written"]
 
 _PLAIN = str.maketrans(
     {"✓": "+", "✗": "x", "≠": "#", "█": "#", "━": "-", "−": "-", "–": "-", "≥": ">=", "±": "+/-", "…": "..."}
@@ -20,6 +20,22 @@ def write_what_can_be_written() -> None:
         reconfigure = getattr(stream, "reconfigure", None)  # a stream that somebody put in place may lack it
         if reconfigure is not None:
             reconfigure(errors="echocal.plain")
+
+
+def visible(text: str) -> str:
+    r"""Text on one line, with the signs that would steer a terminal written as escapes.
+
+    Names and ids come from other people's data. They may hold escape sequences, line ends, or marks that
+    turn the direction of writing; a terminal would obey.
+
+    Examples
+    --------
+    >>> visible("tank 7\x1b[2J°\n")
+    'tank 7\\x1b[2J°\\n'
+    """
+    if text.isprintable():
+        return text
+    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:
