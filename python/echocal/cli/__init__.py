@@ -39,6 +39,15 @@ class _Commands(TyperGroup):
         loaded.name = cmd_name
         return loaded
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; what its options and arguments are told wrong is shown, and steers no terminal."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            if isinstance(told := getattr(error, "message", None), str):
+                error.message = visible(told)  # type: ignore[attr-defined]
+            raise
+
 
 app = typer.Typer(
     cls=_Commands,

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import Annotated, Any, TypeAlias
 
 import typer
-from rich.console import Console
 
+from echocal.cli._console import Console
 from echocal.cli._options import Options, added, from_stdin
 from echocal.cli._outputs import pass_on
 from echocal.engines.names import ENGINES

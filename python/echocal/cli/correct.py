@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._progress import rows_bar

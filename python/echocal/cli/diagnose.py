@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from echocal.cli import _fleet, _made_by, _pool
+from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
 from echocal.cli._tables import (
     At,
