@@ -75,7 +75,9 @@ def test_names_of_columns_files_and_sensors_steer_no_terminal(
     command: str, random: np.random.Generator, tmp_path: Path
 ) -> None:
     """They come from other people: notes, tables and reports show their signs."""
-    signs = random.permutation(["\x1b[2J", "\x1b]0;x\x07", "\x9b31m", "\x7f", "\u202e", "\x08", "\u2028"])
+    signs = random.permutation(
+        ["\x1b[2J", "\x1b]0;x\x07", "\x9b31m", "\x7f", "\u202e", "\x08", "\u2028"]
+    ).tolist()
     name, *rest = (f"a{sign}b" for sign in signs)
     log = tmp_path / "in" / f"{name}.csv"
     log.parent.mkdir()
@@ -92,4 +94,4 @@ def test_names_of_columns_files_and_sensors_steer_no_terminal(
     if command == "correct":
         told = run.stderr.decode()
         assert run.returncode == 3
-        assert all(f"a{ascii(sign)[1:-1]}b" in told for sign in signs[[1, 4, 5]])
+        assert all(f"a{ascii(sign)[1:-1]}b" in told for sign in (signs[1], *signs[4:6]))
