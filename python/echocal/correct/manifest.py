@@ -159,7 +159,7 @@ class Manifest:
         except (OSError, DataError):
             return []
         lines = []
-        for line in text.splitlines():
+        for line in text.split("\n"):
             try:
                 lines.append(json.loads(line))
             except ValueError:

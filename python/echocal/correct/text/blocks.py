@@ -158,12 +158,12 @@ def _records(path: Path, layout: Layout, head: Head, first: int) -> Iterator[Blo
     with below(path, layout, first - 1) as file:
         lines: list[str] = []
         count, at = 0, first
-        for _, held in marks.records(file, first):
-            lines += held
-            count += 1
-            if count == _RECORDS:
+        for _, held in marks.records(file, first, cut=True):
+            if count == _RECORDS and not marks.is_cut:  # what is cut is judged by the row before it
                 yield Block("".join(lines).encode(), at)
                 at += len(lines)
                 lines, count = [], 0
+            lines += held
+            count += 1
         if lines:
             yield Block("".join(lines).encode(), at)

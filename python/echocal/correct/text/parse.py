@@ -164,8 +164,8 @@ class Parser:
         ended = data.endswith(b"\n")
         if not ended:
             data += end
-        if b'"' in data and not self._encloses(data):
-            return None
+        if b'"' in data and (data.count(b'"') % 2 or not self._encloses(data)):
+            return None  # an odd one: the file is cut within a field
         texts = _core.Lines.of(data, len(end) == 2)
         return None if texts is None else Lines(texts, end.decode(), end.decode() if ended else "")
 
@@ -253,10 +253,13 @@ class Parser:
         rows: list[int] = []
         corrupt: dict[int, str] = {}
         complete = True
-        for record, held in marks.records(text, block.first):
+        for record, held in marks.records(text, block.first, cut=True):
             ended = "".join(held)
             line = ended.rstrip("\r\n")
             end = ended[len(line) :]
+            if marks.is_cut:
+                corrupt[len(rows)] = CUT
+                line += '"'  # the results stand behind the field, not in it
             if record:
                 fitted = self._fitted(line)
                 if not end and complete and fitted is not None and len(fitted) > len(line):
@@ -286,7 +289,7 @@ class Parser:
 
     def _fields(self, line: str) -> list[str]:
         try:
-            return next(csv.reader(line.splitlines(keepends=True), **self._dialect))
+            return next(csv.reader([line], **self._dialect))
         except csv.Error:
             raise too_long(line) from None
 
