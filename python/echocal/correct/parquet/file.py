@@ -127,8 +127,10 @@ def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opene
 
 
 def arrow_file(path: Path) -> Any:
-    """Open a file so that no whole column of a row group is held."""
-    return arrow().parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
+    """Open a file so that no whole column of a row group is held; checksums of pages are compared."""
+    return arrow().parquet.ParquetFile(
+        _name(path), buffer_size=1 << 20, pre_buffer=False, page_checksum_verification=True
+    )
 
 
 def _name(path: Path) -> Any:
