@@ -1,16 +1,46 @@
 """Files that are complete or absent: written under a temporary name, then renamed."""
 
+import io
 import os
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 from echocal.errors import UsageError, writing
 
-__all__ = ["refuse_name", "replace_all", "replace_text", "replacing"]
+__all__ = ["WriteError", "opened_output", "refuse_name", "replace_all", "replace_text", "replacing"]
 
 _NAMED = 50  # characters of the file's name that its unfinished copy shows
+
+
+class WriteError(OSError):
+    """The system's refusal to write, where a reader's `OSError` could be meant, too."""
+
+
+def opened_output(path: Path) -> io.BufferedWriter:
+    """Open a file to write, whose errors are `WriteError`."""
+    with _of_writing():
+        return io.BufferedWriter(_Output(path, "wb"))
+
+
+class _Output(io.FileIO):
+    def write(self, data: Any) -> int:
+        with _of_writing():
+            return super().write(data)
+
+    def close(self) -> None:
+        with _of_writing():
+            super().close()
+
+
+@contextmanager
+def _of_writing() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise WriteError(error.errno, error.strerror) from None
 
 
 @contextmanager
@@ -60,8 +90,9 @@ def replacing(path: str | Path, last: Callable[[], None] = lambda: None) -> Iter
             raise PermissionError(None, "no permission to replace it")
         unfinished = target.with_name(f".{target.name[:_NAMED]}.{secrets.token_hex(8)}.unfinished")
         mode = target.stat().st_mode & 0o7777 if target.exists() else None
-        os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else 0o600))
+        made = os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else 0o600
         try:
+            os.close(os.open(unfinished, *made))
             yield unfinished
             if mode is not None:  # of the file that is replaced, whatever the process grants new ones
                 unfinished.chmod(mode)

@@ -3,6 +3,7 @@
 import codecs
 import gzip
 import sys
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -109,7 +110,7 @@ def settled(path: Path, layout: Layout) -> Layout:
     try:
         with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
             sample: bytes = file.read(_SAMPLE)
-    except (OSError, EOFError):
+    except (OSError, EOFError, zlib.error):
         return layout  # the reader tells
     if sample.isascii() or 0 in sample:
         return layout

@@ -19,6 +19,7 @@ from echocal.correct.stream import corrected
 from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
+from echocal.outputs import opened_output
 
 __all__ = [
     "Opened",
@@ -98,7 +99,7 @@ def correct_parquet(
 
             tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
             made = corrected(tables, corrector, tally, encoded, **around, threads=job.threads)
-            with out.open("wb") as target:
+            with opened_output(out) as target:
                 splice = Splice(raw, footer, target, _kept(footer, job, corrector))
                 groups = footer.row_groups
                 for place, results in enumerate(_groups(made, opened.pieces, footer)):

@@ -3,6 +3,7 @@
 import codecs
 import gzip
 import io
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -96,7 +97,7 @@ def _parts(path: Path, layout: Layout, skipped: int, size: int) -> Iterator[byte
                 yield part
     except UnicodeError:
         raise DataError(no_text(path, layout)) from None
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         message = f"{path} cannot be unpacked: {error}"
         raise DataError(message) from None
 

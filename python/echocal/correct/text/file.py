@@ -27,6 +27,7 @@ from echocal.observations.part import Part
 from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
 from echocal.observations.text import no_text, resolved
+from echocal.outputs import opened_output
 
 __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_text"]
 
@@ -244,7 +245,7 @@ def _is_number(code: str) -> bool:
 @contextmanager
 def writing_text(out: Path, zipped: bool) -> Iterator[IO[bytes]]:
     """Open a text file for writing; the same bytes each time, gzipped too."""
-    with out.open("wb") as raw:
+    with opened_output(out) as raw:
         if not zipped:
             yield raw
             return
