@@ -1,7 +1,39 @@
-"""End without a traceback after Ctrl-C, also while the command line is still being imported."""
+"""End without a traceback after Ctrl-C, also while the command line is still being imported.
 
+A request to terminate ends a program in the same way: it unwinds, so that nothing unfinished stays behind.
+"""
+
+import signal
 import sys
-from types import TracebackType
+import threading
+from types import FrameType, TracebackType
+
+__all__ = ["unwind_when_told"]
+
+_REQUESTS = ("SIGTERM", "SIGHUP", "SIGBREAK")
+"""Of a service manager, of a terminal that is closed, of Windows."""
+
+
+def unwind_when_told(*more: str) -> None:
+    """Let requests to terminate raise `SystemExit`; those that are ignored, as after nohup, stay so.
+
+    Parameters
+    ----------
+    *more : str
+        Further signals that do.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return  # where no signal arrives
+    numbers = [number for name in (*_REQUESTS, *more) if (number := getattr(signal, name, None)) is not None]
+    handled = [number for number in numbers if signal.getsignal(number) is not signal.SIG_IGN]
+
+    def stop(number: int, _: FrameType | None) -> None:
+        for own in handled:
+            signal.signal(own, signal.SIG_IGN)  # a second request would interrupt the cleaning
+        raise SystemExit(128 + number)
+
+    for number in handled:
+        signal.signal(number, stop)
 
 
 def _quietly(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -10,6 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from echocal._core import __version__
+from echocal._interrupt import unwind_when_told
 from echocal.cli._terminal import visible, write_what_can_be_written
 from echocal.errors import DataError, EchocalError
 
@@ -77,6 +78,7 @@ def _all_commands(
 def main() -> None:
     """Run the command line; a user's mistake is one line on stderr and an exit code."""
     write_what_can_be_written()
+    unwind_when_told()
     try:
         app(prog_name="echocal")
     except EchocalError as error:

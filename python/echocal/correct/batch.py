@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
-from echocal.correct.driver import Progress, Summary, question_of, run, run_tasks, task_of
+from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
 from echocal.correct.inputs import Inputs, find_inputs, refuse_nested
 from echocal.correct.job import plain_job
 from echocal.correct.logs import logs_of
@@ -16,6 +16,7 @@ from echocal.correct.uncertainty import Uncertainties
 from echocal.engines import Engine, open_engine
 from echocal.engines.checks import check_workers
 from echocal.engines.names import is_elsewhere
+from echocal.engines.processes import Processes
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
@@ -159,10 +160,14 @@ def correct_files(
         )
         for s in inputs.files
     }
-    with open_engine(engine, processes if spread else 1) as by_whom:
-        if inputs.single:
+    if inputs.single:
+        with open_engine(engine, processes if spread else 1) as by_whom:
             return _single(inputs, next(iter(tasks.values())), by_whom, progress)
-        return run(inputs, tasks, target, by_whom, force=force, progress=progress)
+    with alone(target) as killed:
+        if killed and engine == "local" and not spread:
+            engine = Processes(1)  # a file that kills its process does not end this one
+        with open_engine(engine, processes if spread else 1) as by_whom:
+            return run(inputs, tasks, target, by_whom, force=force, progress=progress)
 
 
 def _single(

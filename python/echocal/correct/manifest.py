@@ -163,7 +163,7 @@ class Manifest:
                 text = self.file.read_text(encoding="utf-8", errors="replace")
         except (OSError, DataError):
             return []
-        lines = []
+        lines: list[dict[str, Any]] = []
         for line in text.split("\n"):
             try:
                 own = json.loads(line)
