@@ -8,14 +8,18 @@ import sys
 import threading
 from types import FrameType, TracebackType
 
-__all__ = ["unwind_when_told"]
+__all__ = ["Terminated", "unwind_when_told"]
 
 _REQUESTS = ("SIGTERM", "SIGHUP", "SIGBREAK")
 """Of a service manager, of a terminal that is closed, of Windows."""
 
 
+class Terminated(SystemExit):
+    """The end that another program asked for; its code is that of a shell."""
+
+
 def unwind_when_told(*more: str) -> None:
-    """Let requests to terminate raise `SystemExit`; those that are ignored, as after nohup, stay so.
+    """Let requests to terminate raise `Terminated`; those that are ignored, as after nohup, stay so.
 
     Parameters
     ----------
@@ -30,7 +34,7 @@ def unwind_when_told(*more: str) -> None:
     def stop(number: int, _: FrameType | None) -> None:
         for own in handled:
             signal.signal(own, signal.SIG_IGN)  # a second request would interrupt the cleaning
-        raise SystemExit(128 + number)
+        raise Terminated(128 + number)
 
     for number in handled:
         signal.signal(number, stop)

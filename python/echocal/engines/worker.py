@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
 
-from echocal._interrupt import unwind_when_told
+from echocal._interrupt import Terminated, unwind_when_told
 from echocal.engines.engine import Result, Task, Work
 
 __all__ = ["ONE_THREAD", "Worker"]
@@ -104,7 +104,7 @@ def _serve(pipe: Connection, work: Work) -> None:
 def _answer(work: Work, task: Task) -> tuple[Result | None, BaseException | None]:
     try:
         return work(task), None
-    except (KeyboardInterrupt, SystemExit):
+    except (KeyboardInterrupt, Terminated):
         raise
     except BaseException as error:
         error.add_note(f"in a process:\n{traceback.format_exc()}")

@@ -25,13 +25,13 @@ class _Field:
     needed: bool = False
 
 
-_Kind: TypeAlias = "range | type[bytes] | list[_Kind] | dict[int, _Field]"
-"""An integer in a range, bytes, a list, a structure with these fields and any others."""
+_Kind: TypeAlias = "range | type[bytes | str] | list[_Kind] | dict[int, _Field]"
+"""An integer in a range, bytes, a text in UTF-8, a list, a structure with these fields and any others."""
 
 _ELEMENT: _Kind = {
     1: _Field("type", range(8)),
     3: _Field("repetition", range(3)),
-    4: _Field("name", bytes, needed=True),
+    4: _Field("name", str, needed=True),
     5: _Field("number of children", _SHORT),
 }
 _META: _Kind = {
@@ -102,6 +102,8 @@ def _check(kind: int, value: Any, wanted: _Kind, name: str) -> None:
                 raise ValueError(message)
     else:
         _expect(kind == BINARY, name, "text")
+        if wanted is str:
+            value.decode()
 
 
 def _expect(holds: bool, name: str, kind: str) -> None:
