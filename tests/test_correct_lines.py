@@ -149,3 +149,19 @@ def test_a_stray_mark_that_swallows_rows_is_no_cut(tmp_path: Path) -> None:
         (tmp_path / "log.csv").write_text("\n".join(["echo_us,temperature_C", *rows, ""]))
         with pytest.raises(echocal.DataError, match="nothing closes the quotation mark of line 4"):
             correct_files(tmp_path / "log.csv", tmp_path / "out.csv", MODEL)
+
+
+def test_a_text_of_parquet_that_ends_a_line_stays_in_its_row(
+    random: np.random.Generator, tmp_path: Path
+) -> None:
+    """A carriage return without a line feed was not quoted, so readers cut the row there."""
+    signs = ["\r", "\n", "\r\n", "\r\r\n", ",", '"', "x", *NO_ENDS]
+    texts = ["".join(random.choice(signs, random.integers(1, 6))) for _ in range(200)]
+    table = pd.DataFrame({"remark": texts, "echo_us": 11660.0, "temperature_C": 20.0, "last": texts[::-1]})
+    table.to_parquet(tmp_path / "in.parquet")
+    correct_files(tmp_path / "in.parquet", tmp_path / "out.csv", MODEL)
+    header, *rows = rows_of(tmp_path / "out.csv")
+    assert [row[0] for row in rows] == texts
+    assert [row[3] for row in rows] == texts[::-1]
+    assert {len(row) for row in rows} == {len(header)} == {8}
+    assert all(float(row[4]) > 1.9 for row in rows)

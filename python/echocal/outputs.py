@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -11,8 +12,52 @@ from typing import Any
 from echocal.errors import UsageError, writing
 
 __all__ = ["WriteError", "opened_output", "refuse_name", "replace_all", "replace_text", "replacing"]
+__all__ += ["csv_text", "spreadsheet_safe"]
 
 _NAMED = 50  # characters of the file's name that its unfinished copy shows
+
+
+_FORMULA = re.compile(r"[\s\x00-\x1f]*[=+\-@＝＋－＠]")
+_NUMBER = re.compile(r"\s*[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?\s*|[-+\s]*")
+
+
+def spreadsheet_safe(text: str) -> str:
+    """Return a text that no spreadsheet takes for a formula: with an apostrophe before what begins as one.
+
+    Numbers stay numbers. Source: CSV Injection, of the Open Worldwide Application Security Project (OWASP).
+
+    Examples
+    --------
+    >>> from echocal.outputs import spreadsheet_safe
+    >>> spreadsheet_safe("=1+1"), spreadsheet_safe("-5.2"), spreadsheet_safe("tank 7")
+    ("'=1+1", '-5.2', 'tank 7')
+    """
+    return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def csv_text(table: Any, **options: Any) -> str:
+    r"""Return a table of pandas as CSV; each line ends with a line feed.
+
+    A carriage return ends a line, too, so a text that has one is quoted. Python's writer only quotes what its
+    own ends of lines are made of.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+    **options
+        As of `pandas.DataFrame.to_csv`.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> csv_text(pd.DataFrame({"a": ["x\ry"], "b": [1]}))
+    'a,b\n"x\ry",1\n'
+    """
+    text: str = table.to_csv(index=False, lineterminator="\n", **options)
+    if "\r" in text:
+        end = "\r" * (1 + max(map(len, re.findall("\r+", text)))) + "\n"  # which no text has
+        text = table.to_csv(index=False, lineterminator=end, **options).replace(end, "\n")
+    return text
 
 
 class WriteError(OSError):

@@ -47,6 +47,7 @@ class How:
     memory: str
     workers: int | None
     engine: str
+    spreadsheet_safe: bool = False
 
 
 def is_fleet(inputs: Sequence[Path], table: Path | None) -> bool:
@@ -112,6 +113,7 @@ def diagnose_sensors(
             workers=how.workers,
             engine=how.engine,
             memory=in_bytes(how.memory),
+            spreadsheet_safe=how.spreadsheet_safe,
             force=force,
             progress=progress,
             **request,

@@ -49,6 +49,7 @@ def correct_files(
     processes: int = 2,
     engine: str | Engine = "local",
     layout: Layout | None = None,
+    spreadsheet_safe: bool = False,
     force: bool = False,
     progress: Callable[[Progress], None] = lambda state: None,
     **options: Any,
@@ -89,6 +90,8 @@ def correct_files(
         cluster, `memory` is what each task may use.
     layout : Layout, optional
         How text files are written.
+    spreadsheet_safe : bool
+        Write an apostrophe before texts of a text file that a spreadsheet would take for formulas.
     force : bool
         Begin anew where the folder was begun with another model.
     progress : callable
@@ -148,6 +151,7 @@ def correct_files(
         options=options,
         several=not inputs.single,
         logs=logs,
+        spreadsheet_safe=spreadsheet_safe,
     )
     folder = None if models is None else ModelFolder(Path(models))
     digest = model.hash if model is not None else str(folder and folder.digest())
@@ -205,6 +209,7 @@ def job_of(
     options: Mapping[str, Any],
     several: bool = False,
     logs: str | None = None,
+    spreadsheet_safe: bool = False,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     known: dict[str, Any] = {
@@ -259,6 +264,7 @@ def job_of(
         threads=threads,
         several=several,
         logs=logs,
+        spreadsheet_safe=spreadsheet_safe,
     )
 
 

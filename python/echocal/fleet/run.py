@@ -83,6 +83,7 @@ def diagnose_fleet(
     workers: int | None = None,
     engine: str | Engine = "local",
     memory: int = _MEMORY,
+    spreadsheet_safe: bool = False,
     force: bool = False,
     progress: Progress | None = None,
     seed: int = 0,
@@ -119,6 +120,8 @@ def diagnose_fleet(
         Who diagnoses: ``"local"``, ``"dask-local"``, ``"dask://HOST:PORT"``; see docs/batch.md.
     memory : int
         Bytes of rows that a process holds at a time.
+    spreadsheet_safe : bool
+        Write an apostrophe before texts of a CSV file that a spreadsheet would take for formulas.
     force : bool
         Whether an unfinished run of another request is thrown away.
     progress : callable, optional
@@ -178,7 +181,7 @@ def diagnose_fleet(
                 made = {one["sensor"]: one["model"] for one in records if one["model"]}
                 replace_text(Path(folders["models"]) / INDEX, index_text(made))
             if out is not None:
-                verdicts.write(rows, Path(out))
+                verdicts.write(rows, Path(out), spreadsheet_safe=spreadsheet_safe)
             store.remove()
     return Fleet(rows, told)
 

@@ -140,10 +140,14 @@ def correct_text(
         above, header, end, units = prelude(source, job.layout, text.head)
         if job.layout.encoding == "utf-8-sig" and begins_with_mark(source):
             file.write(codecs.BOM_UTF8)
+        if job.spreadsheet_safe:
+            header = text.parser.line_without_formulas(header)
         names = above + header_with_results(header, separator) + end
         file.write((names + with_empty(units, separator)).encode())
 
         def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes | memoryview]:
+            if job.spreadsheet_safe:
+                lines = text.parser.without_formulas(block, lines)
             return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
 
         for count, data in correct_blocks(text, tally, log, written):

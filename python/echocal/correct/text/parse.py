@@ -8,7 +8,8 @@ import csv
 import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from echocal.observations.heading import SEPARATORS, too_long
 from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
+from echocal.outputs import spreadsheet_safe
 
 __all__ = ["Lines", "Parser"]
 
@@ -105,6 +107,45 @@ class Parser:
                 return lines, found
             lines = self._records(block)
         return lines, self._careful(lines, columns)
+
+    def without_formulas(self, block: Block, lines: Lines) -> Lines:
+        """The same lines, with an apostrophe before texts that a spreadsheet would take for formulas."""
+        if not self._formula.search(block.data):
+            return lines
+        lines = lines if lines.records is not None else self._records(block)
+        assert lines.records is not None
+        rows = set(lines.rows)
+        records = [
+            (self.line_without_formulas(line), end) if place in rows else (line, end)
+            for place, (line, end) in enumerate(lines.records)
+        ]
+        return replace(lines, records=records)
+
+    def line_without_formulas(self, line: str) -> str:
+        """The same of one line; all other fields stay letter for letter."""
+        values = self._fields(line) if line else []
+        texts = self._written.findall(line)[: len(values)]
+        for place, value in enumerate(values):
+            if spreadsheet_safe(value) != value:
+                text = texts[place]
+                blanks = text[: len(text) - len(text.lstrip(" "))]
+                if text.startswith('"', len(blanks)):
+                    texts[place] = blanks + "\"'" + value.replace('"', '""') + '"'
+                else:
+                    texts[place] = "\"'" + text.replace('"', '""') + '"'
+        return self._head.separator.join(texts)
+
+    @cached_property
+    def _written(self) -> re.Pattern[str]:
+        """A field as it is written."""
+        cut = re.escape(self._head.separator)
+        return re.compile(f'(?:^|(?<={cut}))( *"(?:[^"]|"")*"[^{cut}]*|[^{cut}]*)(?={cut}|$)', re.DOTALL)
+
+    @cached_property
+    def _formula(self) -> re.Pattern[bytes]:
+        """What every block has in which a field begins as a formula."""
+        cut = re.escape(self._head.separator.encode())
+        return re.compile(rb'(?:^|["\r\n]|%b)[\s\x00-\x1f"]*(?:[=+\-@]|\xef\xbc[\x8b\x8d\x9d\xa0])' % cut)
 
     def fields(self, block: Block, lines: Lines) -> Any:
         """Every field of the rows as the text that it is, an Arrow table; null where a row has too few.
