@@ -2,6 +2,7 @@
 
 import csv
 import io
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import echocal
 from echocal.correct import correct_files
 from echocal.correct.results import RESULTS
+from echocal.observations.layout import Layout
 
 MODEL = echocal.Model("linear", {"fixed_delay": {"delay": 31e-6}})
 NO_ENDS = ["\x0b", "\x0c", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"]
@@ -165,3 +167,42 @@ def test_a_text_of_parquet_that_ends_a_line_stays_in_its_row(
     assert [row[3] for row in rows] == texts[::-1]
     assert {len(row) for row in rows} == {len(header)} == {8}
     assert all(float(row[4]) > 1.9 for row in rows)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-8-sig", "gb18030"])
+@pytest.mark.parametrize("to", ["csv", "parquet"])
+def test_a_file_cut_within_a_sign_keeps_its_rows(
+    to: str, encoding: str, random: np.random.Generator, tmp_path: Path
+) -> None:
+    """The sign is shown as one that cannot be read; anything else that is no text is refused as before."""
+    rows = [f"{echo},20.5,kühl 𝄞" for echo in random.integers(3000, 20_000, int(random.integers(1, 300)))]
+    text = "\n".join(["echo_us,temperature_C,remark", *rows])
+    whole = text.encode(encoding)
+    layout = Layout(encoding=encoding)
+    for cut in (1, 2, 3):
+        (tmp_path / "cut.csv").write_bytes(whole[:-cut])
+        summary = correct_files(
+            tmp_path / "cut.csv", tmp_path / f"out.{to}", MODEL, layout=layout, force=True
+        )
+        within = not (encoding == "utf-16" and cut == 2)  # half of a pair is none
+        assert summary.rows == len(rows)
+        found = (pd.read_csv if to == "csv" else pd.read_parquet)(out)
+        status = found["status"].astype(object).fillna("").tolist()
+        assert status[:-1] == [""] * (len(rows) - 1)
+        assert status[-1] == "cut line"
+    if encoding.startswith("utf-8"):
+        (tmp_path / "bad.csv").write_bytes(whole.replace("ü".encode(), b"\xc3", 1))
+        with pytest.raises(echocal.DataError, match="is not text in utf-8"):
+            correct_files(tmp_path / "bad.csv", tmp_path / f"bad.{to}", MODEL, layout=layout)
+
+
+@pytest.mark.parametrize("above", [0, 1, 500])
+def test_a_line_that_never_ends_is_refused_at_once(above: int, tmp_path: Path) -> None:
+    """It took a minute for 100 MB of it, in each run again."""
+    rows = "11660,20\n" * max(above - 1, 0)
+    head = "echo_us,temperature_C\n" if above else ""
+    (tmp_path / "log.csv").write_text(head + rows + "1" * 20_000_000)
+    begun = time.process_time()
+    with pytest.raises(echocal.DataError, match=rf"line {above + 1} has more than 4,194,304 bytes"):
+        correct_files(tmp_path / "log.csv", tmp_path / "out.csv", MODEL)
+    assert time.process_time() - begun < 3

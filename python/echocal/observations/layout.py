@@ -12,7 +12,15 @@ import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["Head", "Layout", "is_zipped", "no_encoding", "settled"]
+__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "is_zipped", "no_encoding", "settled"]
+
+CUT_SIGN = "echocal.cut_sign"
+"""How a file that is cut within a sign is decoded; anything else that is no text is an error."""
+
+NO_SIGN = "\ufffd"
+"""What stands in place of the sign."""
+
+_OF_CUTS = ("unexpected end of data", "truncated data", "incomplete multibyte sequence")
 
 _DEFAULT = "utf-8-sig"
 _SAMPLE = 1 << 20
@@ -90,6 +98,17 @@ class Head:
     def is_no_row(self, line: str) -> bool:
         """Whether a line below the header is a comment, or the header once more."""
         return (self.comments and line.startswith("#")) or line in self.repeated
+
+
+def _cut_sign(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeDecodeError):
+        raise error
+    if error.reason not in _OF_CUTS or error.end < len(error.object):
+        raise error
+    return NO_SIGN, error.end
+
+
+codecs.register_error(CUT_SIGN, _cut_sign)
 
 
 def no_encoding(name: object) -> str:

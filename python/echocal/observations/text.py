@@ -19,7 +19,7 @@ import pandas as pd
 from echocal.errors import DataError, UsageError
 from echocal.observations.found import CORRUPT, CUT, Found, keep, pointed, said_of
 from echocal.observations.heading import SEPARATORS, fields_of, find_head
-from echocal.observations.layout import Head, Layout, is_zipped, no_encoding, settled
+from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 
@@ -297,5 +297,5 @@ def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
 
 def _open(path: Path, encoding: str) -> TextIO:
     if is_zipped(path):
-        return gzip.open(path, "rt", encoding=encoding, newline="")
-    return path.open(encoding=encoding, newline="")
+        return gzip.open(path, "rt", encoding=encoding, errors=CUT_SIGN, newline="")
+    return path.open(encoding=encoding, errors=CUT_SIGN, newline="")

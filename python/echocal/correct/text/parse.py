@@ -21,6 +21,7 @@ from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.found import CORRUPT, CUT, NOT_READ
 from echocal.observations.heading import SEPARATORS, too_long
+from echocal.observations.layout import NO_SIGN
 from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
@@ -30,6 +31,7 @@ __all__ = ["Lines", "Parser"]
 
 _CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NO_SIGN = NO_SIGN.encode()
 _NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)  # what Arrow takes for numbers, too
 
 
@@ -199,7 +201,7 @@ class Parser:
         # one byte is found many times faster than two
         if self._head.comments and b"#" in data and (data.startswith(b"#") or b"\n#" in data):
             return None
-        if any(line in data for line in self._repeated):
+        if any(line in data for line in self._repeated) or data.endswith(_NO_SIGN):
             return None
         end = b"\r\n" if b"\r" in data else b"\n"
         ended = data.endswith(b"\n")
@@ -298,8 +300,9 @@ class Parser:
             ended = "".join(held)
             line = ended.rstrip("\r\n")
             end = ended[len(line) :]
-            if marks.is_cut:
+            if marks.is_cut or line.endswith(NO_SIGN):
                 corrupt[len(rows)] = CUT
+            if marks.is_cut:
                 line += '"'  # the results stand behind the field, not in it
             if record:
                 fitted = self._fitted(line)
