@@ -181,10 +181,8 @@ def test_a_file_cut_within_a_sign_keeps_its_rows(
     layout = Layout(encoding=encoding)
     for cut in (1, 2, 3):
         (tmp_path / "cut.csv").write_bytes(whole[:-cut])
-        summary = correct_files(
-            tmp_path / "cut.csv", tmp_path / f"out.{to}", MODEL, layout=layout, force=True
-        )
-        within = not (encoding == "utf-16" and cut == 2)  # half of a pair is none
+        out = tmp_path / f"out.{to}"
+        summary = correct_files(tmp_path / "cut.csv", out, MODEL, layout=layout, force=True)
         assert summary.rows == len(rows)
         found = (pd.read_csv if to == "csv" else pd.read_parquet)(out)
         status = found["status"].astype(object).fillna("").tolist()

@@ -182,7 +182,7 @@ def command(
             "--kind": kind,
             "--workers": workers,
             "--engine": engine,
-            "--spreadsheet-safe": spreadsheet_safe,
+            "--spreadsheet-safe": spreadsheet_safe or None,
         },
     )
     if is_fleet or tables or by is not None:
