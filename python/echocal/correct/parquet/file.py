@@ -107,10 +107,23 @@ def correct_parquet(
                     progress(results.rows)
                 metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
                 splice.finish(metadata)
+            _check_written(out, footer, source)
             if tally.doubtful(job):
                 check_whole(opened, corrector)
     pa.default_memory_pool().release_unused()
     return tally
+
+
+def _check_written(out: Path, footer: f.Footer, source: Path) -> None:
+    """Open the output once: what a damaged footer holds may be more than this package knows."""
+    pa = arrow()
+    try:
+        rows = pa.parquet.read_metadata(_name(out)).num_rows
+    except (OSError, pa.ArrowException) as error:
+        rows = next(iter(str(error).split("\n")), type(error).__name__)
+    if rows != footer.rows:
+        message = f"{source} is damaged: its footer cannot be written again ({rows})"
+        raise DataError(message)
 
 
 def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opened:

@@ -59,6 +59,9 @@ class _Reader:
             self._count(1)
             kind, delta = head & 0x0F, head >> 4
             field = field + delta if delta else self._zigzag()
+            if field in found:
+                message = f"field {field} twice"
+                raise ValueError(message)
             found[field] = (kind, kind == TRUE if kind in (TRUE, FALSE) else self._value(kind))
 
     def _value(self, kind: int) -> Value:
