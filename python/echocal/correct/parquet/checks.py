@@ -35,6 +35,8 @@ _ELEMENT: _Kind = {
     5: _Field("number of children", _SHORT),
 }
 _META: _Kind = {
+    1: _Field("type", range(8), needed=True),
+    3: _Field("path of a column", [bytes], needed=True),
     4: _Field("codec", range(8), needed=True),
     5: _Field("number of values", _SIZE, needed=True),
     6: _Field("uncompressed size", _SIZE, needed=True),

@@ -23,7 +23,7 @@ TYPE, REPETITION, NAME, CHILDREN = 1, 3, 4, 5  # SchemaElement
 _REPEATED = 2  # of REPETITION
 COLUMNS, BYTES, GROUP_ROWS, SORTING, GROUP_OFFSET, COMPRESSED = 1, 2, 3, 4, 5, 6  # RowGroup
 FILE_PATH, FILE_OFFSET, META, OFFSET_INDEX, COLUMN_INDEX, CRYPTO = 1, 2, 3, 4, 6, 8  # ColumnChunk
-CODEC, VALUES, UNCOMPRESSED, COMPRESSED_SIZE = 4, 5, 6, 7  # ColumnMetaData
+KIND, PATH, CODEC, VALUES, UNCOMPRESSED, COMPRESSED_SIZE = 1, 3, 4, 5, 6, 7  # ColumnMetaData
 DATA_PAGE, INDEX_PAGE, DICTIONARY_PAGE = 9, 10, 11
 STATISTICS, ENCODING_STATS, BLOOM, BLOOM_LENGTH = 12, 13, 14, 15
 
@@ -51,6 +51,10 @@ class Field:
         first = self.elements[0]
         repeated = REPETITION in first and first[REPETITION][1] == _REPEATED
         return len(self.elements) == 1 and not repeated
+
+    def with_chunks(self) -> list[Struct]:
+        """Its elements that have column chunks."""
+        return [element for element in self.elements if TYPE in element]
 
 
 @dataclass(frozen=True)
@@ -127,7 +131,7 @@ def _refuse_elsewhere(footer: Footer, name: str) -> None:
 
 def _damage(footer: Footer, fields: list[Field]) -> str:
     """What of a footer contradicts the rest of it, or the file; empty if nothing does."""
-    leaves = [field.flat for field in fields for _ in field.leaves]
+    leaves = [(field.flat, element) for field in fields for element in field.with_chunks()]
     orders = footer.struct[COLUMN_ORDERS][1][1] if COLUMN_ORDERS in footer.struct else leaves
     if len(orders) != len(leaves):
         return f"it has orders of {len(orders)} columns of {len(leaves)}"
@@ -139,12 +143,11 @@ def _damage(footer: Footer, fields: list[Field]) -> str:
         chunks = group[COLUMNS][1][1]
         if len(chunks) != len(leaves):
             return f"a row group has {len(chunks)} columns of {len(leaves)}"
-        for chunk, flat in zip(chunks, leaves, strict=True):
-            if META not in chunk:
-                continue
-            if flat and chunk[META][1][VALUES][1] != own:
-                return f"a column has {chunk[META][1][VALUES][1]} values in {own} rows"
-            places += _parts(chunk)
+        for chunk, leaf in zip(chunks, leaves, strict=True):
+            if META in chunk:
+                if damage := _damage_of_chunk(chunk, own, *leaf):
+                    return damage
+                places += _parts(chunk)
     if rows != footer.rows:
         return f"its row groups have {rows} rows of {footer.rows}"
     places.sort()
@@ -152,6 +155,16 @@ def _damage(footer: Footer, fields: list[Field]) -> str:
         return "a column lies outside of the file"
     if any(first + count > then for (first, count), (then, _) in pairwise(places)):
         return "two columns lie in the same place"
+    return ""
+
+
+def _damage_of_chunk(chunk: Struct, rows: int, flat: bool, element: Struct) -> str:
+    """The same of one column chunk."""
+    meta, name = chunk[META][1], element[NAME][1]
+    if flat and meta[VALUES][1] != rows:
+        return f"a column has {meta[VALUES][1]} values in {rows} rows"
+    if meta[KIND][1] != element[TYPE][1] or meta[PATH][1][1][-1:] != [name]:
+        return f"column '{name.decode()}' has another name or type in a row group"
     return ""
 
 
