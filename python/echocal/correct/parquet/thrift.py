@@ -12,6 +12,9 @@ __all__ = ["BINARY", "I32", "I64", "INTEGERS", "LIST", "STRUCT", "Struct", "read
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
 INTEGERS = (I16, I32, I64)
 
+_WIDEST = 1000
+"""Fields of one structure; Parquet has 17 at most."""
+
 _MOST = 1 << 23
 """Fields and elements of a structure and of all that it holds: those of 300,000 column chunks; judgement."""
 
@@ -55,12 +58,12 @@ class _Reader:
         while True:
             head = self._byte()
             if head == 0:
+                self._count(len(found))
                 return found
-            self._count(1)
             kind, delta = head & 0x0F, head >> 4
             field = field + delta if delta else self._zigzag()
-            if field in found:
-                message = f"field {field} twice"
+            if field in found or len(found) > _WIDEST:
+                message = f"field {field} twice" if field in found else f"more than {_WIDEST} fields"
                 raise ValueError(message)
             found[field] = (kind, kind == TRUE if kind in (TRUE, FALSE) else self._value(kind))
 
@@ -111,7 +114,11 @@ class _Reader:
         return taken
 
     def _varint(self) -> int:
-        value = shift = 0
+        value = self.data[self.at]
+        self.at += 1
+        if value < 0x80:  # as most are
+            return value
+        value, shift = value & 0x7F, 7
         while True:
             byte = self._byte()
             value |= (byte & 0x7F) << shift
