@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from echocal.fleet import diagnose_fleet, tables
+from echocal.fleet import diagnose_fleet, tables, task
 
 
 def write(path: Path, random: np.random.Generator, rows: int = 40) -> None:
@@ -76,3 +76,26 @@ def test_a_panic_of_a_library_is_that_of_its_file(
     fleet = diagnose_fleet(tmp_path, workers=1)
     assert [row["sensor"] for row in fleet.rows if row["verdict"] != "failed"] == ["1"]
     assert any("0.parquet: unexpected Panic: index out of bounds" in note for note in fleet.summary["notes"])
+
+
+def test_a_panic_in_a_diagnosis_is_that_of_its_sensor(
+    random: np.random.Generator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Panic(BaseException):
+        pass
+
+    diagnosed, seen = task._diagnosed, []
+
+    def broken(*given: Any) -> Any:
+        seen.append(given)
+        if len(seen) == 1:
+            raise Panic("index out of bounds")
+        return diagnosed(*given)
+
+    monkeypatch.setattr(task, "_diagnosed", broken)
+    write(tmp_path / "log.parquet", random)
+    fleet = diagnose_fleet(tmp_path, "sensor_id", workers=1)
+    failed, other = fleet.rows
+    assert failed["verdict"] == "failed"
+    assert failed["reason"].startswith("unexpected Panic: index out of bounds (")
+    assert other["verdict"] != "failed"

@@ -121,3 +121,5 @@ def test_verdicts_and_tables_of_an_inspection(random: np.random.Generator, tmp_p
     assert {row[0] for row in rows_of(Path("table.csv"))} == {"sensor_id", "'=1+1", "7"}
     code, told = run("diagnose", "in.csv", "--spreadsheet-safe")
     assert (code, told.count("\n")) == (2, 1)
+    code, told = run("correct", "in.csv", "-o", "out.parquet", "--spreadsheet-safe")
+    assert (code, told.count("\n")) == (2, 1)

@@ -7,7 +7,7 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
-from echocal.correct.inputs import Inputs, find_inputs, refuse_nested
+from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_nested
 from echocal.correct.job import plain_job
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
@@ -134,6 +134,8 @@ def correct_files(
         raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
     if (models is None) != (by is None) and models is not None:
         raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
+    if spreadsheet_safe and inputs.single and target.name.lower().endswith(PARQUETS):
+        raise UsageError("--spreadsheet-safe is for CSV and TSV: no text of Parquet is a formula")
     several = len(inputs.files) > 1 and sum(size_of(file.path) for file in inputs.files) > _SMALL
     spread = processes > 1 and (several or engine != "local") and not elsewhere
     limit = in_bytes(memory)
