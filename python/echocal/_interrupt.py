@@ -6,12 +6,19 @@ A request to terminate ends a program in the same way: it unwinds, so that nothi
 import signal
 import sys
 import threading
+import time
 from types import FrameType, TracebackType
 
-__all__ = ["Terminated", "unwind_when_told"]
+__all__ = ["Terminated", "stop_if_told", "unwind_when_told"]
 
 _REQUESTS = ("SIGTERM", "SIGHUP", "SIGBREAK")
 """Of a service manager, of a terminal that is closed, of Windows."""
+
+_SAME = 2.0
+"""Time in which a second request is the first one, sent to a process and to its group [s]; judgement."""
+
+_told: list[tuple[float, int]] = []
+"""When this process was asked to end, and by which signal."""
 
 
 class Terminated(SystemExit):
@@ -29,15 +36,26 @@ def unwind_when_told(*more: str) -> None:
     if threading.current_thread() is not threading.main_thread():
         return  # where no signal arrives
     numbers = [number for name in (*_REQUESTS, *more) if (number := getattr(signal, name, None)) is not None]
-    handled = [number for number in numbers if signal.getsignal(number) is not signal.SIG_IGN]
+    for number in numbers:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
 
-    def stop(number: int, _: FrameType | None) -> None:
-        for own in handled:
-            signal.signal(own, signal.SIG_IGN)  # a second request would interrupt the cleaning
-        raise Terminated(128 + number)
 
-    for number in handled:
-        signal.signal(number, stop)
+def stop_if_told() -> None:
+    """Raise `Terminated` once more, if this process was asked to end.
+
+    A library that is called meanwhile may swallow it, or raise another error in its place.
+    """
+    if _told:
+        raise Terminated(128 + _told[0][1])
+
+
+def _stop(number: int, _: FrameType | None) -> None:
+    now = time.monotonic()
+    if _told and now - _told[-1][0] < _SAME:
+        return  # it would interrupt the cleaning
+    _told.append((now, number))
+    stop_if_told()
 
 
 def _quietly(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.correct.inputs import Inputs, Source
 from echocal.correct.lock import locked
 from echocal.correct.manifest import FOLDER, Manifest
@@ -149,6 +150,7 @@ def run(
         if (result["error"] or {}).get("kind") == "OutputError":
             raise OutputError(result["error"]["text"])
         manifest.add(place, result)
+        stop_if_told()
         summary.results[place] = result
         state.files += 1
         state.bytes += sizes[place]

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.correct.corrector import Tally
 from echocal.correct.inputs import PARQUETS, TEXTS
 from echocal.correct.job import Job
@@ -101,6 +102,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             "notes": list(tally.notes),
         }
     except BaseException as error:  # of one file: the others go on
+        stop_if_told()
         kind, text = _told(error, place)
         result["error"] = {"kind": kind, "text": text.replace(staged, str(place))}
     result["seconds"] = round(time.perf_counter() - begun, 6)

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
 
-from echocal._interrupt import Terminated, unwind_when_told
+from echocal._interrupt import Terminated, stop_if_told, unwind_when_told
 from echocal.engines.engine import Result, Task, Work
 
 __all__ = ["ONE_THREAD", "Worker"]
@@ -95,6 +95,7 @@ def _serve(pipe: Connection, work: Work) -> None:
     with suppress(EOFError, BrokenPipeError, KeyboardInterrupt):
         while True:
             answer = _answer(work, pipe.recv())
+            stop_if_told()
             try:
                 pipe.send(answer)
             except (pickle.PicklingError, AttributeError, TypeError) as error:

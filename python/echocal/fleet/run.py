@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.correct.driver import sweep
 from echocal.correct.inputs import Source
 from echocal.diagnose.request import Request
@@ -228,6 +229,7 @@ def _records(
     for task, result in engine.run(run_task, left):
         if result is None:
             kept[task["number"]] = [_lost(sensor) for sensor in task["sensors"]]
+        stop_if_told()
         done += len(task["sensors"])
         if progress is not None:
             progress(done, total, earlier)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from echocal._interrupt import stop_if_told
 from echocal.correct.parquet.checksums import compare_checksums
 from echocal.errors import DataError, EchocalError, unexpected
 from echocal.fleet.polar import Frame, polars
@@ -89,5 +90,6 @@ def _tried(path: Path, work: Any) -> Any:
         message = f"{path} cannot be read: {reason}"
         raise DataError(message) from None
     except BaseException as error:  # of one file: the others go on
+        stop_if_told()
         message = f"{path}: {unexpected(error)}"
         raise DataError(message) from None

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.diagnose.pipeline import Examined, examined
 from echocal.diagnose.preprocess.reading import read
 from echocal.diagnose.progress import Steps
@@ -100,6 +101,7 @@ def _record(sensor: Mapping[str, Any], log: Log, job: Mapping[str, Any]) -> dict
         except (EchocalError, MemoryError) as error:
             found = failure(str(error) or type(error).__name__)
         except BaseException as error:  # of one sensor: the others go on, and the table tells
+            stop_if_told()
             found = failure(unexpected(error))
     found["notes"] = [*log.notes, *found["notes"]]
     seconds = time.perf_counter() - begun
