@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
@@ -67,3 +68,30 @@ def test_a_message_shows_the_signs_that_would_steer_the_terminal(sign: str, tmp_
     assert said.endswith("\n")
     assert said.removesuffix("\n").isprintable()
     assert f"no{ascii(sign)[1:-1]}file.csv" in said
+
+
+@pytest.mark.parametrize("command", ["inspect", "correct", "diagnose"])
+def test_names_of_columns_files_and_sensors_steer_no_terminal(
+    command: str, random: np.random.Generator, tmp_path: Path
+) -> None:
+    """They come from other people: notes, tables and reports show their signs."""
+    signs = random.permutation(
+        ["\x1b[2J", "\x1b]0;x\x07", "\x9b31m", "\x7f", "\u202e", "\x08", "\u2028"]
+    ).tolist()
+    name, *rest = (f"a{sign}b" for sign in signs)
+    log = tmp_path / "in" / f"{name}.csv"
+    log.parent.mkdir()
+    rows = [f"{random.uniform(9000, 12000):.0f},2.0,20,{random.normal():.3f},{rest[1]}" for _ in range(30)]
+    log.write_text("\n".join([f"echo_us,distance_m,temperature_C,{rest[0]},kind", *rows, ""]), "utf-8")
+    (log.parent / f"{rest[2]}.csv").write_text("echo_us,temperature_C\n11660,20\n", "utf-8")
+    (log.parent / f"{rest[3]}.txt").write_text("nothing\n")
+    (log.parent / f"{rest[4]}.parquet").write_bytes(b"PAR1 is cut")
+    words = ["in", "-o", "out"] if command == "correct" else [f"in/{name}.csv"]
+    words = [sys.executable, "-m", "echocal", command, *words]
+    run = subprocess.run(words, cwd=tmp_path, capture_output=True, check=False, timeout=120)
+    for said in (run.stdout.decode(), run.stderr.decode()):
+        assert [line for line in said.split("\n") if not line.isprintable()] == []
+    if command == "correct":
+        told = run.stderr.decode()
+        assert run.returncode == 3
+        assert all(f"a{ascii(sign)[1:-1]}b" in told for sign in (signs[1], *signs[4:6]))

@@ -1,7 +1,61 @@
-"""End without a traceback after Ctrl-C, also while the command line is still being imported."""
+"""End without a traceback after Ctrl-C, also while the command line is still being imported.
 
+A request to terminate ends a program in the same way: it unwinds, so that nothing unfinished stays behind.
+"""
+
+import signal
 import sys
-from types import TracebackType
+import threading
+import time
+from types import FrameType, TracebackType
+
+__all__ = ["Terminated", "stop_if_told", "unwind_when_told"]
+
+_REQUESTS = ("SIGTERM", "SIGHUP", "SIGBREAK")
+"""Of a service manager, of a terminal that is closed, of Windows."""
+
+_SAME = 2.0
+"""Time in which a second request is the first one, sent to a process and to its group [s]; judgement."""
+
+_told: list[tuple[float, int]] = []
+"""When this process was asked to end, and by which signal."""
+
+
+class Terminated(SystemExit):
+    """The end that another program asked for; its code is that of a shell."""
+
+
+def unwind_when_told(*more: str) -> None:
+    """Let requests to terminate raise `Terminated`; those that are ignored, as after nohup, stay so.
+
+    Parameters
+    ----------
+    *more : str
+        Further signals that do.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return  # where no signal arrives
+    numbers = [number for name in (*_REQUESTS, *more) if (number := getattr(signal, name, None)) is not None]
+    for number in numbers:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def stop_if_told() -> None:
+    """Raise `Terminated` once more, if this process was asked to end.
+
+    A library that is called meanwhile may swallow it, or raise another error in its place.
+    """
+    if _told:
+        raise Terminated(128 + _told[0][1])
+
+
+def _stop(number: int, _: FrameType | None) -> None:
+    now = time.monotonic()
+    if _told and now - _told[-1][0] < _SAME:
+        return  # it would interrupt the cleaning
+    _told.append((now, number))
+    stop_if_told()
 
 
 def _quietly(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -45,7 +45,7 @@ def listed(folder: Path) -> list[str]:
 
 def _listed(folder: Path) -> dict[str, str]:
     try:
-        mark, *lines = (folder / CHECKSUMS).read_text(encoding="utf-8").splitlines()
+        mark, *lines = (folder / CHECKSUMS).read_text(encoding="utf-8").split("\n")
     except (OSError, ValueError):
         return {}
     if mark != _MARK:

@@ -1,5 +1,6 @@
 """Errors and warnings; each error has its exit code of the command line."""
 
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ __all__ = [
     "ModelError",
     "OutputError",
     "UsageError",
+    "unexpected",
     "writing",
 ]
 
@@ -33,6 +35,9 @@ class UsageError(EchocalError, ValueError):
 
 class OutputError(UsageError):
     """A file that cannot be written: a full disk, a missing permission."""
+
+    number: int | None = None
+    """The operating system's number of the reason, where it has one."""
 
 
 class ModelError(UsageError):
@@ -81,4 +86,24 @@ def writing(path: str | Path) -> Iterator[None]:
         yield
     except OSError as error:
         message = f"{path} cannot be written: {error.strerror or error}"
-        raise OutputError(message) from None
+        refused = OutputError(message)
+        refused.number = error.errno
+        raise refused from None
+
+
+def unexpected(error: BaseException) -> str:
+    """Say what nobody foresaw, for the file or the sensor that it concerns; the others go on.
+
+    A panic of a library in Rust is no `Exception`, so whoever calls this catches `BaseException`.
+
+    Raises
+    ------
+    BaseException
+        The error itself, if it is a request to stop.
+    """
+    if isinstance(error, KeyboardInterrupt | SystemExit | GeneratorExit):
+        raise error
+    place = traceback.extract_tb(error.__traceback__)[-1:]
+    where = "".join(f" ({Path(step.filename).name}, line {step.lineno})" for step in place)
+    reason = next(iter(str(error).split("\n")), "")
+    return f"unexpected {type(error).__name__}: {reason}{where}; please report it with the file"

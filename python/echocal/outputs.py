@@ -1,16 +1,91 @@
 """Files that are complete or absent: written under a temporary name, then renamed."""
 
+import io
 import os
+import re
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 from echocal.errors import UsageError, writing
 
-__all__ = ["refuse_name", "replace_all", "replace_text", "replacing"]
+__all__ = ["WriteError", "opened_output", "refuse_name", "replace_all", "replace_text", "replacing"]
+__all__ += ["csv_text", "spreadsheet_safe"]
 
 _NAMED = 50  # characters of the file's name that its unfinished copy shows
+
+
+_FORMULA = re.compile(r"[\s\x00-\x1f]*[=+\-@＝＋－＠]")
+_NUMBER = re.compile(r"\s*[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?\s*|[-+\s]*")
+
+
+def spreadsheet_safe(text: str) -> str:
+    """Return a text that no spreadsheet takes for a formula: with an apostrophe before what begins as one.
+
+    Numbers stay numbers. Source: CSV Injection, of the Open Worldwide Application Security Project (OWASP).
+
+    Examples
+    --------
+    >>> from echocal.outputs import spreadsheet_safe
+    >>> spreadsheet_safe("=1+1"), spreadsheet_safe("-5.2"), spreadsheet_safe("tank 7")
+    ("'=1+1", '-5.2', 'tank 7')
+    """
+    return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def csv_text(table: Any, **options: Any) -> str:
+    r"""Return a table of pandas as CSV; each line ends with a line feed.
+
+    A carriage return ends a line, too, so a text that has one is quoted. Python's writer only quotes what its
+    own ends of lines are made of.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+    **options
+        As of `pandas.DataFrame.to_csv`.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> csv_text(pd.DataFrame({"a": ["x\ry"], "b": [1]}))
+    'a,b\n"x\ry",1\n'
+    """
+    text: str = table.to_csv(index=False, lineterminator="\n", **options)
+    if "\r" in text:
+        end = "\r" * (1 + max(map(len, re.findall("\r+", text)))) + "\n"  # which no text has
+        text = table.to_csv(index=False, lineterminator=end, **options).replace(end, "\n")
+    return text
+
+
+class WriteError(OSError):
+    """The system's refusal to write, where a reader's `OSError` could be meant, too."""
+
+
+def opened_output(path: Path) -> io.BufferedWriter:
+    """Open a file to write, whose errors are `WriteError`."""
+    with _of_writing():
+        return io.BufferedWriter(_Output(path, "wb"))
+
+
+class _Output(io.FileIO):
+    def write(self, data: Any) -> int:
+        with _of_writing():
+            return super().write(data)
+
+    def close(self) -> None:
+        with _of_writing():
+            super().close()
+
+
+@contextmanager
+def _of_writing() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise WriteError(error.errno, error.strerror) from None
 
 
 @contextmanager
@@ -60,8 +135,9 @@ def replacing(path: str | Path, last: Callable[[], None] = lambda: None) -> Iter
             raise PermissionError(None, "no permission to replace it")
         unfinished = target.with_name(f".{target.name[:_NAMED]}.{secrets.token_hex(8)}.unfinished")
         mode = target.stat().st_mode & 0o7777 if target.exists() else None
-        os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else 0o600))
+        made = os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else 0o600
         try:
+            os.close(os.open(unfinished, *made))
             yield unfinished
             if mode is not None:  # of the file that is replaced, whatever the process grants new ones
                 unfinished.chmod(mode)

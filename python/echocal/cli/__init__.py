@@ -10,6 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from echocal._core import __version__
+from echocal._interrupt import unwind_when_told
 from echocal.cli._terminal import visible, write_what_can_be_written
 from echocal.errors import DataError, EchocalError
 
@@ -38,6 +39,15 @@ class _Commands(TyperGroup):
         loaded = typer.main.get_command(command)
         loaded.name = cmd_name
         return loaded
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; what its options and arguments are told wrong is shown, and steers no terminal."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            if isinstance(told := getattr(error, "message", None), str):
+                error.message = visible(told)  # type: ignore[attr-defined]
+            raise
 
 
 app = typer.Typer(
@@ -68,6 +78,7 @@ def _all_commands(
 def main() -> None:
     """Run the command line; a user's mistake is one line on stderr and an exit code."""
     write_what_can_be_written()
+    unwind_when_told()
     try:
         app(prog_name="echocal")
     except EchocalError as error:

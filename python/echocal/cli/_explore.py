@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from echocal.cli._console import Console
 from echocal.errors import writing
 from echocal.explore import Choice, Progress, explore
 from echocal.model import Model

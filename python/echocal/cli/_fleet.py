@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._outputs import Output, check_outputs, made_in
 from echocal.cli._tables import write_json
 from echocal.correct.inputs import find_inputs
@@ -47,6 +47,7 @@ class How:
     memory: str
     workers: int | None
     engine: str
+    spreadsheet_safe: bool = False
 
 
 def is_fleet(inputs: Sequence[Path], table: Path | None) -> bool:
@@ -112,6 +113,7 @@ def diagnose_sensors(
             workers=how.workers,
             engine=how.engine,
             memory=in_bytes(how.memory),
+            spreadsheet_safe=how.spreadsheet_safe,
             force=force,
             progress=progress,
             **request,

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._outputs import Output, check_outputs, made_in
 from echocal.cli._tables import noted, write_json
 from echocal.diagnose.pooling.engine import diagnose_many

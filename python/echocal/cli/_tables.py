@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import Annotated, Any, TypeAlias
 
 import typer
-from rich.console import Console
 
+from echocal.cli._console import Console
 from echocal.cli._options import Options, added, from_stdin
 from echocal.cli._outputs import pass_on
 from echocal.engines.names import ENGINES
@@ -18,7 +18,8 @@ from echocal.observations import Observations, read_observations
 from echocal.observations.plan import read_columns
 
 __all__ = ["At", "Columns", "Engine", "Json", "Missing", "Options", "Quiet", "ReadingSpeed"]
-__all__ += ["Sheet", "SkipLines", "TimeFormat", "TimeZone", "Trust", "conditions", "from_stdin"]
+__all__ += ["Sheet", "SkipLines", "SpreadsheetSafe", "TimeFormat", "TimeZone", "Trust"]
+__all__ += ["conditions", "from_stdin"]
 __all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read"]
 __all__ += ["toml_files", "write_json"]
 
@@ -73,6 +74,13 @@ TimeFormat: TypeAlias = Annotated[
 ]
 Sheet: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")]
 Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
+SpreadsheetSafe: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--spreadsheet-safe",
+        help="In CSV, write an apostrophe before texts that a spreadsheet would take for formulas.",
+    ),
+]
 Engine: TypeAlias = Annotated[
     str, typer.Option(metavar="NAME", help=f"Who does the work: {', '.join(ENGINES)}.")
 ]

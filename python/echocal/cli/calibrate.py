@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from echocal.calibrate import Calibration, calibrate
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._progress import rows_bar
@@ -22,6 +22,7 @@ from echocal.cli._tables import (
     Quiet,
     ReadingSpeed,
     SkipLines,
+    SpreadsheetSafe,
     TimeFormat,
     TimeZone,
     Trust,
@@ -110,6 +111,7 @@ def command(
     encoding: Encoding = "utf-8-sig",
     at: At = None,
     time_format: TimeFormat = None,
+    spreadsheet_safe: SpreadsheetSafe = False,
     options: Options = None,
     json: Json = None,
     force: Force = False,
@@ -155,6 +157,7 @@ def command(
             processes=processes,
             engine=engine,
             layout=Layout(skip_lines, decimal, encoding),
+            spreadsheet_safe=spreadsheet_safe,
             force=force,
             progress=progress,
             mark_rows=mark_rows,

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from echocal.cli import _fleet, _made_by, _pool
+from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
 from echocal.cli._tables import (
     At,
@@ -22,6 +22,7 @@ from echocal.cli._tables import (
     ReadingSpeed,
     Sheet,
     SkipLines,
+    SpreadsheetSafe,
     TimeFormat,
     TimeZone,
     Trust,
@@ -36,7 +37,7 @@ from echocal.diagnose.experiment_design.ranges import parsed_ranges
 from echocal.engines.names import ENGINES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
-from echocal.outputs import replace_text
+from echocal.outputs import csv_text, replace_text
 from echocal.report import print_diagnosis
 
 
@@ -158,6 +159,7 @@ def command(
         str | None,
         typer.Option(metavar="NAME", help=f"Of a fleet: who does the work: {', '.join(ENGINES)}."),
     ] = None,
+    spreadsheet_safe: SpreadsheetSafe = False,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     force: Force = False,
@@ -174,7 +176,14 @@ def command(
     )
     is_fleet = _fleet.is_fleet([data, *tables], output)
     _refuse_fleet_options(
-        is_fleet, {"--results": results, "--kind": kind, "--workers": workers, "--engine": engine}
+        is_fleet,
+        {
+            "--results": results,
+            "--kind": kind,
+            "--workers": workers,
+            "--engine": engine,
+            "--spreadsheet-safe": spreadsheet_safe or None,
+        },
     )
     if is_fleet or tables or by is not None:
         alone = {
@@ -202,7 +211,7 @@ def command(
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading,
                 _fleet.Outputs(output, models, results, plots, json, plot_format),
-                _fleet.How(kind, memory, workers, engine or "local"),
+                _fleet.How(kind, memory, workers, engine or "local", spreadsheet_safe),
                 force=force,
                 quiet=quiet,
             )
@@ -259,7 +268,7 @@ def command(
 
         save_report(diagnosis, report, data.name, shlex.join(["echocal", *sys.argv[1:]]))
     if rows is not None:
-        replace_text(rows, diagnosis.row_table().to_csv(index=False), newline="")
+        replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":
         print_diagnosis(diagnosis, Console())
 

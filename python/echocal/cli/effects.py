@@ -6,12 +6,13 @@ from typing import Annotated, Any
 
 import typer
 from rich import box
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, pass_on
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
 from echocal.diagnose.findings.facts import CauseFacts

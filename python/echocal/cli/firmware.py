@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.markup import escape
 from rich.progress import (
     BarColumn,
@@ -22,6 +21,7 @@ from rich.table import Table
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
+from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
 from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     At,
@@ -22,6 +22,7 @@ from echocal.cli._tables import (
     ReadingSpeed,
     Sheet,
     SkipLines,
+    SpreadsheetSafe,
     TimeFormat,
     TimeZone,
     Trust,
@@ -34,7 +35,7 @@ from echocal.cli._tables import (
 from echocal.errors import UsageError
 from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
 from echocal.observations.layout import Layout
-from echocal.outputs import replace_text
+from echocal.outputs import csv_text, replace_text, spreadsheet_safe
 
 _BARS = "▁▂▃▄▅▆▇█"
 _FIRST = "# how to read"
@@ -61,6 +62,7 @@ def command(
     at: At = None,
     time_format: TimeFormat = None,
     sheet: Sheet = None,
+    spreadsheet_safe: SpreadsheetSafe = False,
     options: Options = None,
     json: Json = None,
     force: Force = False,
@@ -97,7 +99,7 @@ def command(
     if out is not None:
         replace_text(out, _toml(found, name, out, {n: v for n, v in stated.items() if v is not None}))
     if write is not None:
-        _write(found, write)
+        _write(found, write, safe=spreadsheet_safe)
     write_json(found.to_dict(), json)
     notes(found.notes, quiet)
     if not quiet and json != "-":
@@ -191,7 +193,7 @@ def _value(value: object) -> str:
     return json_.dumps(value, ensure_ascii=False)
 
 
-def _write(found: Inspection, path: Path) -> None:
+def _write(found: Inspection, path: Path, *, safe: bool) -> None:
     """The table, with the proposals as names."""
     used = {column.name: column.proposal.request for column in found.columns}
     names = {
@@ -199,4 +201,7 @@ def _write(found: Inspection, path: Path) -> None:
     }
     ignored = [name for name, request in used.items() if request == "ignore"]
     table = found.table.drop(columns=ignored).rename(columns=names)
-    replace_text(path, table.to_csv(index=False), newline="")
+    if safe:
+        table = table.rename(columns=spreadsheet_safe)
+        table = table.map(lambda value: spreadsheet_safe(value) if isinstance(value, str) else value)
+    replace_text(path, csv_text(table), newline="")

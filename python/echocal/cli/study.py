@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._tables import Json, write_json
 from echocal.errors import writing

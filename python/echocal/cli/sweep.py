@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 import xarray as xr
-from rich.console import Console
 from rich.table import Table
 
 from echocal.cli import _made_by
+from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import Json, Quiet, noted, write_json

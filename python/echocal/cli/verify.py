@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from echocal.cli._console import Console
 from echocal.cli._made_by import result
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
-from echocal.correct.driver import Progress, Summary, question_of, run, run_tasks, task_of
-from echocal.correct.inputs import Inputs, find_inputs, refuse_nested
+from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
+from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_nested
 from echocal.correct.job import plain_job
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
@@ -16,6 +16,7 @@ from echocal.correct.uncertainty import Uncertainties
 from echocal.engines import Engine, open_engine
 from echocal.engines.checks import check_workers
 from echocal.engines.names import is_elsewhere
+from echocal.engines.processes import Processes
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
@@ -48,6 +49,7 @@ def correct_files(
     processes: int = 2,
     engine: str | Engine = "local",
     layout: Layout | None = None,
+    spreadsheet_safe: bool = False,
     force: bool = False,
     progress: Callable[[Progress], None] = lambda state: None,
     **options: Any,
@@ -88,6 +90,8 @@ def correct_files(
         cluster, `memory` is what each task may use.
     layout : Layout, optional
         How text files are written.
+    spreadsheet_safe : bool
+        Write an apostrophe before texts of a text file that a spreadsheet would take for formulas.
     force : bool
         Begin anew where the folder was begun with another model.
     progress : callable
@@ -130,6 +134,8 @@ def correct_files(
         raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
     if (models is None) != (by is None) and models is not None:
         raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
+    if spreadsheet_safe and inputs.single and target.name.lower().endswith(PARQUETS):
+        raise UsageError("--spreadsheet-safe is for CSV and TSV: no text of Parquet is a formula")
     several = len(inputs.files) > 1 and sum(size_of(file.path) for file in inputs.files) > _SMALL
     spread = processes > 1 and (several or engine != "local") and not elsewhere
     limit = in_bytes(memory)
@@ -147,6 +153,7 @@ def correct_files(
         options=options,
         several=not inputs.single,
         logs=logs,
+        spreadsheet_safe=spreadsheet_safe,
     )
     folder = None if models is None else ModelFolder(Path(models))
     digest = model.hash if model is not None else str(folder and folder.digest())
@@ -159,10 +166,14 @@ def correct_files(
         )
         for s in inputs.files
     }
-    with open_engine(engine, processes if spread else 1) as by_whom:
-        if inputs.single:
+    if inputs.single:
+        with open_engine(engine, processes if spread else 1) as by_whom:
             return _single(inputs, next(iter(tasks.values())), by_whom, progress)
-        return run(inputs, tasks, target, by_whom, force=force, progress=progress)
+    with alone(target) as killed:
+        if killed and engine == "local" and not spread:
+            engine = Processes(1)  # a file that kills its process does not end this one
+        with open_engine(engine, processes if spread else 1) as by_whom:
+            return run(inputs, tasks, target, by_whom, force=force, progress=progress)
 
 
 def _single(
@@ -200,6 +211,7 @@ def job_of(
     options: Mapping[str, Any],
     several: bool = False,
     logs: str | None = None,
+    spreadsheet_safe: bool = False,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     known: dict[str, Any] = {
@@ -254,6 +266,7 @@ def job_of(
         threads=threads,
         several=several,
         logs=logs,
+        spreadsheet_safe=spreadsheet_safe,
     )
 
 

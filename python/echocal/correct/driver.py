@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.correct.inputs import Inputs, Source
 from echocal.correct.lock import locked
 from echocal.correct.manifest import FOLDER, Manifest
@@ -19,7 +20,7 @@ from echocal.errors import OutputError
 from echocal.objects import Object
 from echocal.places import Place, exists, file_digest, place_of, size_of
 
-__all__ = ["Progress", "Summary", "question_of", "run", "run_tasks", "task_of"]
+__all__ = ["Progress", "Summary", "alone", "question_of", "run", "run_tasks", "task_of"]
 
 _STRAY = re.compile(r"\..+\.[0-9a-f]{16}\.unfinished")
 
@@ -106,7 +107,7 @@ def run(
     force: bool = False,
     progress: Callable[[Progress], None] = lambda state: None,
 ) -> Summary:
-    """Correct the files of a folder, those that are not done yet.
+    """Correct the files of a folder, those that are not done yet; call it within `alone`.
 
     Parameters
     ----------
@@ -122,52 +123,65 @@ def run(
     Raises
     ------
     UsageError
-        If another run writes the folder, it was begun with another model, it cannot be written, or a worker
-        of the engine would do other work than this process.
+        If the folder was begun with another model, it cannot be written, or a worker of the engine would do
+        other work than this process.
     """
     summary = Summary()
-    with _alone(out):
-        first = next(iter(tasks.values()))
-        manifest = Manifest(out, first["job"], first["digest"], __version__, force=force)
-        sources = {source.place.as_posix(): source for source in inputs.files}
-        left = [place for place, source in sources.items() if not manifest.is_done(place, source.path)]
-        summary.skipped = len(sources) - len(left)
-        summary.results = {place: manifest.line(place) for place in sources if place not in set(left)}
-        sizes = {place: size_of(sources[place].path) for place in left}
-        state = Progress(len(left), sum(sizes.values()))
-        places = {tasks[place]["target"]: place for place in left}
+    first = next(iter(tasks.values()))
+    manifest = Manifest(out, first["job"], first["digest"], __version__, force=force)
+    sources = {source.place.as_posix(): source for source in inputs.files}
+    left = [place for place, source in sources.items() if not manifest.is_done(place, source.path)]
+    summary.skipped = len(sources) - len(left)
+    summary.results = {place: manifest.line(place) for place in sources if place not in set(left)}
+    sizes = {place: size_of(sources[place].path) for place in left}
+    state = Progress(len(left), sum(sizes.values()))
+    places = {tasks[place]["target"]: place for place in left}
 
-        def tell(rows: int) -> None:
-            state.rows += rows
-            progress(state)
-
+    def tell(rows: int) -> None:
+        state.rows += rows
         progress(state)
-        if left:
-            check_workers(engine, question_of(tasks[left[0]], manifest.file))
-        owned = [{**tasks[place], "owner": manifest.owner} for place in left]
-        for result in run_tasks(engine, owned, tell):
-            place = places[result["target"]]
-            if (result["error"] or {}).get("kind") == "OutputError":
-                raise OutputError(result["error"]["text"])
-            manifest.add(place, result)
-            summary.results[place] = result
-            state.files += 1
-            state.bytes += sizes[place]
-            progress(state)
-        manifest.close(sources)
+
+    progress(state)
+    if left:
+        check_workers(engine, question_of(tasks[left[0]], manifest.file))
+    owned = [{**tasks[place], "owner": manifest.owner} for place in left]
+    for result in run_tasks(engine, owned, tell):
+        place = places[result["target"]]
+        if (result["error"] or {}).get("kind") == "OutputError":
+            raise OutputError(result["error"]["text"])
+        manifest.add(place, result)
+        stop_if_told()
+        summary.results[place] = result
+        state.files += 1
+        state.bytes += sizes[place]
+        progress(state)
+    manifest.close(sources)
     return summary
 
 
 @contextmanager
-def _alone(out: Place) -> Iterator[None]:
-    """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays."""
+def alone(out: Place) -> Iterator[bool]:
+    """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays.
+
+    Yields
+    ------
+    bool
+        Whether the run before was killed: by one of its files, perhaps.
+
+    Raises
+    ------
+    UsageError
+        If another run writes the folder.
+    """
     if isinstance(out, Object):
-        yield
+        yield False
         return
-    with locked(out / FOLDER / "lock"):
+    with locked(out / FOLDER / "lock") as killed:
         sweep(out)
-        yield
-        sweep(out)  # of workers that died
+        try:
+            yield killed
+        finally:
+            sweep(out)  # of workers that died
 
 
 def question_of(task: Mapping[str, Any], written: Place | None = None) -> dict[str, Any]:

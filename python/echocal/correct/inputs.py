@@ -118,7 +118,14 @@ def _objects(url: str) -> Inputs:
 
 
 def _below(root: Path, found: Iterator[Path]) -> Iterator[tuple[Path, PurePath]]:
-    return ((path, path.relative_to(root)) for path in sorted(set(found)) if path.is_file())
+    return ((path, path.relative_to(root)) for path in sorted(set(found)) if _is_file(path))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # no permission to look: its task tells
+        return True
 
 
 def _sorted_out(found: Iterable[tuple[Place, PurePath]], given: str) -> Inputs:

@@ -65,6 +65,8 @@ class Job:
         Whether the file is one of several: a column without any value is then no mistake.
     logs : str or None
         Which files are one log, if the user says it.
+    spreadsheet_safe : bool
+        Whether texts that a spreadsheet takes for formulas are written as texts.
     """
 
     models: Models
@@ -78,6 +80,7 @@ class Job:
     metadata: Mapping[str, str] = field(default_factory=dict)
     several: bool = False
     logs: str | None = None
+    spreadsheet_safe: bool = False
 
     @classmethod
     def of(cls, task: Mapping[str, Any]) -> "Job":
@@ -125,6 +128,7 @@ def _job(text: str, digest: str) -> Job:
         plain["metadata"],
         plain["several"],
         plain["logs"],
+        plain.get("spreadsheet_safe", False),
     )
 
 
@@ -141,9 +145,11 @@ def plain_job(
     threads: int = 2,
     several: bool = False,
     logs: str | None = None,
+    spreadsheet_safe: bool = False,
 ) -> dict[str, Any]:
-    """A job as plain data."""
+    """A job as plain data; options that most jobs do not have are left out."""
     return {
+        **({"spreadsheet_safe": True} if spreadsheet_safe else {}),
         "models": dict(models),
         "columns": dict(columns),
         "reading": dict(reading),

@@ -24,12 +24,17 @@ except ImportError:  # Windows
 
 
 @contextmanager
-def locked(file: Path) -> Iterator[None]:
+def locked(file: Path) -> Iterator[bool]:
     """Hold a lock for the time of a block.
 
     The system gives a lock back when its process ends, however it ends. A process that the owner was starting
     when it was killed shares the lock for a moment. So the lock of an owner that is gone is waited for. Where
     the file system has no such locks, the process that the file names must be gone.
+
+    Yields
+    ------
+    bool
+        Whether the owner before was killed: it has left its name.
 
     Raises
     ------
@@ -44,13 +49,14 @@ def locked(file: Path) -> Iterator[None]:
             owner = _owner(handle)
             message = f"{file.parent.parent} is being written by {owner}; wait, or name another output"
             raise UsageError(message)
+        killed = bool(_read(handle))
         with writing(file):
             handle.seek(0)
             handle.truncate()
             json.dump({"host": socket.gethostname(), "process": os.getpid()}, handle)
             handle.flush()
         try:
-            yield
+            yield killed
         finally:
             handle.seek(0)
             handle.truncate()

@@ -13,7 +13,7 @@ from echocal.correct.corrector import Context, Corrector
 from echocal.correct.inputs import Inputs, Source
 from echocal.correct.marks import context_of
 from echocal.correct.needed import remembered
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, EchocalError, UsageError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.objects import Object
@@ -156,6 +156,13 @@ def _refuse_overlap(files: Sequence[Path], sizes: Sequence[int], elapsed: NDArra
             latest, before = max(latest, float(known.max())), file
 
 
+def _model(folder: ModelFolder, key: str | None) -> Model | None:
+    try:
+        return None if key is None else folder.model(key)
+    except EchocalError:  # the tasks of its files tell
+        return None
+
+
 def logs_of(
     inputs: Inputs,
     keys: Mapping[str, str | None],
@@ -184,7 +191,7 @@ def logs_of(
         key = None if logs == "all" else keys[source.place.as_posix()]
         groups.setdefault(key, []).append(source)
     for key, sources in groups.items():
-        own = model if folder is None else folder.model(key) if key is not None else None
+        own = model if folder is None else _model(folder, key)
         depends = [] if own is None else [*remembered(own), *(["marks"] if context_of(own) else [])]
         if not depends or len(sources) < 2:
             continue

@@ -30,6 +30,8 @@ _EVERY = 5.0
 _SHARE = 20.0
 """The same in times that putting one takes; judgement."""
 _HEAD = 4096  # bytes that hold the first line
+_LINE = {"place", "source", "error"}
+"""What a line has of every output."""
 _OF_THE_MACHINE = ("memory", "threads")  # options that change no output
 
 
@@ -83,11 +85,14 @@ class Manifest:
         if line is None or line["error"] is not None:
             return False
         target = self.out / place
-        if not exists(target) or stamp(target) != line["output"]:
+        try:
+            if not exists(target) or stamp(target) != line["output"]:
+                return False
+            now, then = stamp(source), dict(line["input"])
+            digest = then.pop("sha256")
+            return now == then or (now["size"] == then["size"] and file_digest(source) == digest)
+        except (DataError, OSError):  # its task tells
             return False
-        now, then = stamp(source), dict(line["input"])
-        digest = then.pop("sha256")
-        return now == then or (now["size"] == then["size"] and file_digest(source) == digest)
 
     def line(self, place: str) -> dict[str, Any]:
         """What was recorded of an output."""
@@ -158,13 +163,17 @@ class Manifest:
                 text = self.file.read_text(encoding="utf-8", errors="replace")
         except (OSError, DataError):
             return []
-        lines = []
-        for line in text.splitlines():
+        lines: list[dict[str, Any]] = []
+        for line in text.split("\n"):
             try:
-                lines.append(json.loads(line))
+                own = json.loads(line)
             except ValueError:
                 break  # cut off
-        return lines if lines and lines[0].get("schema") == _SCHEMA else []
+            known = _LINE if lines else {"schema"}
+            if not isinstance(own, dict) or not known <= set(own):
+                break  # of somebody else
+            lines.append(own)
+        return lines if lines and lines[0]["schema"] == _SCHEMA else []
 
     def _other(self, head: Mapping[str, Any]) -> str:
         what = {

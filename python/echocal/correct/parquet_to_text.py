@@ -28,6 +28,7 @@ from echocal.correct.tables import results_of
 from echocal.correct.text.file import writing_text
 from echocal.errors import UsageError
 from echocal.observations.arrow import Table, arrow, as_stored
+from echocal.outputs import csv_text, spreadsheet_safe
 
 __all__ = ["parquet_to_text"]
 
@@ -75,11 +76,11 @@ def parquet_to_text(
         finest = _finest(opened)
         with writing_text(out, ending.endswith(".gz")) as file:
             empty, _ = as_text(opened.file.schema_arrow.empty_table())
-            file.write(_lines(empty, _nothing(), ending, job.layout.decimal or ".", header=True).encode())
+            file.write(_lines(empty, _nothing(), ending, job, header=True).encode())
             for rows, table in zip(made, _stored(opened), strict=True):
                 fields, notes = as_text(table if finest is None else _with(table, finest))
                 tally.notes |= dict.fromkeys(notes)
-                text = _lines(fields, rows, ending, job.layout.decimal or ".", header=False)
+                text = _lines(fields, rows, ending, job, header=False)
                 if finest is not None:
                     text = text[: text.rindex("\n", 0, -1) + 1] if "\n" in text[:-1] else ""
                 file.write(text.encode())
@@ -98,17 +99,18 @@ def _stored(opened: Opened) -> Iterator[Table]:
             yield as_stored(table, schema)
 
 
-def _lines(fields: pd.DataFrame, rows: Rows, ending: str, decimal: str, *, header: bool) -> str:
+def _lines(fields: pd.DataFrame, rows: Rows, ending: str, job: Job, *, header: bool) -> str:
     results = pd.DataFrame(results_of(rows))
     results[DISTANCE] = np.round(results[DISTANCE], 9)  # to a nanometer
     table = fields.join(results)
     # a separator at the end of lines made columns without a name
     names = ["" if str(name).startswith("Unnamed ") else str(name) for name in table.columns]
+    if job.spreadsheet_safe:
+        names = [spreadsheet_safe(name) for name in names]
+        table = table.map(lambda value: spreadsheet_safe(value) if isinstance(value, str) else value)
+    decimal = job.layout.decimal or "."
     separator = "\t" if ending.startswith(".tsv") else ";" if decimal == "," else ","
-    text: str = table.to_csv(
-        index=False, header=names if header else False, sep=separator, decimal=decimal, lineterminator="\n"
-    )
-    return text
+    return csv_text(table, header=names if header else False, sep=separator, decimal=decimal)
 
 
 def _nothing() -> Rows:

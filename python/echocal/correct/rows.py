@@ -128,6 +128,7 @@ def correct_rows(
     distance, uncertainty = np.empty(len(observations)), np.empty(len(observations), np.float32)
     for own, rows, some in each:
         distance[rows] = corrected_distance(some, own)
+    distance[distance < 0.0] = np.nan  # a number that solves the equation, and no distance
     status = _Status(assembly)
     status.give(np.isnan(distance), _NONE)
     for column in model.columns.values():

@@ -5,6 +5,7 @@ time too, or be killed at any moment. The same task makes the same file, byte fo
 its run, on a worker of a cluster, leaves no file in an output that another request has begun anew.
 """
 
+import errno
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -13,19 +14,31 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.correct.corrector import Tally
 from echocal.correct.inputs import PARQUETS, TEXTS
 from echocal.correct.job import Job
 from echocal.correct.manifest import check_owner
 from echocal.correct.staged import fetched, replaced
-from echocal.errors import DataError, EchocalError, UsageError
+from echocal.errors import DataError, EchocalError, OutputError, UsageError, unexpected
 from echocal.observations.source import is_parquet, refuse_other_kinds
-from echocal.places import file_digest, place_of, stamp
+from echocal.places import Place, file_digest, place_of, stamp
 
 __all__ = ["RESULT", "SCHEMA", "run_task"]
 
 SCHEMA = "echocal.task/1"
 RESULT = "echocal.task_result/1"
+
+_OF_THE_NAME = {
+    errno.ENAMETOOLONG,
+    errno.EISDIR,
+    errno.ENOTDIR,
+    errno.EEXIST,
+    errno.ELOOP,
+    errno.EINVAL,
+    errno.EILSEQ,
+}
+"""Reasons why one output cannot be written, and others can: its name, and what stands in its place."""
 
 
 def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda rows: None) -> dict[str, Any]:
@@ -42,8 +55,8 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
     Returns
     -------
     dict
-        Plain data: what was done, or under ``error`` why the file was set aside. A mistake in a file never
-        raises.
+        Plain data: what was done, or under ``error`` why the file was set aside. Whatever is wrong with a
+        file never raises.
     """
     begun = time.perf_counter()
     place, target = place_of(task["source"]), place_of(task["target"])
@@ -88,15 +101,26 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             "types": tally.types,
             "notes": list(tally.notes),
         }
-    except EchocalError as error:
-        result["error"] = {"kind": type(error).__name__, "text": str(error).replace(staged, str(place))}
-    except MemoryError:
-        result["error"] = {"kind": "MemoryError", "text": f"{place}: memory ran out; give --memory less"}
-    except OSError as error:
-        text = f"{error.filename or place}: {error.strerror or error}".replace(staged, str(place))
-        result["error"] = {"kind": "OSError", "text": text}
+    except BaseException as error:  # of one file: the others go on
+        stop_if_told()
+        kind, text = _told(error, place)
+        result["error"] = {"kind": kind, "text": text.replace(staged, str(place))}
     result["seconds"] = round(time.perf_counter() - begun, 6)
     return result
+
+
+def _told(error: BaseException, place: Place) -> tuple[str, str]:
+    """Kind and text of an error."""
+    kind = type(error).__name__
+    if isinstance(error, OutputError) and error.number in _OF_THE_NAME:
+        return "UsageError", str(error)  # which ends no run
+    if isinstance(error, EchocalError):
+        return kind, str(error)
+    if isinstance(error, MemoryError):
+        return kind, f"{place}: memory ran out; give --memory less"
+    if isinstance(error, OSError):
+        return kind, f"{error.filename or place}: {error.strerror or error}"
+    return kind, f"{place}: {unexpected(error)}"
 
 
 def _correct(

@@ -16,6 +16,7 @@ from echocal.correct.text.file import Text, check_whole, correct_blocks
 from echocal.correct.text.parse import Lines
 from echocal.errors import DataError, UsageError
 from echocal.observations.arrow import Table, arrow
+from echocal.outputs import opened_output
 
 __all__ = ["text_to_parquet"]
 
@@ -64,13 +65,12 @@ def text_to_parquet(
         columns = {name: typed(fields[name], kind, text.head.decimal) for name, kind in kinds.items()}
         return pa.table({**columns, **columns_of(rows)}, schema=_loose(schema))
 
-    with pa.parquet.ParquetWriter(
-        out,
-        schema,
-        compression="SNAPPY",
-        use_dictionary=[name for name in schema.names if name not in (DISTANCE, UNCERTAINTY)],
-        column_encoding=dict.fromkeys((DISTANCE, UNCERTAINTY), "BYTE_STREAM_SPLIT"),
-    ) as writer:
+    options = {
+        "compression": "SNAPPY",
+        "use_dictionary": [name for name in schema.names if name not in (DISTANCE, UNCERTAINTY)],
+        "column_encoding": dict.fromkeys((DISTANCE, UNCERTAINTY), "BYTE_STREAM_SPLIT"),
+    }
+    with opened_output(out) as file, pa.parquet.ParquetWriter(file, schema, **options) as writer:
         size = min(max(_VALUES // len(schema), _ROWS[0]), _ROWS[1])
         for group in _groups(correct_blocks(text, tally, log, made), size):
             writer.write_table(_as_one(group, schema), row_group_size=size)

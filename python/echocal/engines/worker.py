@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
 
+from echocal._interrupt import Terminated, stop_if_told, unwind_when_told
 from echocal.engines.engine import Result, Task, Work
 
 __all__ = ["ONE_THREAD", "Worker"]
@@ -71,7 +72,9 @@ class Worker:
         return result
 
     def close(self) -> None:
-        """Let it end after the task that it has."""
+        """Let it end: at once, and leave nothing unfinished, if it has a task that nobody waits for."""
+        if self.number is not None:
+            self._process.terminate()
         self._pipe.close()
 
     def join(self) -> None:
@@ -87,10 +90,12 @@ class Worker:
 
 def _serve(pipe: Connection, work: Work) -> None:
     """Answer each task by its result, or by what it raised."""
+    unwind_when_told("SIGINT")
     _end_with_parent()
     with suppress(EOFError, BrokenPipeError, KeyboardInterrupt):
         while True:
             answer = _answer(work, pipe.recv())
+            stop_if_told()
             try:
                 pipe.send(answer)
             except (pickle.PicklingError, AttributeError, TypeError) as error:
@@ -100,7 +105,7 @@ def _serve(pipe: Connection, work: Work) -> None:
 def _answer(work: Work, task: Task) -> tuple[Result | None, BaseException | None]:
     try:
         return work(task), None
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Terminated):
         raise
     except BaseException as error:
         error.add_note(f"in a process:\n{traceback.format_exc()}")

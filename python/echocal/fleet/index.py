@@ -122,11 +122,11 @@ def _counted(
         own = name if by is None else path[by].strip() or None
         if kind is None or kind in path:
             return [(own, path.get(kind or ""), _rows(file.file, layout))]
-        table = opened(file.file, layout)
+        table = opened(file.file, layout, compare=False)
         found = table.read([_label(table, kind).alias("kind")])
         counts = found.group_by("kind").len().sort("kind", nulls_last=True)
         return [(own, value, rows) for value, rows in counts.iter_rows()]
-    table = opened(file.file, layout)
+    table = opened(file.file, layout, compare=False)
     wanted = [_label(table, by).alias("key")]
     wanted.append(
         _label(table, kind).alias("kind") if kind and kind not in path else pl.lit(None).alias("kind")
@@ -149,7 +149,7 @@ def _rows(file: Path, layout: Layout) -> int:
     """Rows of a file whose path has the key: of text it is only known that there are some."""
     if not is_parquet(file):
         return max(file.stat().st_size // 40, 1)  # a guess of the size of a row, which divides the work only
-    return opened(file, layout).height
+    return opened(file, layout, compare=False).height
 
 
 def _names(files: Sequence[Source]) -> dict[Path, str]:

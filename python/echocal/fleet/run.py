@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.correct.driver import sweep
 from echocal.correct.inputs import Source
 from echocal.diagnose.request import Request
@@ -83,6 +84,7 @@ def diagnose_fleet(
     workers: int | None = None,
     engine: str | Engine = "local",
     memory: int = _MEMORY,
+    spreadsheet_safe: bool = False,
     force: bool = False,
     progress: Progress | None = None,
     seed: int = 0,
@@ -119,6 +121,8 @@ def diagnose_fleet(
         Who diagnoses: ``"local"``, ``"dask-local"``, ``"dask://HOST:PORT"``; see docs/batch.md.
     memory : int
         Bytes of rows that a process holds at a time.
+    spreadsheet_safe : bool
+        Write an apostrophe before texts of a CSV file that a spreadsheet would take for formulas.
     force : bool
         Whether an unfinished run of another request is thrown away.
     progress : callable, optional
@@ -178,7 +182,7 @@ def diagnose_fleet(
                 made = {one["sensor"]: one["model"] for one in records if one["model"]}
                 replace_text(Path(folders["models"]) / INDEX, index_text(made))
             if out is not None:
-                verdicts.write(rows, Path(out))
+                verdicts.write(rows, Path(out), spreadsheet_safe=spreadsheet_safe)
             store.remove()
     return Fleet(rows, told)
 
@@ -225,6 +229,7 @@ def _records(
     for task, result in engine.run(run_task, left):
         if result is None:
             kept[task["number"]] = [_lost(sensor) for sensor in task["sensors"]]
+        stop_if_told()
         done += len(task["sensors"])
         if progress is not None:
             progress(done, total, earlier)

@@ -83,11 +83,11 @@ def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
     folder.mkdir(parents=True, exist_ok=True)
     frames = []
     for file, place, first, count in task["files"]:
-        table = opened(Path(file), Layout(**job["layout"]))
-        names = [name for name in table.schema if name not in {job["by"], job["kind"]}]
-        key = label(job["by"], table.schema[job["by"]]).alias(KEY)
         number = pl.lit(place, pl.Int32).alias(PLACE)
         try:
+            table = opened(Path(file), Layout(**job["layout"]))
+            names = [name for name in table.schema if name not in {job["by"], job["kind"]}]
+            key = label(job["by"], table.schema[job["by"]]).alias(KEY)
             frames.append(table.read([pl.col(names), key, number], rows=(first, count)))
         except DataError as error:  # its sensors fail, the others go on
             store.check(job.get("run"))
@@ -135,7 +135,7 @@ def pieces(store: Path, bucket: int, keys: Sequence[str]) -> Iterator[tuple[int,
     """
     pl = polars()
     for path in sorted((store / "rows" / f"{bucket:06d}").glob("[0-9]*.parquet")):
-        frame = opened(path, Layout()).read([pl.all()], pl.col(KEY).is_in(keys))
+        frame = opened(path, Layout(), compare=False).read([pl.all()], pl.col(KEY).is_in(keys))
         parts = frame.partition_by([PLACE, KEY], as_dict=True, maintain_order=True, include_key=False)
         yield from ((place, key, part) for (place, key), part in parts.items())
 
@@ -159,7 +159,7 @@ def _groups(
     group: list[tuple[str, tuple[int, int | None]]] = []
     held, schema = 0, None
     for file, count in rows.items():
-        own = opened(Path(file), layout).schema if is_parquet(Path(file)) else None
+        own = opened(Path(file), layout, compare=False).schema if is_parquet(Path(file)) else None
         if group and (own is None or own != schema or held + count > most):
             yield group
             group, held = [], 0
@@ -168,7 +168,7 @@ def _groups(
             group.append((file, (0, None)))
             held += count
             continue
-        whole = opened(Path(file), layout).height
+        whole = opened(Path(file), layout, compare=False).height
         for first in range(0, whole, most):
             yield [(file, (first, min(most, whole - first)))]
     if group:

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from echocal.errors import DataError
+from echocal._interrupt import stop_if_told
+from echocal.correct.parquet.checksums import compare_checksums
+from echocal.errors import DataError, EchocalError, unexpected
 from echocal.fleet.polar import Frame, polars
 from echocal.observations.source import is_parquet, load
 from echocal.observations.text import Layout
@@ -51,8 +53,13 @@ class Opened:
         return _tried(self.path, lambda: lazy.select(columns).collect())
 
 
-def opened(path: Path, layout: Layout) -> Opened:
+def opened(path: Path, layout: Layout, *, compare: bool = True) -> Opened:
     """Open a file.
+
+    Parameters
+    ----------
+    compare : bool
+        Whether the checksums of its pages are compared, where it has them: polars does not.
 
     Raises
     ------
@@ -64,8 +71,10 @@ def opened(path: Path, layout: Layout) -> Opened:
         # hive levels are read from the path by the caller; here a column is a column of the file
         lazy = _tried(path, lambda: pl.scan_parquet(str(path), hive_partitioning=False, glob=False))
         schema = _tried(path, lazy.collect_schema)
+        if compare:
+            _tried(path, lambda: compare_checksums(path))
         return Opened(path, lazy, schema)
-    whole = load(path, layout)
+    whole = _tried(path, lambda: load(path, layout))
     frame = _tried(path, lambda: pl.from_pandas(whole))
     return Opened(path, frame.lazy(), frame.schema)
 
@@ -74,7 +83,13 @@ def _tried(path: Path, work: Any) -> Any:
     pl = polars()
     try:
         return work()
+    except EchocalError:
+        raise
     except (OSError, OverflowError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
         message = f"{path} cannot be read: {reason}"
+        raise DataError(message) from None
+    except BaseException as error:  # of one file: the others go on
+        stop_if_told()
+        message = f"{path}: {unexpected(error)}"
         raise DataError(message) from None

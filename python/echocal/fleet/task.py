@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from echocal._core import __version__
+from echocal._interrupt import stop_if_told
 from echocal.diagnose.pipeline import Examined, examined
 from echocal.diagnose.preprocess.reading import read
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
-from echocal.errors import EchocalError, UsageError
+from echocal.errors import EchocalError, UsageError, unexpected
 from echocal.fleet.gather import Log, logs
 from echocal.fleet.plan import SCHEMA
 from echocal.fleet.record import FAILED, failure, record
@@ -99,8 +100,9 @@ def _record(sensor: Mapping[str, Any], log: Log, job: Mapping[str, Any]) -> dict
             found = record(done)
         except (EchocalError, MemoryError) as error:
             found = failure(str(error) or type(error).__name__)
-        except Exception as error:  # of one sensor: the others go on, and the table tells
-            found = failure(f"unexpected {type(error).__name__}: {error}")
+        except BaseException as error:  # of one sensor: the others go on, and the table tells
+            stop_if_told()
+            found = failure(unexpected(error))
     found["notes"] = [*log.notes, *found["notes"]]
     seconds = time.perf_counter() - begun
     if done is not None:

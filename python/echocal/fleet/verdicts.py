@@ -8,7 +8,7 @@ from typing import Any
 from echocal._core import __version__
 from echocal.errors import writing
 from echocal.fleet.polar import Frame, polars
-from echocal.outputs import replacing
+from echocal.outputs import replacing, spreadsheet_safe
 
 __all__ = ["COLUMNS", "row", "table", "write"]
 
@@ -129,12 +129,14 @@ def table(rows: Sequence[Mapping[str, Any]]) -> Frame:
     return pl.DataFrame(list(rows), schema=schema, orient="row")
 
 
-def write(rows: Sequence[Mapping[str, Any]], out: Path) -> None:
+def write(rows: Sequence[Mapping[str, Any]], out: Path, *, spreadsheet_safe: bool = False) -> None:
     """Write the table; in CSV, lists are texts in JSON."""
     pl = polars()
     if out.suffix.lower() == ".csv":
         nested = [name for name, kind in COLUMNS.items() if kind in {"causes", "List(String)"}]
         flat = [{**one, **{name: json.dumps(one[name]) for name in nested}} for one in rows]
+        if spreadsheet_safe:
+            flat = [{name: _safe(value) for name, value in one.items()} for one in flat]
         schema = {name: pl.String if name in nested else getattr(pl, kind) for name, kind in COLUMNS.items()}
         frame = pl.DataFrame(flat, schema=schema, orient="row")
         with replacing(out) as unfinished:
@@ -142,6 +144,10 @@ def write(rows: Sequence[Mapping[str, Any]], out: Path) -> None:
         return
     with replacing(out) as unfinished, writing(out):
         table(rows).write_parquet(unfinished, compression="zstd")
+
+
+def _safe(value: Any) -> Any:
+    return spreadsheet_safe(value) if isinstance(value, str) else value
 
 
 def _alone(cause: Mapping[str, Any]) -> float:

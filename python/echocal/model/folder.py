@@ -1,12 +1,14 @@
 """A folder of models, one for each key: the model of every sensor of a fleet.
 
-The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``
-(``echocal diagnose --by COLUMN --models DIR`` writes them so). An ``index.json`` in the folder names them
-instead: ``{"schema": "echocal.models/1", "models": {"KEY": "FILE.json", ...}}``.
+The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``, and
+with a hash in place of the end where it is too long (``echocal diagnose --by COLUMN --models DIR`` writes
+them so). An ``index.json`` in the folder names them instead: ``{"schema": "echocal.models/1", "models":
+{"KEY": "FILE.json", ...}}``.
 """
 
 import hashlib
 import json
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,20 +22,32 @@ __all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "label"]
 INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
 _UNSAFE = re.compile(r"[^\w.-]+")
+_LONGEST = 250  # bytes before ".json": file systems have names of 255 bytes at most
 
 WHOLE = r"^(-?(?:0|[1-9][0-9]*))\.0+$"
 """Text of a whole number with a fraction, as tables with gaps write ids."""
 
 
-def file_name(key: str) -> str:
-    """Name of the file that the model of a key is in.
+def file_name(key: str, *, taken: bool = False) -> str:
+    """Name of the file that the model of a key is in; with a hash of the key where it is long.
+
+    Parameters
+    ----------
+    key : str
+    taken : bool
+        Whether another key has that name: this one then has the hash, too.
 
     Examples
     --------
-    >>> file_name("tank 7/a")
-    'tank_7_a.json'
+    >>> file_name("tank 7/a"), file_name("tank 7/a", taken=True)
+    ('tank_7_a.json', 'tank_7_a-d9e82171.json')
     """
-    return (_UNSAFE.sub("_", key).strip(".") or "_") + ".json"
+    stem = (_UNSAFE.sub("_", key).strip(".") or "_").encode()
+    if taken or len(stem) > _LONGEST:
+        told = f"-{hashlib.sha256(key.encode('utf-8', 'surrogatepass')).hexdigest()[:8]}".encode()
+        whole = stem[: _LONGEST - len(told)].decode(errors="ignore")  # no letter is cut in two
+        stem = whole.encode() + told
+    return f"{stem.decode()}.json"
 
 
 def label(value: Any) -> str:
@@ -91,10 +105,21 @@ class ModelFolder:
         return self._models[key]
 
     def digest(self) -> str:
-        """SHA-256 of the names and contents of all files."""
+        """SHA-256 of the names and contents of all files.
+
+        Raises
+        ------
+        ModelError
+            If one cannot be read.
+        """
         total = hashlib.sha256()
         for file in sorted(self.folder.glob("*.json")):
-            total.update(file.name.encode() + b"\0" + hashlib.sha256(file.read_bytes()).digest())
+            try:
+                content = hashlib.sha256(file.read_bytes())
+            except OSError as error:
+                message = f"{file} cannot be read: {error.strerror or error}"
+                raise ModelError(message) from None
+            total.update(os.fsencode(file.name) + b"\0" + content.digest())
         return total.hexdigest()
 
     def _file(self, key: str) -> str | None:

@@ -1,6 +1,5 @@
 """Names of the files of a folder of models, and its index."""
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping
 
@@ -9,7 +8,6 @@ from echocal.model.folder import INDEX, file_name
 __all__ = ["index_text", "named"]
 
 _SCHEMA = "echocal.models/1"
-_LONGEST = 100  # characters of a key that its file shows
 
 
 def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
@@ -29,10 +27,9 @@ def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
     files: dict[str, str] = {}
     used = {INDEX, *taken}
     for key in keys:
-        stem = file_name(key[:_LONGEST]).removesuffix(".json")
-        name = f"{stem}.json"
+        name = file_name(key)
         if name.lower() in used:
-            name = f"{stem}-{hashlib.sha256(key.encode()).hexdigest()[:8]}.json"
+            name = file_name(key, taken=True)
         used.add(name.lower())
         files[key] = name
     return files

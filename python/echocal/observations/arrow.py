@@ -57,7 +57,7 @@ def read_parquet(path: Path) -> tuple[Table, str]:
     pa = arrow()
     try:
         # a file, not its name: Arrow takes "station=7" in a name for a column, and only UTF-8 for a name
-        with path.open("rb") as raw, pa.parquet.ParquetFile(raw) as file:
+        with path.open("rb") as raw, pa.parquet.ParquetFile(raw, page_checksum_verification=True) as file:
             facts = file.metadata
             table = as_stored(file.read(), (facts.metadata or {}).get(_STORED))
             filled = facts.num_row_groups and facts.num_columns

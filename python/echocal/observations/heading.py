@@ -177,6 +177,8 @@ def _last_names(lines: Sequence[str], separator: str) -> int | None:
 
 
 def _says_units(line: str, separator: str, names: Sequence[str]) -> bool:
+    if line.count('"') % 2:  # a field goes on in the next line: a row
+        return False
     fields = fields_of(line, separator)
     return len(fields) <= len(names) and not any(map(is_value, fields)) and is_unit_row(fields)
 

@@ -3,6 +3,7 @@
 import codecs
 import gzip
 import sys
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,7 +12,15 @@ import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["Head", "Layout", "is_zipped", "no_encoding", "settled"]
+__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "is_zipped", "no_encoding", "settled"]
+
+CUT_SIGN = "echocal.cut_sign"
+"""How a file that is cut within a sign is decoded; anything else that is no text is an error."""
+
+NO_SIGN = "\ufffd"
+"""What stands in place of the sign."""
+
+_OF_CUTS = ("unexpected end of data", "truncated data", "incomplete multibyte sequence")
 
 _DEFAULT = "utf-8-sig"
 _SAMPLE = 1 << 20
@@ -91,6 +100,17 @@ class Head:
         return (self.comments and line.startswith("#")) or line in self.repeated
 
 
+def _cut_sign(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeDecodeError):
+        raise error
+    if error.reason not in _OF_CUTS or error.end < len(error.object):
+        raise error
+    return NO_SIGN, error.end
+
+
+codecs.register_error(CUT_SIGN, _cut_sign)
+
+
 def no_encoding(name: object) -> str:
     """Say that an encoding is unknown."""
     return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
@@ -109,7 +129,7 @@ def settled(path: Path, layout: Layout) -> Layout:
     try:
         with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
             sample: bytes = file.read(_SAMPLE)
-    except (OSError, EOFError):
+    except (OSError, EOFError, zlib.error):
         return layout  # the reader tells
     if sample.isascii() or 0 in sample:
         return layout

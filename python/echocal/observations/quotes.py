@@ -41,6 +41,8 @@ class Marks:
     ) -> None:
         self._path, self._separator, self._fields = path, separator, fields
         self._is_no_row = is_no_row
+        self.is_cut = False
+        """Whether the text ends within the quoted field of its last row."""
 
     @cached_property
     def _whole(self) -> re.Pattern[str]:
@@ -77,8 +79,17 @@ class Marks:
         """
         return sum(bool(record) for record, _ in self.records(lines, first))
 
-    def records(self, lines: Iterable[str], first: int) -> Iterator[tuple[list[str], list[str]]]:
+    def records(
+        self, lines: Iterable[str], first: int, *, cut: bool = False
+    ) -> Iterator[tuple[list[str], list[str]]]:
         """Lines of each row, without and with what ends them; a blank line is no row.
+
+        Parameters
+        ----------
+        lines, first
+            As for `rows`.
+        cut : bool
+            Whether a text may end within a quoted field, if no line of the field looks like a row.
 
         Raises
         ------
@@ -109,6 +120,10 @@ class Marks:
             yield record, held
             record, held = [], []
         if record:
+            self.is_cut = cut and self._swallowed(record, usual, closed=False) is None
+            if self.is_cut:
+                yield record, held
+                return
             message = (
                 f"{self._path}: nothing closes the quotation mark of line {number - len(record) + 1} "
                 f"({record[0]:.60}); {_MEND}"
@@ -131,29 +146,32 @@ class Marks:
         raise DataError(message)
 
     def _refuse_swallowed(self, record: list[str], first: int, usual: str) -> None:
-        """Refuse a field over several lines if one of them looks like a row of its own.
+        """Refuse a field over several lines if one of them looks like a row of its own."""
+        place = self._swallowed(record, usual, closed=True)
+        if place is not None:
+            message = (
+                f"{self._path}: the quotation mark of line {first} would make one field of lines {first} "
+                f"to {first + len(record) - 1}, and line {first + place} looks like a row "
+                f"({record[place]:.60}); {_MEND}; if the field is meant to have several lines, write it "
+                "on one"
+            )
+            raise DataError(message)
+
+    def _swallowed(self, record: list[str], usual: str, *, closed: bool) -> int | None:
+        """Place of the first line of a record that looks like a row of its own.
 
         A row has a number wherever the record's first line has one; if that has none, wherever the usual
-        row has one. The last line is not compared with the usual row: it ends with the record's own fields.
+        row has one. The last line of a closed record is not compared with the usual row: it ends with the
+        record's own fields. Where no row tells, the number of fields makes a row of a line of an open record.
         """
         own, others = self._numeric(record[0]), self._numeric(usual)
-        last = first + len(record) - 1
-        for number, line in enumerate(record[1:], first + 1):
-            numeric = own or (others if number < last else [])
+        for place, line in enumerate(record[1:], 1):
+            numeric = own or (others if place < len(record) - 1 or not closed else [])
             texts = self._split(line)
-            if (
-                numeric
-                and len(texts) == self._fields
-                and all(
-                    _NUMBER.fullmatch(texts[n]) or not texts[n].strip() for n in numeric if n < len(texts)
-                )
-            ):
-                message = (
-                    f"{self._path}: the quotation mark of line {first} would make one field of lines {first} "
-                    f"to {last}, and line {number} looks like a row ({line:.60}); "
-                    f"{_MEND}; if the field is meant to have several lines, write it on one"
-                )
-                raise DataError(message)
+            fits = all(_NUMBER.fullmatch(texts[n]) or not texts[n].strip() for n in numeric if n < len(texts))
+            if (numeric or not (closed or usual)) and len(texts) == self._fields and fits:
+                return place
+        return None
 
     def _numeric(self, line: str) -> list[int]:
         """Places of the fields that are numbers."""

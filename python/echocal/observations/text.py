@@ -3,6 +3,7 @@
 import csv
 import gzip
 import io
+import re
 import warnings
 import zlib
 from collections.abc import Iterator
@@ -18,7 +19,7 @@ import pandas as pd
 from echocal.errors import DataError, UsageError
 from echocal.observations.found import CORRUPT, CUT, Found, keep, pointed, said_of
 from echocal.observations.heading import SEPARATORS, fields_of, find_head
-from echocal.observations.layout import Head, Layout, is_zipped, no_encoding, settled
+from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 
@@ -27,6 +28,7 @@ __all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read",
 _PART = 1 << 20  # characters that are searched at a time
 _TAIL = 1 << 14  # bytes at the end that are looked at
 _FIRST = 200  # lines that are looked at for the header
+_LINE_END = re.compile(r"\r\n|\r|\n")  # of no other sign, unlike for str.splitlines
 
 
 def head_of(path: Path, layout: Layout) -> Head:
@@ -134,8 +136,8 @@ class _Body:
             text = data.decode(self.layout.encoding, errors="ignore")
         except LookupError:
             return False
-        *_, before, last = ["", "", *text.split("\n")]
-        counts = [len(fields_of(line.rstrip("\r"), self.head.separator)) for line in (before, last)]
+        *_, before, last = ["", "", *_LINE_END.split(text)]
+        counts = [len(fields_of(line, self.head.separator)) for line in (before, last)]
         return bool(last.strip()) and counts[0] == self.width > counts[1]
 
     def texts(self) -> pd.DataFrame:
@@ -207,8 +209,9 @@ class _Body:
             if not self._mixed:
                 yield file
                 return
-            skip = self.head.is_no_row
-            yield io.StringIO("".join(line for line in file if not skip(line.rstrip("\r\n"))), newline="")
+            marks = Marks(str(self.path), self.head.separator, self.width, self.head.is_no_row)
+            rows = marks.records(file, self.head.start + 1)
+            yield io.StringIO("".join(line for row, lines in rows if row for line in lines), newline="")
 
     def _sound(self) -> TextIO | None:
         """The rows, where those with too many fields are few; these are empty and `corrupt`."""
@@ -294,5 +297,5 @@ def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
 
 def _open(path: Path, encoding: str) -> TextIO:
     if is_zipped(path):
-        return gzip.open(path, "rt", encoding=encoding, newline="")
-    return path.open(encoding=encoding, newline="")
+        return gzip.open(path, "rt", encoding=encoding, errors=CUT_SIGN, newline="")
+    return path.open(encoding=encoding, errors=CUT_SIGN, newline="")

@@ -19,6 +19,7 @@ from echocal.correct.stream import corrected
 from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
+from echocal.outputs import opened_output
 
 __all__ = [
     "Opened",
@@ -98,7 +99,7 @@ def correct_parquet(
 
             tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
             made = corrected(tables, corrector, tally, encoded, **around, threads=job.threads)
-            with out.open("wb") as target:
+            with opened_output(out) as target:
                 splice = Splice(raw, footer, target, _kept(footer, job, corrector))
                 groups = footer.row_groups
                 for place, results in enumerate(_groups(made, opened.pieces, footer)):
@@ -106,10 +107,23 @@ def correct_parquet(
                     progress(results.rows)
                 metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
                 splice.finish(metadata)
+            _check_written(out, footer, source)
             if tally.doubtful(job):
                 check_whole(opened, corrector)
     pa.default_memory_pool().release_unused()
     return tally
+
+
+def _check_written(out: Path, footer: f.Footer, source: Path) -> None:
+    """Open the output once: what a damaged footer holds may be more than this package knows."""
+    pa = arrow()
+    try:
+        rows = pa.parquet.read_metadata(_name(out)).num_rows
+    except (OSError, pa.ArrowException) as error:
+        rows = next(iter(str(error).split("\n")), type(error).__name__)
+    if rows != footer.rows:
+        message = f"{source} is damaged: its footer cannot be written again ({rows})"
+        raise DataError(message)
 
 
 def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opened:
@@ -127,8 +141,10 @@ def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opene
 
 
 def arrow_file(path: Path) -> Any:
-    """Open a file so that no whole column of a row group is held."""
-    return arrow().parquet.ParquetFile(_name(path), buffer_size=1 << 20, pre_buffer=False)
+    """Open a file so that no whole column of a row group is held; checksums of pages are compared."""
+    return arrow().parquet.ParquetFile(
+        _name(path), buffer_size=1 << 20, pre_buffer=False, page_checksum_verification=True
+    )
 
 
 def _name(path: Path) -> Any:

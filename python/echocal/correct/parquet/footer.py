@@ -1,9 +1,11 @@
 """The footer of a Parquet file: what is where. Source: parquet.thrift of Apache Parquet's format 2.11."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, BinaryIO
 
 from echocal.correct.parquet import thrift
+from echocal.correct.parquet.checks import FILE, check
 from echocal.correct.parquet.thrift import BINARY, I32, I64, LIST, STRUCT, Struct
 from echocal.errors import DataError
 
@@ -12,13 +14,16 @@ __all__ = ["Field", "Footer", "chunk_range", "fields_of", "read_footer"]
 MAGIC = b"PAR1"
 _ENCRYPTED = b"PARE"
 _END = 8  # bytes: length of the footer, and the magic
+_LONGEST = 1 << 27
+"""Bytes of a footer at most: that of a million column chunks; judgement."""
 
 # numbers of fields in parquet.thrift
 SCHEMA, ROWS, ROW_GROUPS, KEY_VALUES, COLUMN_ORDERS = 2, 3, 4, 5, 7  # FileMetaData
-TYPE, NAME, CHILDREN = 1, 4, 5  # SchemaElement
+TYPE, REPETITION, NAME, CHILDREN = 1, 3, 4, 5  # SchemaElement
+_REPEATED = 2  # of REPETITION
 COLUMNS, BYTES, GROUP_ROWS, SORTING, GROUP_OFFSET, COMPRESSED = 1, 2, 3, 4, 5, 6  # RowGroup
 FILE_PATH, FILE_OFFSET, META, OFFSET_INDEX, COLUMN_INDEX, CRYPTO = 1, 2, 3, 4, 6, 8  # ColumnChunk
-CODEC, VALUES, UNCOMPRESSED, COMPRESSED_SIZE = 4, 5, 6, 7  # ColumnMetaData
+KIND, PATH, CODEC, VALUES, UNCOMPRESSED, COMPRESSED_SIZE = 1, 3, 4, 5, 6, 7  # ColumnMetaData
 DATA_PAGE, INDEX_PAGE, DICTIONARY_PAGE = 9, 10, 11
 STATISTICS, ENCODING_STATS, BLOOM, BLOOM_LENGTH = 12, 13, 14, 15
 
@@ -39,6 +44,17 @@ class Field:
     name: str
     elements: list[Struct]
     leaves: range
+
+    @property
+    def flat(self) -> bool:
+        """Whether each row has one value of it, or a null."""
+        first = self.elements[0]
+        repeated = REPETITION in first and first[REPETITION][1] == _REPEATED
+        return len(self.elements) == 1 and not repeated
+
+    def with_chunks(self) -> list[Struct]:
+        """Its elements that have column chunks."""
+        return [element for element in self.elements if TYPE in element]
 
 
 @dataclass(frozen=True)
@@ -84,38 +100,86 @@ def read_footer(file: BinaryIO, name: str) -> Footer:
     if end[4:] != MAGIC or length + _END + len(MAGIC) > size:
         message = f"{name} begins like Parquet and has no footer: it is truncated or damaged"
         raise DataError(message)
+    if length > _LONGEST:
+        message = f"{name} has a footer of {length:,} bytes, and {_LONGEST:,} are the most: it is damaged"
+        raise DataError(message)
     begins = size - _END - length
     file.seek(begins)
     try:
         struct, _ = thrift.read(file.read(length))
+        check(struct, FILE)
         footer = Footer(struct, begins)
-        _check(footer, name)
-    except (KeyError, TypeError, ValueError) as error:
-        message = f"{name} begins like Parquet and its footer cannot be read: {error!r:.80}"
+        fields = fields_of(footer)
+    except (IndexError, ValueError) as error:
+        message = f"{name} begins like Parquet and its footer cannot be read: {error}"
         raise DataError(message) from None
+    damage = _damage(footer, fields)
+    if damage:
+        message = f"{name} is damaged: {damage}"
+        raise DataError(message)
+    _refuse_elsewhere(footer, name)
     return footer
 
 
-def _check(footer: Footer, name: str) -> None:
-    leaves = sum(len(field.leaves) for field in fields_of(footer))
-    rows = 0
+def _refuse_elsewhere(footer: Footer, name: str) -> None:
     for group in footer.row_groups:
-        rows += group[GROUP_ROWS][1]
-        chunks = group[COLUMNS][1][1]
-        if len(chunks) != leaves:
-            message = f"{name} has a row group with {len(chunks)} columns of {leaves}: it is damaged"
-            raise DataError(message)
-        for chunk in chunks:
+        for chunk in group[COLUMNS][1][1]:
             if FILE_PATH in chunk or CRYPTO in chunk or META not in chunk:
                 message = f"{name} has columns in another file, or encrypted; write it as one plain file"
                 raise DataError(message)
-            first, count = chunk_range(chunk)
-            if count and not len(MAGIC) <= first <= first + count <= footer.begins:
-                message = f"{name} is damaged: a column lies outside of the file"
-                raise DataError(message)
+
+
+def _damage(footer: Footer, fields: list[Field]) -> str:
+    """What of a footer contradicts the rest of it, or the file; empty if nothing does."""
+    leaves = [(field.flat, element) for field in fields for element in field.with_chunks()]
+    orders = footer.struct[COLUMN_ORDERS][1][1] if COLUMN_ORDERS in footer.struct else leaves
+    if len(orders) != len(leaves):
+        return f"it has orders of {len(orders)} columns of {len(leaves)}"
+    rows = 0
+    places: list[tuple[int, int]] = []
+    for group in footer.row_groups:
+        own = group[GROUP_ROWS][1]
+        rows += own
+        chunks = group[COLUMNS][1][1]
+        if len(chunks) != len(leaves):
+            return f"a row group has {len(chunks)} columns of {len(leaves)}"
+        for chunk, leaf in zip(chunks, leaves, strict=True):
+            if META in chunk:
+                if damage := _damage_of_chunk(chunk, own, *leaf):
+                    return damage
+                places += _parts(chunk)
     if rows != footer.rows:
-        message = f"{name} is damaged: its row groups have {rows} rows of {footer.rows}"
-        raise DataError(message)
+        return f"its row groups have {rows} rows of {footer.rows}"
+    places.sort()
+    if places and not len(MAGIC) <= places[0][0] <= sum(places[-1]) <= footer.begins:
+        return "a column lies outside of the file"
+    if any(first + count > then for (first, count), (then, _) in pairwise(places)):
+        return "two columns lie in the same place"
+    return ""
+
+
+def _damage_of_chunk(chunk: Struct, rows: int, flat: bool, element: Struct) -> str:
+    """The same of one column chunk."""
+    meta, name = chunk[META][1], element[NAME][1]
+    if flat and meta[VALUES][1] != rows:
+        return f"a column has {meta[VALUES][1]} values in {rows} rows"
+    if meta[KIND][1] != element[TYPE][1] or meta[PATH][1][1][-1:] != [name]:
+        return f"column '{name.decode()}' has another name or type in a row group"
+    return ""
+
+
+def _parts(chunk: Struct) -> list[tuple[int, int]]:
+    """First byte and number of bytes of all that a column has in the file."""
+    meta = chunk[META][1]
+    parts = [chunk_range(chunk)]
+    for held, place, size in (
+        (meta, BLOOM, BLOOM_LENGTH),
+        (chunk, OFFSET_INDEX, OFFSET_INDEX + 1),
+        (chunk, COLUMN_INDEX, COLUMN_INDEX + 1),
+    ):
+        if place in held and size in held:
+            parts.append((held[place][1], held[size][1]))
+    return [(first, count) for first, count in parts if count]
 
 
 def fields_of(footer: Footer) -> list[Field]:

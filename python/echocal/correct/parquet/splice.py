@@ -7,8 +7,10 @@ from typing import Any, BinaryIO
 from echocal.correct.columns import labels_as_text
 from echocal.correct.parquet import footer as f
 from echocal.correct.parquet import thrift
+from echocal.correct.parquet.checks import PAGES, check
 from echocal.correct.parquet.encode import Encoded, result_elements, result_fields
 from echocal.correct.parquet.thrift import STRUCT, Struct
+from echocal.errors import DataError
 from echocal.observations.arrow import arrow
 
 __all__ = ["Splice"]
@@ -90,8 +92,8 @@ class Splice:
         while count:
             data = self._source.read(min(count, _PART))
             if not data:
-                message = "the file became shorter while it was read"
-                raise OSError(message)
+                message = f"{self._source.name} became shorter while it was read"
+                raise DataError(message)
             self._at += self._out.write(data)
             count -= len(data)
 
@@ -120,7 +122,12 @@ class Splice:
         self._source.seek(old[place][1])
         data = self._source.read(old[place + 1][1])
         if shift:  # pages are found by their place in the file
-            index, _ = thrift.read(data)
+            try:
+                index, _ = thrift.read(data)
+                check(index, PAGES)
+            except ValueError as error:
+                message = f"{self._source.name} is damaged: an index of pages cannot be read: {error}"
+                raise DataError(message) from None
             for page in index[1][1][1]:
                 page[1] = (page[1][0], page[1][1] + shift)
             data = thrift.write(index)

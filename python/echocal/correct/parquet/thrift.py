@@ -7,10 +7,16 @@ Apache Thrift (doc/specs/thrift-compact-protocol.md).
 
 from typing import Any, TypeAlias
 
-__all__ = ["BINARY", "I32", "I64", "LIST", "STRUCT", "Struct", "read", "write"]
+__all__ = ["BINARY", "I32", "I64", "INTEGERS", "LIST", "STRUCT", "Struct", "read", "write"]
 
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
-_INTEGERS = (I16, I32, I64)
+INTEGERS = (I16, I32, I64)
+
+_WIDEST = 1000
+"""Fields of one structure; Parquet has 17 at most."""
+
+_MOST = 1 << 23
+"""Fields and elements of a structure and of all that it holds: those of 300,000 column chunks; judgement."""
 
 Value: TypeAlias = Any
 """int, bytes, bool, a `Struct`; a list is ``(kind of its elements, [values])``."""
@@ -44,6 +50,7 @@ def write(struct: Struct) -> bytes:
 class _Reader:
     def __init__(self, data: bytes | memoryview, at: int) -> None:
         self.data, self.at = data, at
+        self._left = _MOST
 
     def struct(self) -> Struct:
         found: Struct = {}
@@ -51,13 +58,17 @@ class _Reader:
         while True:
             head = self._byte()
             if head == 0:
+                self._count(len(found))
                 return found
             kind, delta = head & 0x0F, head >> 4
             field = field + delta if delta else self._zigzag()
+            if field in found or len(found) > _WIDEST:
+                message = f"field {field} twice" if field in found else f"more than {_WIDEST} fields"
+                raise ValueError(message)
             found[field] = (kind, kind == TRUE if kind in (TRUE, FALSE) else self._value(kind))
 
     def _value(self, kind: int) -> Value:
-        if kind in _INTEGERS:
+        if kind in INTEGERS:
             return self._zigzag()
         if kind == BINARY:
             return self._take(self._varint())
@@ -77,10 +88,17 @@ class _Reader:
         kind, count = head & 0x0F, head >> 4
         if count == 15:
             count = self._varint()
-        if count > len(self.data):
-            message = f"a list of {count} elements in {len(self.data)} bytes"
+        if count > len(self.data) - self.at:
+            message = f"a list of {count} elements where {len(self.data) - self.at} bytes are left"
             raise ValueError(message)
+        self._count(count)
         return kind, [self._value(kind) for _ in range(count)]
+
+    def _count(self, more: int) -> None:
+        self._left -= more
+        if self._left < 0:
+            message = f"more than {_MOST} fields and elements"
+            raise ValueError(message)
 
     def _byte(self) -> int:
         value = self.data[self.at]
@@ -96,11 +114,15 @@ class _Reader:
         return taken
 
     def _varint(self) -> int:
-        value = shift = 0
+        value = self.data[self.at]
+        self.at += 1
+        if value < 0x80:  # as most are
+            return value
+        value, shift = value & 0x7F, 7
         while True:
             byte = self._byte()
             value |= (byte & 0x7F) << shift
-            if byte < 0x80:
+            if byte < 0x80 and value < 1 << 64:
                 return value
             shift += 7
             if shift > 63:
@@ -128,7 +150,7 @@ def _struct(out: bytearray, struct: Struct) -> None:
 
 
 def _value(out: bytearray, kind: int, value: Value) -> None:
-    if kind in _INTEGERS:
+    if kind in INTEGERS:
         _zigzag(out, value)
     elif kind == BINARY:
         _varint(out, len(value))

@@ -3,6 +3,7 @@
 import codecs
 import gzip
 import io
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -12,15 +13,21 @@ from typing import IO, Any
 import numpy as np
 
 from echocal.errors import DataError
+from echocal.observations.layout import CUT_SIGN
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout, below, is_zipped, no_text
 
-__all__ = ["Block", "blocks_of", "prelude"]
+__all__ = ["Block", "begins_with_mark", "blocks_of", "prelude", "refuse_long_lines"]
 
 _RECORDS = 20_000
 """Rows of a block where quotation marks may span lines."""
 
 _QUOTE, _LINE_FEED = 34, 10
+
+_LONGEST = 1 << 22
+"""Bytes of a line at most: no table of measurements has longer ones, and a damaged file may; judgement."""
+
+_FIRST = 200  # lines that are looked at before anything else looks at them
 
 
 @dataclass(frozen=True)
@@ -51,6 +58,34 @@ def prelude(path: Path, layout: Layout, head: Head) -> tuple[str, str, str, list
     return "".join(lines[:-1]), header, lines[-1][len(header) :] or "\n", under
 
 
+def refuse_long_lines(path: Path) -> None:
+    """Refuse a file whose first lines are no lines: looking for a format in them would take minutes.
+
+    Raises
+    ------
+    DataError
+        With the number of the line.
+    """
+    try:
+        with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
+            for number in range(1, _FIRST + 1):
+                line: bytes = file.readline(_LONGEST + 1)
+                if number == 1 and line.lstrip(codecs.BOM_UTF8 + b" ")[:1] in (b"[", b"{"):
+                    return  # JSON may be one line
+                if len(line) > _LONGEST and b"\r" not in line:
+                    raise _too_long(path, number)
+    except (OSError, EOFError, zlib.error):
+        return  # the reader tells
+
+
+def _too_long(path: Path, number: int) -> DataError:
+    message = (
+        f"{path}: line {number} has more than {_LONGEST:,} bytes, which no line of a table of measurements "
+        "has: the file is damaged, or another kind of file"
+    )
+    return DataError(message)
+
+
 def begins_with_mark(path: Path) -> bool:
     """Whether a file begins with the mark of UTF-8."""
     with path.open("rb") as file:
@@ -75,11 +110,21 @@ def blocks_of(path: Path, layout: Layout, head: Head, size: int) -> Iterator[Blo
             return
         cut = part.rfind(b"\n") + 1
         data, rest = (b"".join((rest, memoryview(part)[:cut])), part[cut:]) if cut else (b"", rest + part)
+        if len(rest) > max(_LONGEST, size):
+            raise _too_long(path, first + data.count(b"\n"))
         if data:
             yield Block(data, first)
             first += int(np.count_nonzero(np.frombuffer(data, np.uint8) == _LINE_FEED))
     if rest:
-        yield Block(rest, first)
+        yield Block(_whole_signs(rest), first)
+
+
+def _whole_signs(data: bytes) -> bytes:
+    """The end of a file that may be cut within a sign of UTF-8."""
+    try:
+        return data if data.isascii() else data.decode(errors=CUT_SIGN).encode()
+    except UnicodeError:
+        return data  # it is no text elsewhere
 
 
 def _parts(path: Path, layout: Layout, skipped: int, size: int) -> Iterator[bytes]:
@@ -96,7 +141,7 @@ def _parts(path: Path, layout: Layout, skipped: int, size: int) -> Iterator[byte
                 yield part
     except UnicodeError:
         raise DataError(no_text(path, layout)) from None
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         message = f"{path} cannot be unpacked: {error}"
         raise DataError(message) from None
 
@@ -117,7 +162,7 @@ class _Recoded:
     """A file in another encoding, read as UTF-8."""
 
     def __init__(self, file: IO[bytes], encoding: str) -> None:
-        self._text = io.TextIOWrapper(file, encoding=encoding, newline="")
+        self._text = io.TextIOWrapper(file, encoding=encoding, errors=CUT_SIGN, newline="")
         self._rest = b""
 
     def __enter__(self) -> "_Recoded":
@@ -158,12 +203,12 @@ def _records(path: Path, layout: Layout, head: Head, first: int) -> Iterator[Blo
     with below(path, layout, first - 1) as file:
         lines: list[str] = []
         count, at = 0, first
-        for _, held in marks.records(file, first):
-            lines += held
-            count += 1
-            if count == _RECORDS:
+        for _, held in marks.records(file, first, cut=True):
+            if count == _RECORDS and not marks.is_cut:  # what is cut is judged by the row before it
                 yield Block("".join(lines).encode(), at)
                 at += len(lines)
                 lines, count = [], 0
+            lines += held
+            count += 1
         if lines:
             yield Block("".join(lines).encode(), at)

@@ -16,7 +16,7 @@ from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
-from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude
+from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude, refuse_long_lines
 from echocal.correct.text.parse import Lines, Parser
 from echocal.correct.text.write import header_with_results, with_empty, with_results
 from echocal.errors import DataError, UsageError
@@ -27,6 +27,7 @@ from echocal.observations.part import Part
 from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
 from echocal.observations.text import no_text, resolved
+from echocal.outputs import opened_output
 
 __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_text"]
 
@@ -46,6 +47,7 @@ class Text:
     """A text file that is corrected."""
 
     def __init__(self, path: Path, job: Job, key: str | None) -> None:
+        refuse_long_lines(path)
         refuse_unstreamed(path, job.layout)
         self.head, layout = resolved(path, job.layout)
         names = self.head.names
@@ -139,10 +141,14 @@ def correct_text(
         above, header, end, units = prelude(source, job.layout, text.head)
         if job.layout.encoding == "utf-8-sig" and begins_with_mark(source):
             file.write(codecs.BOM_UTF8)
+        if job.spreadsheet_safe:
+            header = text.parser.line_without_formulas(header)
         names = above + header_with_results(header, separator) + end
         file.write((names + with_empty(units, separator)).encode())
 
         def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes | memoryview]:
+            if job.spreadsheet_safe:
+                lines = text.parser.without_formulas(block, lines)
             return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
 
         for count, data in correct_blocks(text, tally, log, written):
@@ -244,7 +250,7 @@ def _is_number(code: str) -> bool:
 @contextmanager
 def writing_text(out: Path, zipped: bool) -> Iterator[IO[bytes]]:
     """Open a text file for writing; the same bytes each time, gzipped too."""
-    with out.open("wb") as raw:
+    with opened_output(out) as raw:
         if not zipped:
             yield raw
             return

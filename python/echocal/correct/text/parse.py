@@ -8,7 +8,8 @@ import csv
 import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +21,17 @@ from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.found import CORRUPT, CUT, NOT_READ
 from echocal.observations.heading import SEPARATORS, too_long
+from echocal.observations.layout import NO_SIGN
 from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout
+from echocal.outputs import spreadsheet_safe
 
 __all__ = ["Lines", "Parser"]
 
 _CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NO_SIGN = NO_SIGN.encode()
 _NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)  # what Arrow takes for numbers, too
 
 
@@ -106,6 +110,45 @@ class Parser:
             lines = self._records(block)
         return lines, self._careful(lines, columns)
 
+    def without_formulas(self, block: Block, lines: Lines) -> Lines:
+        """The same lines, with an apostrophe before texts that a spreadsheet would take for formulas."""
+        if not self._formula.search(block.data):
+            return lines
+        lines = lines if lines.records is not None else self._records(block)
+        assert lines.records is not None
+        rows = set(lines.rows)
+        records = [
+            (self.line_without_formulas(line), end) if place in rows else (line, end)
+            for place, (line, end) in enumerate(lines.records)
+        ]
+        return replace(lines, records=records)
+
+    def line_without_formulas(self, line: str) -> str:
+        """The same of one line; all other fields stay letter for letter."""
+        values = self._fields(line) if line else []
+        texts = self._written.findall(line)[: len(values)]
+        for place, value in enumerate(values):
+            if spreadsheet_safe(value) != value:
+                text = texts[place]
+                blanks = text[: len(text) - len(text.lstrip(" "))]
+                if text.startswith('"', len(blanks)):
+                    texts[place] = blanks + "\"'" + value.replace('"', '""') + '"'
+                else:
+                    texts[place] = "\"'" + text.replace('"', '""') + '"'
+        return self._head.separator.join(texts)
+
+    @cached_property
+    def _written(self) -> re.Pattern[str]:
+        """A field as it is written."""
+        cut = re.escape(self._head.separator)
+        return re.compile(f'(?:^|(?<={cut}))( *"(?:[^"]|"")*"[^{cut}]*|[^{cut}]*)(?={cut}|$)', re.DOTALL)
+
+    @cached_property
+    def _formula(self) -> re.Pattern[bytes]:
+        """What every block has in which a field begins as a formula."""
+        cut = re.escape(self._head.separator.encode())
+        return re.compile(rb'(?:^|["\r\n]|%b)[\s\x00-\x1f"]*(?:[=+\-@]|\xef\xbc[\x8b\x8d\x9d\xa0])' % cut)
+
     def fields(self, block: Block, lines: Lines) -> Any:
         """Every field of the rows as the text that it is, an Arrow table; null where a row has too few.
 
@@ -158,14 +201,14 @@ class Parser:
         # one byte is found many times faster than two
         if self._head.comments and b"#" in data and (data.startswith(b"#") or b"\n#" in data):
             return None
-        if any(line in data for line in self._repeated):
+        if any(line in data for line in self._repeated) or data.endswith(_NO_SIGN):
             return None
         end = b"\r\n" if b"\r" in data else b"\n"
         ended = data.endswith(b"\n")
         if not ended:
             data += end
-        if b'"' in data and not self._encloses(data):
-            return None
+        if b'"' in data and (data.count(b'"') % 2 or not self._encloses(data)):
+            return None  # an odd one: the file is cut within a field
         texts = _core.Lines.of(data, len(end) == 2)
         return None if texts is None else Lines(texts, end.decode(), end.decode() if ended else "")
 
@@ -253,10 +296,14 @@ class Parser:
         rows: list[int] = []
         corrupt: dict[int, str] = {}
         complete = True
-        for record, held in marks.records(text, block.first):
+        for record, held in marks.records(text, block.first, cut=True):
             ended = "".join(held)
             line = ended.rstrip("\r\n")
             end = ended[len(line) :]
+            if marks.is_cut or line.endswith(NO_SIGN):
+                corrupt[len(rows)] = CUT
+            if marks.is_cut:
+                line += '"'  # the results stand behind the field, not in it
             if record:
                 fitted = self._fitted(line)
                 if not end and complete and fitted is not None and len(fitted) > len(line):
@@ -286,7 +333,7 @@ class Parser:
 
     def _fields(self, line: str) -> list[str]:
         try:
-            return next(csv.reader(line.splitlines(keepends=True), **self._dialect))
+            return next(csv.reader([line], **self._dialect))
         except csv.Error:
             raise too_long(line) from None
 
