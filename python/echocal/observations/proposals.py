@@ -121,8 +121,8 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
     if name in given:
         return Proposal(given[name], "as you say")
     if name in found.requests:
-        joined = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
-        return Proposal(found.requests[name], joined)
+        why = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
+        return Proposal(found.requests[name], "the log says so" if name in found.sure else why)
     try:
         if ours := by_name(name):
             form, unit = ours

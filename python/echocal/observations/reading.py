@@ -118,11 +118,14 @@ def read_observations(
     found = found_in(table)
     requests, said = completed(list(table.columns), plan.read_columns(columns), found, doubtful_in(table))
     planned = plan.make(list(table.columns), requests, trust)
-    assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
+    assembly = Assembly(table, planned, codes, {*trust, *found.sure}, time_zone, time_format=time_format)
     several = note_of(table, set(plan.read_columns(columns)))
     assembly.notes += [*found.notes, *said, *([several] if several else [])]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
+    columns_of = {column: quantity for quantity, column in observations.source_names.items()}
+    by_quantity = {columns_of.get(column, column): join for column, join in found.joined.items()}
+    observations = replace(observations, joined=by_quantity)
     if stated:
         observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
     if not observations.usable.all():
