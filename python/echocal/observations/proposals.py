@@ -57,7 +57,7 @@ class Proposal:
 def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict[str, Proposal]:
     """A proposal for each column; what the user says goes first."""
     columns = [str(name) for name in table.columns]
-    doubtful = doubtful_in(table)
+    doubtful = doubtful_in(table, {**found.requests, **given})
     sure, _ = completed(columns, given, found, doubtful)
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}

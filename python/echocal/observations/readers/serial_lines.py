@@ -4,11 +4,11 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from echocal.observations.fields import shown
 from echocal.observations.heading import find_head, is_value
-from echocal.observations.join import Join
 from echocal.observations.readers.events import Event, rows_of
 from echocal.observations.readers.leads import ranger_names
 from echocal.observations.readers.log import Log
@@ -56,15 +56,12 @@ def read(lines: Sequence[str], path: str) -> Log:
 def _named(split: Sequence[Stamped]) -> Log:
     log = Log([])
     told = _in_one_unit(_without_rare([(line, pairs_of(line.rest)) for line in split], log), log)
-    valued = [(line, {name for name, _, _ in pairs}) for line, pairs in told if pairs]
-    names = list(dict.fromkeys(name for _, pairs in told for name, _, _ in pairs))
-    ranger = ranger_names(names, log.units)
-    if ranger and all(set(ranger) & own for _, own in valued):
+    named = [{name for name, _, _ in pairs} for _, pairs in told if pairs]
+    ranger = ranger_names(list(dict.fromkeys(name for _, pairs in told for name, _, _ in pairs)), log.units)
+    if ranger and all(set(ranger) & own for own in named):
         return _line_by_line(told, log)
     _note_others(told, log)
-    if ranger and 2 * sum(bool(line.time) for line, _ in valued) > len(valued):
-        return rows_of([_event(*one) for one in told if _counts(*one)], ranger, log)
-    return _by_order(told, ranger, log)
+    return rows_of(_events(told), ranger, log)
 
 
 def _line_by_line(told: Sequence[Told], log: Log) -> Log:
@@ -83,31 +80,16 @@ def _line_by_line(told: Sequence[Told], log: Log) -> Log:
     return log
 
 
-def _by_order(told: Sequence[Told], ranger: Sequence[str], log: Log) -> Log:
-    """Rows end where a name comes again, or at blank lines if values stand in blocks between them."""
-    blocks = _blocks(told)
-    records: list[dict[str, Any]] = []
-    ended = True
+def _events(told: Sequence[Told]) -> list[Event]:
+    """Values of the lines, and where blank lines end a row."""
+    blocks, ended = _blocks(told), False
+    events = []
     for line, pairs in told:
         ended = ended or (blocks and not line.rest)
-        if not _counts(line, pairs):
-            continue
-        values = _event(line, pairs).values
-        last = set(records[-1]) if records else set()
-        if ended or (set(values) & last if values else set(ranger) <= last):
-            records.append(dict(line.time))
-        ended = False
-        records[-1] |= values
-        if not values:
-            records[-1] = {**dict.fromkeys(ranger), **records[-1]}
-            log.corrupt[len(records) - 1] = line.rest
-    log.records = records
-    log.notes.append(
-        "values between two blank lines are one row" if blocks else "values between two of the same name are one row"
-    )
-    others = [name for name in dict.fromkeys(name for record in records for name in record) if name not in ranger]
-    log.joined |= {name: Join("ordered", 0.0, 0.0, 0) for name in others if ranger and not blocks}
-    return log
+        if pairs or says_no_echo(line.rest):
+            events.append(replace(_event(line, pairs), ends=ended and bool(events)))
+            ended = False
+    return events
 
 
 def _blocks(told: Sequence[Told]) -> bool:
@@ -127,10 +109,6 @@ def _blocks(told: Sequence[Told]) -> bool:
 
 def _event(line: Stamped, pairs: Sequence[Pair]) -> Event:
     return Event(line.time, {name: value.replace(",", ".") for name, value, _ in pairs}, line.rest)
-
-
-def _counts(line: Stamped, pairs: Sequence[Pair]) -> bool:
-    return bool(pairs) or says_no_echo(line.rest)
 
 
 def _without_rare(told: Sequence[Told], log: Log) -> list[Told]:
@@ -172,7 +150,7 @@ def _converted(value: str, unit: str, wanted: str) -> str:
 
 
 def _note_others(told: Sequence[Told], log: Log) -> None:
-    others = [line.rest for line, pairs in told if re.search(r"\w", line.rest) and not _counts(line, pairs)]
+    others = [line.rest for line, pairs in told if re.search(r"\w", line.rest) and not (pairs or says_no_echo(line.rest))]
     if others:
         log.notes.append(f"{len(others)} lines have no values and are no rows, first '{shown(others[0])}'")
 
