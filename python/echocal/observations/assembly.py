@@ -16,6 +16,8 @@ from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
 from echocal.observations.found import found_in
+from echocal.observations.hints import role_of
+from echocal.observations.level import refuse_level
 from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
@@ -63,6 +65,7 @@ class Assembly:
         conditions = {name: values[name] for name in QUANTITIES if name in values}
         echo_time = self._echo_time(values, conditions, reading_speed)
         self._note_lookalikes()
+        self._refuse_level(values, echo_time)
         self._summarize()
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         extra, texts = self._extra()
@@ -81,6 +84,14 @@ class Assembly:
             notes=tuple(self.notes),
             refused=self.refused,
         )
+
+    def _refuse_level(self, values: Mapping[str, Column], echo_time: Column) -> None:
+        """Refuse a level in place of the reference distance, which only a whole table shows."""
+        source = self.plan.assignments.get("reference_distance")
+        if source is None or self.part is not None or {EVERYTHING, source.column} & set(self.trusted):
+            return
+        usable = self.reason == 0
+        refuse_level(values["reference_distance"], values.get("reading"), echo_time, usable, source.column)
 
     def _values(self, quantity: str) -> Column:
         """Values of a quantity [SI]; rows without one, or with an impossible one, are marked."""
@@ -309,12 +320,14 @@ class Assembly:
         if reference is not None and len(timed) == 1:
             (name, request), *_ = timed
             return f'Say which it is: --column "{name}={request}"; {INSPECT}'
-        if reference is not None and not self._meant(echo):
+        ruler = reference is not None and role_of(reference.column) == "distance"
+        if reference is not None and not ruler and not self._meant(echo):
             name = f"reading_{reference.unit_name}"
             column = reference.column
             return f"Record one of them; if the sensor indicates '{column}': --column \"{column}={name}\""
         if not others:
-            return "Record one of them"
+            beside = f" beside '{reference.column}', which is the reference by its name" if ruler else ""
+            return f"Record one of them{beside}"
         if meant := self._meant(echo):
             return f'Did you mean: --column "{meant}"'
         alike = [(name, form) for name in others for form in echo if looks_like(name, form)]

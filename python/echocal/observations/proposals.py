@@ -166,6 +166,8 @@ def _reference_as_reading(
     distances = [name for name, p in proposals.items() if _quantity(p.request or "") == "reference_distance"]
     if len(distances) != 1 or distances[0] in given or _numbers(table[distances[0]]) is None:
         return
+    if role_of(distances[0]) == "distance":  # a ruler is none, whatever else is missing
+        return
     (name,) = distances
     request = f"reading_{proposals[name].request.rpartition('_')[2]}"
     if request in NAMES:
