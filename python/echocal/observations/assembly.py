@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import checks, clock, labels, odd_times
+from echocal.observations.alike import line_between
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
@@ -69,6 +70,7 @@ class Assembly:
         self._summarize()
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         extra, texts = self._extra()
+        extra = self._without_copies(extra, {**values, "echo_time": echo_time})
         return Observations(
             echo_time=echo_time,
             conditions={**conditions, **self._derived(conditions, named), **self._hour()},
@@ -257,6 +259,25 @@ class Assembly:
             if np.isfinite(values).any():
                 found[column] = values
         return found, texts
+
+    def _without_copies(self, extra: dict[str, Column], values: Mapping[str, Column]) -> dict[str, Column]:
+        """Further columns that are no quantity again times a factor, shifted, or rounded."""
+        if self.part is not None:
+            return extra
+        quantities = [(name, own) for name, own in self.plan.assignments.items() if name != "elapsed_time"]
+        copies: dict[str, str] = {}
+        for column in set(extra) - set(self.trusted):
+            for name, source in quantities:
+                line = line_between(extra[column], source.unit.from_si(values[name])) if name in values else None
+                if line is not None:
+                    copies[column] = f"'{column}' is {line.of(source.column)}"
+                    break
+        for column in [name for name in extra if name in copies]:
+            self.notes.append(
+                f"{copies[column]} in every row, within their rounding: a copy, which is left aside; "
+                f'if it is not: --trust "{column}"'
+            )
+        return {name: own for name, own in extra.items() if name not in copies}
 
     def _thermometers(self) -> dict[str, Column]:
         """Further thermometers [degC], NaN where one has no possible value; no row is unusable by them."""

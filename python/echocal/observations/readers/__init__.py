@@ -23,10 +23,12 @@ from echocal.observations.readers import (
     messages,
     mqtt_lines,
     nmea,
+    repeats,
     ros,
     serial_lines,
     spreadsheet,
     times,
+    unit_names,
     white_space,
 )
 from echocal.observations.readers.stamps import plain
@@ -45,7 +47,7 @@ _FORMATS = (
     serial_lines,
     white_space,
 )
-_STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step)
+_STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
 _FIRST = 200
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import pandas as pd
@@ -39,7 +40,19 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
         values[same] = parts.loc[same, 0].str.replace(",", ".", regex=False)
         table = table.assign(**{name: _numbers(values)})
         units.setdefault(str(name), str(parts[1].dropna().mode()[0]).strip())
-    return table, replace(found, units=units)
+    return table, replace(found, units={**_beside(table), **units})
+
+
+def _beside(table: pd.DataFrame) -> dict[str, str]:
+    """Units in a column of their own, behind that of the numbers: ``1.234,M,20.1,C``."""
+    units = {}
+    for name, behind in pairwise(table.columns):
+        if not pd.api.types.is_numeric_dtype(table[name]) or pd.api.types.is_numeric_dtype(table[behind]):
+            continue
+        texts = table[behind].dropna().astype(str).str.strip().unique()
+        if len(texts) == 1 and symbol_of(texts[0]):
+            units[str(name)] = str(texts[0])
+    return units
 
 
 def _numbers(values: pd.Series[Any]) -> pd.Series[Any]:
