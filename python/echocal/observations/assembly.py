@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 
 import numpy as np
 import pandas as pd
@@ -12,18 +11,15 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import checks, clock, labels, odd_times
+from echocal.observations.advice import no_echo, which_temperature
 from echocal.observations.alike import line_between
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
-from echocal.observations.found import found_in
-from echocal.observations.hints import role_of
 from echocal.observations.level import refuse_level
-from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
-from echocal.observations.proposals import propose, unfit
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS, Form
 from echocal.quantities import QUANTITIES
@@ -31,8 +27,6 @@ from echocal.quantities import QUANTITIES
 __all__ = ["Assembly"]
 
 Column = NDArray[np.float64]
-
-_MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
 
 
 @dataclass
@@ -60,7 +54,7 @@ class Assembly:
         """Put everything together; `reading_speed` as in `echocal.read_observations`."""
         held = self.plan.assignments
         if not {"echo_time", "reading"} & set(held):
-            raise DataError(self._no_echo())
+            raise DataError(no_echo(self.table, self.plan))
         order = dict.fromkeys(form.quantity for form in FORMS if not form.label)
         values = {quantity: self._values(quantity) for quantity in order if quantity in held}
         conditions = {name: values[name] for name in QUANTITIES if name in values}
@@ -128,6 +122,8 @@ class Assembly:
         self._mark(wrong, f"{source.column} out of range", source)
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
+            if self.part is None and not {EVERYTHING, source.column} & set(self.trusted):
+                odd_times.refuse_other_clock(values, source)
             values = self._since_start(values)
             if self.part is None:
                 self.notes += self._order(values, source)
@@ -237,8 +233,7 @@ class Assembly:
 
     def _thermometer(self) -> str:
         """How to say which column is the temperature."""
-        forms = [form for form in FORMS if form.quantity == "temperature"]
-        return self._meant(forms) or "NAME=temperature_C"
+        return which_temperature(self.table, self.plan)
 
     def _labels(self, name: str) -> NDArray[np.int64]:
         column = self.plan.assignments[name].column
@@ -321,63 +316,3 @@ class Assembly:
             message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
             raise DataError(message)
         self.notes.append(f"{total} of {rows(len(self.table))} cannot be used: {listed}")
-
-    def _no_echo(self) -> str:
-        echo = [form for form in FORMS if form.quantity in ("echo_time", "reading")]
-        names = ", ".join(name for form in echo[:1] + echo[3:4] for name in form.names)
-        columns = ", ".join(str(name) for name in self.table.columns)
-        return (
-            f"no column holds an echo time or a distance reading; accepted: {names}. "
-            f"The table has: {columns}. {self._hint(echo)}"
-        )
-
-    def _hint(self, echo: Collection[Form]) -> str:
-        """Which column may be the one, of those whose names say nothing: misspelled, alike, or the first."""
-        others = self.plan.others
-        reference = self.plan.assignments.get("reference_distance")
-        timed = [(n, p.request) for n, p in propose(self.table, found_in(self.table), {}).items()]
-        timed = [(n, request) for n, request in timed if n in others and request.startswith("echo_")]
-        timed = [(n, request) for n, request in timed if request != "echo_quality"]
-        if reference is not None and len(timed) == 1:
-            (name, request), *_ = timed
-            return f'Say which it is: --column "{name}={request}"; {INSPECT}'
-        ruler = reference is not None and role_of(reference.column) == "distance"
-        if reference is not None and not ruler and not self._meant(echo):
-            name = f"reading_{reference.unit_name}"
-            column = reference.column
-            return f"Record one of them; if the sensor indicates '{column}': --column \"{column}={name}\""
-        if not others:
-            beside = f" beside '{reference.column}', which is the reference by its name" if ruler else ""
-            return f"Record one of them{beside}"
-        if meant := self._meant(echo):
-            return f'Did you mean: --column "{meant}"'
-        alike = [(name, form) for name in others for form in echo if looks_like(name, form)]
-        for name, form in alike:
-            if unit_of(name) in form.units:
-                return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
-        guessed = propose(self.table, found_in(self.table), {})
-        likely = [
-            f"{name}={p.request}" for name, p in guessed.items() if p.request.startswith(("reading", "echo"))
-        ]
-        told = unfit(self.table, [name for name, _ in alike]) if not likely else ""
-        if told:
-            return f"{told}; {INSPECT}"
-        if likely:
-            return f'Say which it is: --column "{likely[0]}"; {INSPECT}'
-        like = alike[0][0] if alike else others[0]
-        if told := unfit(self.table, [like]):
-            return f"{told}; {INSPECT}"
-        first = f"{like}=reading_m"
-        return f'Say which it is: --column "{first}"; {INSPECT}'
-
-    def _meant(self, forms: Collection[Form]) -> str | None:
-        """Request of a column whose name says a quantity in other words, or misspells it."""
-        for name in self.plan.others:
-            said = phrase(name)
-            if said and said[0] in forms:
-                return f"{name}={Assignment(name, *said).name}"
-        known = [name for form in forms for name in form.names]
-        for name in self.plan.others:
-            if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
-                return f"{name}={near[0]}"
-        return None

@@ -183,9 +183,12 @@ def _question(kinds: set[str], values: Column, wanted: Collection[str]) -> str:
 
 
 def _runs_on(values: Column) -> bool:
-    """Whether a column counts rows or the time."""
+    """Whether a column counts rows or the time: it rises by steps that are nearly even."""
     steps = np.diff(values[np.isfinite(values)])
-    return bool(len(steps) > 1 and (steps > 0).all())
+    if len(steps) < 2 or not (steps > 0).all():
+        return False
+    low, middle, high = np.quantile(steps, [0.25, 0.5, 0.75])
+    return bool(high - low <= 0.5 * middle)
 
 
 def _runs_down(values: Column) -> bool:

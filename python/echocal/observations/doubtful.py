@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from echocal.observations.hints import role_of
+import numpy as np
+
+from echocal.observations.fields import span
+from echocal.observations.hints import hint, role_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,6 +18,7 @@ __all__ = ["doubtful_in"]
 
 _GAPS = 0.1  # of the rows with a reading: they would be lost for a quantity that is not needed
 _MOST = 0.5  # of them, for the temperature, which nearly every law needs
+_STEPS = (1e-3, 7 * 86400.0)  # s: between two rows of a log
 _CODES = 10  # different values: a quality number has more, a flag of a quality control has fewer
 
 
@@ -52,4 +56,19 @@ def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) 
     for name in table.columns:
         if roles[str(name)] == "echo_quality" and table[name].nunique() < _CODES:
             found.setdefault(str(name), "has few different values, as a code has,")
+    for name in table.select_dtypes("number"):
+        said = None if str(name) in (requests or {}) else hint(str(name))
+        if said is not None and said.name == "time":
+            found[str(name)] = _without_unit(str(name), table[name])
     return found
+
+
+def _without_unit(name: str, values: pd.Series[float]) -> str:
+    """What to say of a count of time whose unit nothing tells."""
+    steps = np.abs(np.diff(values.dropna().to_numpy(dtype=np.float64)))
+    steps = steps[steps > 0.0]
+    step = float(np.median(steps)) if len(steps) else 0.0
+    units = {"time_s": 1.0, "time_ms": 1e-3, "time_us": 1e-6}
+    ways = {unit: step * by for unit, by in units.items() if _STEPS[0] <= step * by <= _STEPS[1]} or {"time_s": step}
+    told = ", ".join(f'"{name}={unit}" ({span(own)})' for unit, own in ways.items())
+    return f"counts time in an unknown unit and is not used; to use it, say the step between rows: --column {told}"

@@ -137,7 +137,8 @@ def completed(
         said = hint(column, unit)
         why = (doubtful or {}).get(column)
         if said and why and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
-            notes.append(f"'{column}' {why} and is not used; to use it: --column \"{column}={said.name}\"")
+            use = "" if said.name == "time" else f' and is not used; to use it: --column "{column}={said.name}"'
+            notes.append(f"'{column}' {why}{use}")
         elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
     _drop_unsure(hints, held, notes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,6 +49,8 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
     doubtful = doubtful_in(table, {**found.requests, **given})
     sure, _ = completed(columns, given, found, doubtful)
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
+    told = {n: why.partition(";")[0].partition(" and is not")[0] for n, why in doubtful.items()}
+    proposals |= {n: Proposal("", why) for n, why in told.items() if not proposals[n].request}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
     roles = {name: role_of(name) or _by_unit(name, table, held) for name in columns}
     bare = {name: role for name, role in roles.items() if role and not proposals[name].request}
@@ -69,8 +71,8 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
             why = f"its name, and values {values}"
             proposals[name] = Proposal(request, why, guess=True)
             held.add(_quantity(request))
-    if not {"reading", "echo_time"} & held:
-        _by_values(table, found, proposals, held)
+    if not {"reading", "echo_time"} & held or "temperature" not in held:
+        _by_values(table, found, proposals, held, {*doubtful, *(name for name in roles if roles[name])})
     if not {"reading", "echo_time"} & held:
         _reference_as_reading(table, proposals, given)
     return proposals
@@ -136,16 +138,22 @@ def _by_unit(name: str, table: pd.DataFrame, held: set[str]) -> str:
     return "" if role == "echo" and (np.diff(numbers[np.isfinite(numbers)]) >= 0).all() else role
 
 
-def _by_values(table: pd.DataFrame, found: Found, proposals: dict[str, Proposal], held: set[str]) -> None:
+def _by_values(
+    table: pd.DataFrame, found: Found, proposals: dict[str, Proposal], held: set[str], named: Collection[str]
+) -> None:
     """Guesses and questions for the columns whose names say nothing."""
     free, units = {}, {}
     for name in map(str, table.columns):
         numbers = None if is_time_name(name) else _numbers(table[name])
-        if proposals[name].request or numbers is None or has_foreign_unit(name):
+        if name in named or proposals[name].request or numbers is None or has_foreign_unit(name):
             continue
         free[name] = numbers
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
+    known = bool({"reading", "echo_time"} & held)
     for name, guess in guesses(free, units, held).items():
+        if known and guess.request:  # a table whose names say something: no other column is taken by its values
+            proposals[name] = Proposal("", f"may be {guess.request}, by its values: say so")
+            continue
         proposals[name] = Proposal(guess.request, guess.reason, guess=bool(guess.request))
         held.add(_quantity(guess.request))
 
