@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.observations.alike import echo_speed
+from echocal.observations.alike import echo_speed, line_between
 from echocal.observations.units import NAMES
 from echocal.observations.vocabulary import TOKEN
 
@@ -31,6 +31,7 @@ _RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {
 _BATTERIES = (1.5, 15.5)  # V: two flat cells to a lead battery that is charged
 _CHARGE = 1.6  # a full battery over a flat one, of any kind
 _HPA = (850.0, 1090.0)
+_TOGETHER = 0.9  # correlation of an echo time with its distance
 _FEWEST = 8  # rows that show a trend
 _ELSEWHERE = {
     "bat", "batt", "battery", "akku", "volt", "volts", "voltage", "vbat", "vbatt", "vcc", "vdd", "rssi", "snr", "soc",
@@ -137,13 +138,24 @@ def _pair(columns: Mapping[str, Column], units: Mapping[str, str]) -> dict[str, 
                     form = NAMES.get(f"reading_{own}")
                     if length == time or form is None:
                         continue
-                    if speed := echo_speed(np.asarray(form[0].units[own].to_si(values)), np.asarray(t)):
+                    d = np.asarray(form[0].units[own].to_si(values))
+                    if _rise_together(d, np.asarray(t)) and (speed := echo_speed(d, np.asarray(t))):
                         why = f"agrees with '{{}}' as a distance with its echo ({speed:.0f} m/s)"
                         return {
                             time: Guess(f"echo_{unit}", why.format(length)),
                             length: Guess(f"reading_{own}", why.format(time)),
                         }
     return {}
+
+
+def _rise_together(length: Column, time: Column) -> bool:
+    """Whether two columns are proportional: two that hardly change agree by chance."""
+    if line_between(length, time) is not None:
+        return True
+    known = np.isfinite(length) & np.isfinite(time)
+    if known.sum() < _FEWEST or not np.ptp(length[known]) or not np.ptp(time[known]):
+        return False
+    return bool(np.corrcoef(length[known], time[known])[0, 1] > _TOGETHER)
 
 
 def _temperature(

@@ -18,7 +18,7 @@ _SURE = np.datetime64("2000-01-01", "ns")
 _LONGEST = 5e9  # s: since 1970 it is the year 2128
 _SHORTEST = 1e-3  # s: sound comes back from 17 cm in this time, and a ranger waits for its echo
 _OFTEN = 3600.0  # s: people who log less often choose whole half hours, hours or days
-_NEAR = 0.05  # of these: the clock of a sleeping device is off by some percent
+_NEAR = 0.04  # of these: the clock of a sleeping device is off by some percent
 _ROUND = ((6 * 3600.0, 1800.0), (0.97 * 86400.0, 3600.0), (np.inf, 86400.0))
 """Steps below which a person chooses multiples of which time [s]."""
 

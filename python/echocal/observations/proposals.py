@@ -72,7 +72,7 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
             proposals[name] = Proposal(request, why, guess=True)
             held.add(_quantity(request))
     if not {"reading", "echo_time"} & held or "temperature" not in held:
-        _by_values(table, found, proposals, held, {*doubtful, *(name for name in roles if roles[name])})
+        _by_values(table, found, proposals, held, {name for name in roles if roles[name]})
     if not {"reading", "echo_time"} & held:
         _reference_as_reading(table, proposals, given)
     return proposals

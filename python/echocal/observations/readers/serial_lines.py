@@ -112,7 +112,12 @@ def _event(line: Stamped, pairs: Sequence[Pair]) -> Event:
 
 
 def _without_rare(told: Sequence[Told], log: Log) -> list[Told]:
-    """Values whose name comes once among many lines belong to a message, or to a line that is damaged."""
+    """Values whose name comes once among many lines belong to a message, or to a line that is damaged.
+
+    A name that never has a number begins a message, as ``ERROR: out of range``.
+    """
+    numbers = {name for _, pairs in told for name, value, _ in pairs if value != "nan"}
+    told = [(line, [pair for pair in pairs if pair[0] in numbers]) for line, pairs in told]
     counts = Counter(name for _, pairs in told for name, _, _ in pairs)
     if sum(bool(pairs) for _, pairs in told) < _MANY:
         return list(told)
