@@ -82,7 +82,9 @@ def test_a_copy_is_left_aside() -> None:
 COLORS = ("", "\x1b[0;36m", "\x1b[0;35m", "\x1b[1;32m")
 
 
-def _esphome(random: np.random.Generator, newer: bool, verbose: bool) -> tuple[list[str], np.ndarray, np.ndarray]:
+def _esphome(
+    random: np.random.Generator, newer: bool, verbose: bool
+) -> tuple[list[str], np.ndarray, np.ndarray]:
     """A log as `esphome logs` shows it: a tank, a thermometer each tenth time, and what the program says beside."""
     tag = "ultrasonic.sensor" if newer else "sensor.ultrasonic"
     color, end = str(random.choice(COLORS)), "\x1b[0m"
@@ -92,20 +94,28 @@ def _esphome(random: np.random.Generator, newer: bool, verbose: bool) -> tuple[l
     lines = ["INFO Reading configuration /config/tank.yaml...", "INFO Starting log output from tank.local"]
     for n in range(60):
         at = (begin + 5.0 * n) % 86400.0
-        clock = f"{int(at // 3600):02d}:{int(at // 60 % 60):02d}:{at % 60:06.3f}" if newer else (
-            f"{int(at // 3600):02d}:{int(at // 60 % 60):02d}:{int(at % 60):02d}"
+        clock = (
+            f"{int(at // 3600):02d}:{int(at // 60 % 60):02d}:{at % 60:06.3f}"
+            if newer
+            else (f"{int(at // 3600):02d}:{int(at // 60 % 60):02d}:{int(at % 60):02d}")
         )
         line = int(random.integers(20, 99))
         micros = round(distance[n] * 2e6 / 343)
         if verbose:
-            lines.append(f"{color}[{clock}][V][{tag}:{line:03d}]: Echo took {0 if lost[n] else micros}{'us' if newer else 'µs'}{end}")
+            lines.append(
+                f"{color}[{clock}][V][{tag}:{line:03d}]: Echo took {0 if lost[n] else micros}{'us' if newer else 'µs'}{end}"
+            )
         said = "Distance measurement timed out!" if lost[n] else f"Got distance: {distance[n]:.3f} m"
         lines.append(f"{color}[{clock}][D][{tag}:{line + 3:03d}]: 'Rain barrel' - {said}{end}")
         state = "nan" if lost[n] else f"{micros * 343e-6 / 2:.5f}"
-        lines.append(f"{color}[{clock}][D][sensor:{line:03d}]: 'Rain barrel': Sending state {state} m with 2 decimals of accuracy{end}")
+        lines.append(
+            f"{color}[{clock}][D][sensor:{line:03d}]: 'Rain barrel': Sending state {state} m with 2 decimals of accuracy{end}"
+        )
         if n % 10 == 0:
             lines.append(f"[{clock}][D][dht:048]: Got Temperature=21.{n // 10}°C Humidity=48.0%")
-            lines.append(f"[{clock}][W][component:237]: Component dht took a long time for an operation (86 ms).")
+            lines.append(
+                f"[{clock}][W][component:237]: Component dht took a long time for an operation (86 ms)."
+            )
     return lines, distance, lost
 
 
@@ -171,7 +181,9 @@ def test_a_lost_echo_is_a_row(library: str, first: bool, random: np.random.Gener
     distance = random.uniform(120, 180, 40).round()
     lost = random.random(40) < 0.2
     lost[[0, 20]] = first, True
-    path = write(tmp_path, [silent if gone else good.format(d) for gone, d in zip(lost, distance, strict=True)])
+    path = write(
+        tmp_path, [silent if gone else good.format(d) for gone, d in zip(lost, distance, strict=True)]
+    )
     found, holds = inspected(path)
     requests = {name: own for name, own in holds.items() if own}
     assert list(requests.values()) == ["reading_cm"]
@@ -180,7 +192,13 @@ def test_a_lost_echo_is_a_row(library: str, first: bool, random: np.random.Gener
     assert data.reading[data.usable] == pytest.approx(distance[~lost] / 100)
 
 
-ORDERS = (("time", "volts", "cm"), ("volts", "cm", "time"), ("cm", "volts"), ("time", "cm", "volts", "charge"), ("charge", "volts", "cm"))
+ORDERS = (
+    ("time", "volts", "cm"),
+    ("volts", "cm", "time"),
+    ("cm", "volts"),
+    ("time", "cm", "volts", "charge"),
+    ("charge", "volts", "cm"),
+)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -249,7 +267,9 @@ def test_a_level_is_told_with_the_way_out(shell: Run, random: np.random.Generato
     level = (random.uniform(0.5, 0.7) + 0.15 * np.sin(np.arange(120) / 12)).round(3)
     air = 15 + 6 * np.sin(np.arange(120) / 20)
     reading = (height - level) * 343 / (331.4 + 0.6 * air) + random.normal(0, 2e-3, 120)
-    rows = [f"{600 * n},{r:.4f},{x},{c:.1f}" for n, (r, x, c) in enumerate(zip(reading, level, air, strict=True))]
+    rows = [
+        f"{600 * n},{r:.4f},{x},{c:.1f}" for n, (r, x, c) in enumerate(zip(reading, level, air, strict=True))
+    ]
     Path("log.csv").write_text("\n".join(["time_s,reading_m,level,temperature_C", *rows]) + "\n")
     ask = ("diagnose", "log.csv", "--reading-speed", "343")
     code, _, err = shell(*ask, "--column", "level=distance_m")
@@ -275,7 +295,9 @@ def test_a_true_reference_is_no_level(random: np.random.Generator) -> None:
         assert echocal.read_observations(table).usable.all()
 
 
-@pytest.mark.parametrize(("step", "unit"), [(100_000, "us"), (60_000, "us"), (1_000_000, "us"), (600_000, "ms"), (60_000, "ms")])
+@pytest.mark.parametrize(
+    ("step", "unit"), [(100_000, "us"), (60_000, "us"), (1_000_000, "us"), (600_000, "ms"), (60_000, "ms")]
+)
 def test_counts_in_time_s_are_asked_for(
     step: int, unit: str, shell: Run, random: np.random.Generator
 ) -> None:
@@ -303,7 +325,14 @@ def test_seconds_are_taken(step: float, random: np.random.Generator) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["temperature_c", "TEMPERATURE_C", "temperature_degC", "Temperature_Celsius", "temperature_f", "temperature_k"],
+    [
+        "temperature_c",
+        "TEMPERATURE_C",
+        "temperature_degC",
+        "Temperature_Celsius",
+        "temperature_f",
+        "temperature_k",
+    ],
 )
 def test_a_unit_in_any_case(name: str) -> None:
     kind = name.rpartition("_")[2][0].upper() if "deg" not in name else "C"
@@ -331,7 +360,9 @@ def test_gaps_count_where_there_is_a_reading(tmp_path: Path, random: np.random.G
     """A device that reports its state between measurements: those rows have neither reading nor temperature."""
     lines = ["Time,Distance (cm),Temp (°C),rssi"]
     for n in range(60):
-        lines.append(f"2024-05-14 {n // 30 + 8:02d}:{2 * (n % 30):02d}:00,{random.normal(180, 0.3):.1f},{18 + n / 30:.1f},-70")
+        lines.append(
+            f"2024-05-14 {n // 30 + 8:02d}:{2 * (n % 30):02d}:00,{random.normal(180, 0.3):.1f},{18 + n / 30:.1f},-70"
+        )
         lines.append(f"2024-05-14 {n // 30 + 8:02d}:{2 * (n % 30) + 1:02d}:00,,,-71")
     data = read(write(tmp_path, lines), reading_speed=343)
     assert "temperature" in data.conditions

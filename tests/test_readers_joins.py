@@ -98,10 +98,7 @@ def esphome(said: Rows, start: pd.Timestamp) -> list[str]:
 
 
 def mqtt(said: Rows, start: pd.Timestamp) -> list[str]:
-    return [
-        f"{(start + pd.Timedelta(seconds=t)).isoformat()}+0000 tank/{n} {v:.4f}"
-        for t, n, v in said
-    ]
+    return [f"{(start + pd.Timedelta(seconds=t)).isoformat()}+0000 tank/{n} {v:.4f}" for t, n, v in said]
 
 
 WAYS: dict[str, Written] = {
@@ -122,7 +119,9 @@ def read(way: str, said: Rows, folder: Path) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize(("late", "every"), [(-300.0, 600.0), (300.0, 600.0), (590.0, 600.0), (70.0, 1500.0), (20.0, 90.0)])
+@pytest.mark.parametrize(
+    ("late", "every"), [(-300.0, 600.0), (300.0, 600.0), (590.0, 600.0), (70.0, 1500.0), (20.0, 90.0)]
+)
 def test_values_at_other_times_are_those_of_the_row(
     way: str, late: float, every: float, random: np.random.Generator, tmp_path: Path
 ) -> None:

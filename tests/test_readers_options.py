@@ -21,16 +21,26 @@ def _px4(random: np.random.Generator) -> list[str]:
     head = "timestamp,device_id,min_distance,max_distance,current_distance,variance,h_fov,v_fov,q[0],signal_quality,type"
     at = 84_000_000 + np.cumsum(random.integers(66_000, 67_400, 120))
     reading = 1.5 + random.normal(0.0, 0.004, 120)
-    return [head, *(f"{t},9506825,0.2,7.65,{d:.3f},0,0,0,1,{random.choice([-1, 100])},1" for t, d in zip(at, reading, strict=True))]
+    return [
+        head,
+        *(
+            f"{t},9506825,0.2,7.65,{d:.3f},0,0,0,1,{random.choice([-1, 100])},1"
+            for t, d in zip(at, reading, strict=True)
+        ),
+    ]
 
 
 def _counted(random: np.random.Generator) -> list[str]:
-    rows = zip(np.arange(60) * 1000 + 5, random.normal(201.0, 0.2, 60), random.normal(18.0, 2.0, 60), strict=True)
+    rows = zip(
+        np.arange(60) * 1000 + 5, random.normal(201.0, 0.2, 60), random.normal(18.0, 2.0, 60), strict=True
+    )
     return ["Elapsed,Sonar,Temp", *(f"{t},{d:.1f},{c:.1f}" for t, d, c in rows)]
 
 
 def _several_of_all(random: np.random.Generator) -> list[str]:
-    head = "Timestamp,Distance 1 (cm),Distance 2 (cm),Temp in (°C),Temp out (°C),Humidity (%),Batt (V),quality"
+    head = (
+        "Timestamp,Distance 1 (cm),Distance 2 (cm),Temp in (°C),Temp out (°C),Humidity (%),Batt (V),quality"
+    )
     return [head, *(
         f"2024-05-14 {n // 60:02d}:{n % 60:02d}:00,{random.normal(180, 0.5):.1f},{random.normal(90, 0.5):.1f},"
         f"{random.normal(21, 1):.1f},{random.normal(14, 3):.1f},{random.normal(50, 3):.0f},3.{n % 10},{n % 3}"

@@ -87,7 +87,11 @@ def _of_others(
             return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
     if likely:
         return f'Say which it is: --column "{likely[0]}"; {INSPECT}'
-    asked = [f"'{name}' {p.reason.partition(':')[0]}" for name, p in proposed.items() if "a distance in" in p.reason]
+    asked = [
+        f"'{name}' {p.reason.partition(':')[0]}"
+        for name, p in proposed.items()
+        if "a distance in" in p.reason
+    ]
     if told := unfit(table, [name for name, _ in alike]):
         return f"{told}; {INSPECT}"
     if asked:

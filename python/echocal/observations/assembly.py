@@ -263,7 +263,9 @@ class Assembly:
         copies: dict[str, str] = {}
         for column in set(extra) - set(self.trusted):
             for name, source in quantities:
-                line = line_between(extra[column], source.unit.from_si(values[name])) if name in values else None
+                line = (
+                    line_between(extra[column], source.unit.from_si(values[name])) if name in values else None
+                )
                 if line is not None:
                     copies[column] = f"'{column}' is {line.of(source.column)}"
                     break

@@ -176,12 +176,10 @@ def _temperature(
 
 
 def _reading(kinds: Mapping[str, set[str]], temperature: str) -> str:
-    """The column that can be nothing but a distance; else the only one that may be; empty where several may be."""
+    """The column that can be nothing but a distance; else the only one that may be; empty where several are left."""
     may = [name for name, own in kinds.items() if "reading" in own and name != temperature]
-    clean = [name for name in may if kinds[name] == {"reading"}]
-    if clean:
-        return clean[0]
-    return may[0] if len(may) == 1 else ""
+    clean = [name for name in may if kinds[name] == {"reading"}] or may
+    return clean[0] if len(clean) == 1 else ""
 
 
 def _question(kinds: set[str], values: Column, wanted: Collection[str]) -> str:

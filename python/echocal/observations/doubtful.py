@@ -43,7 +43,11 @@ def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) 
     """
     said = {str(name): (requests or {}).get(str(name), str(name)) for name in table.columns}
     roles = {name: role_of(own) for name, own in said.items()}
-    ranger = [name for name, role in roles.items() if role in {"reading", "echo"} and not said[name].startswith("distance_")]
+    ranger = [
+        name
+        for name, role in roles.items()
+        if role in {"reading", "echo"} and not said[name].startswith("distance_")
+    ]
     measured = table[ranger].notna().any(axis="columns") if ranger else None
     rows = table if measured is None or not measured.any() else table[measured]
     empty = rows.select_dtypes("number").isna().sum()
@@ -69,6 +73,8 @@ def _without_unit(name: str, values: pd.Series[float]) -> str:
     steps = steps[steps > 0.0]
     step = float(np.median(steps)) if len(steps) else 0.0
     units = {"time_s": 1.0, "time_ms": 1e-3, "time_us": 1e-6}
-    ways = {unit: step * by for unit, by in units.items() if _STEPS[0] <= step * by <= _STEPS[1]} or {"time_s": step}
+    ways = {unit: step * by for unit, by in units.items() if _STEPS[0] <= step * by <= _STEPS[1]} or {
+        "time_s": step
+    }
     told = ", ".join(f'"{name}={unit}" ({span(own)})' for unit, own in ways.items())
     return f"counts time in an unknown unit and is not used; to use it, say the step between rows: --column {told}"

@@ -67,7 +67,11 @@ def hint(column: str, unit: str = "") -> Hint | None:
         return Hint(COUNTERS[column.strip().lower()])
     if role := role_of_unit(column):
         # one letter, and a word such as "in", say too little
-        return None if len(column.strip()) < 2 or column.strip().lower() == "in" else _alone(role, symbol_of(column))
+        return (
+            None
+            if len(column.strip()) < 2 or column.strip().lower() == "in"
+            else _alone(role, symbol_of(column))
+        )
     words, own = split_unit(STATISTIC.sub("", column))
     symbol = symbol_of(unit) or own
     if not symbol:
@@ -137,7 +141,9 @@ def completed(
         said = hint(column, unit)
         why = (doubtful or {}).get(column)
         if said and why and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
-            use = "" if said.name == "time" else f' and is not used; to use it: --column "{column}={said.name}"'
+            use = (
+                "" if said.name == "time" else f' and is not used; to use it: --column "{column}={said.name}"'
+            )
             notes.append(f"'{column}' {why}{use}")
         elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))

@@ -117,7 +117,9 @@ def seconds_of(values: pd.Series[Any]) -> Column:
     try:
         texts = as_iso(texts, str(values.name))
     except DataError:  # day and month cannot be told apart: the order that makes the shorter record
-        both = [pd.to_datetime(texts, dayfirst=first, format="mixed", errors="coerce") for first in (True, False)]
+        both = [
+            pd.to_datetime(texts, dayfirst=first, format="mixed", errors="coerce") for first in (True, False)
+        ]
         return _since_1970(min(both, key=lambda times: times.max() - times.min()))
     return _since_1970(pd.to_datetime(texts, format="mixed", utc=True, errors="coerce"))
 
@@ -133,7 +135,9 @@ def spread(seconds: Column) -> Column:
     """
     known = np.flatnonzero(np.isfinite(seconds))
     some = seconds[known]
-    starts = np.flatnonzero(np.append(True, np.diff(some) != 0.0)) if len(some) else np.zeros(0, dtype=np.intp)
+    starts = (
+        np.flatnonzero(np.append(True, np.diff(some) != 0.0)) if len(some) else np.zeros(0, dtype=np.intp)
+    )
     if len(starts) == len(some):
         return seconds
     written = (digits for digits in range(7) if np.allclose(some, some.round(digits), rtol=0.0, atol=1e-7))

@@ -34,7 +34,9 @@ class Join:
         if self.how == "ordered":
             return "in the order of the log, which has no clock"
         way = "interpolated in time" if self.how == "interpolated" else "the nearest in time"
-        apart = f" (values {span(self.interval_s)} apart, up to {span(self.limit_s)})" if self.interval_s else ""
+        apart = (
+            f" (values {span(self.interval_s)} apart, up to {span(self.limit_s)})" if self.interval_s else ""
+        )
         none = f", no value near enough for {rows(self.without)}" if self.without else ""
         return f"{way}{apart}{none}"
 

@@ -16,7 +16,9 @@ _RATIO = 1 / 3
 _SPEED = 343.0  # m/s: the height in the message is a rough one
 
 
-def refuse_level(reference: Column, reading: Column | None, echo_time: Column, usable: NDArray[np.bool_], column: str) -> None:
+def refuse_level(
+    reference: Column, reading: Column | None, echo_time: Column, usable: NDArray[np.bool_], column: str
+) -> None:
     """Refuse a reference distance whose sum with the reading is nearly constant, and their difference is not.
 
     Parameters

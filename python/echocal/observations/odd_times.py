@@ -94,14 +94,18 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     if not len(steps) or (_is_usual(steps, own) and np.abs(known).max() < _LONGEST):
         return
     step = float(np.median(steps))
-    units = {f"{source.form.role}_{n}": u.numerator / u.denominator for n, u in source.form.units.items() if n}
+    units = {
+        f"{source.form.role}_{n}": u.numerator / u.denominator for n, u in source.form.units.items() if n
+    }
     others = {
         name: step * unit / own
         for name, unit in units.items()
         if (unit < own) == (step >= _SHORTEST) and unit != own
         if _USUAL[0] <= step * unit / own <= _USUAL[1] and np.abs(known).max() * unit / own < _LONGEST
     }
-    told = "; ".join(f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items())
+    told = "; ".join(
+        f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items()
+    )
     which = " or ".join(f'"{source.column}={name}"' for name in others)
     message = (
         f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. "

@@ -25,6 +25,7 @@ __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
 Column = NDArray[np.float64]
 
+
 @dataclass(frozen=True)
 class Proposal:
     """What a column may hold.
@@ -64,7 +65,12 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
         ):
             continue
         own = role
-        unit = symbol_of(found.units.get(name, "")) or split_unit(name)[1] or symbol_of(name) or usual(own, numbers)
+        unit = (
+            symbol_of(found.units.get(name, ""))
+            or split_unit(name)[1]
+            or symbol_of(name)
+            or usual(own, numbers)
+        )
         request = _request(own, unit)
         if request and _quantity(request) not in held:
             values = "of a quality number" if own == "echo_quality" else f"as usual in {unit or 'a fraction'}"
@@ -151,7 +157,9 @@ def _by_values(
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
     known = bool({"reading", "echo_time"} & held)
     for name, guess in guesses(free, units, held).items():
-        if known and guess.request:  # a table whose names say something: no other column is taken by its values
+        if (
+            known and guess.request
+        ):  # a table whose names say something: no other column is taken by its values
             proposals[name] = Proposal("", f"may be {guess.request}, by its values: say so")
             continue
         proposals[name] = Proposal(guess.request, guess.reason, guess=bool(guess.request))

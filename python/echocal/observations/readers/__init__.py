@@ -70,7 +70,14 @@ def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame |
         log = form.read([plain(line.rstrip("\r\n")) for line in file], str(path))
     table = log.table()
     found = Found(
-        form.NAME, log.units, tuple(log.notes), log.corrupt, False, log.requests, tuple(log.requests), log.joined
+        form.NAME,
+        log.units,
+        tuple(log.notes),
+        log.corrupt,
+        False,
+        log.requests,
+        tuple(log.requests),
+        log.joined,
     )
     return keep(table, found)
 

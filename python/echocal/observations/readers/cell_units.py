@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -14,6 +15,7 @@ from echocal.observations.units_said import symbol_of
 
 __all__ = ["step"]
 
+_NAMELESS = re.compile(r"(?i)column \d+|unnamed \d+|units?|einheit(?:en)?")
 _CELL = r"^([-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?)\s*([^\d\s.,:/-][^\d]{0,7})$"
 
 
@@ -44,9 +46,11 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
 
 
 def _beside(table: pd.DataFrame) -> dict[str, str]:
-    """Units in a column of their own, behind that of the numbers: ``1.234,M,20.1,C``."""
+    """Units in a column of their own, behind that of the numbers, in a table without names: ``1.234,M,20.1,C``."""
     units = {}
     for name, behind in pairwise(table.columns):
+        if not _NAMELESS.fullmatch(str(behind)):
+            continue
         if not pd.api.types.is_numeric_dtype(table[name]) or pd.api.types.is_numeric_dtype(table[behind]):
             continue
         texts = table[behind].dropna().astype(str).str.strip().unique()

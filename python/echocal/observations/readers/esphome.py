@@ -46,7 +46,7 @@ class _Said:
     line: Stamped
     kind: Literal["echo", "distance", "state", "silent", "other"]
     sensor: str
-    values: Mapping[str, str]
+    holds: Mapping[str, str]
     units: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -67,11 +67,11 @@ def read(lines: Sequence[str], path: str) -> Log:
         log.units |= {_column(name, own, rangers): unit for name, unit in own.units.items()}
     events = [_event(own, rangers) for own in said]
     if not any(own.kind in {"echo", "distance"} for own in said):
-        names = list(dict.fromkeys(name for event in events for name in event.values))
+        names = list(dict.fromkeys(name for event in events for name in event.holds))
         return rows_of(events, (ranger_names(names, log.units) or names)[:1], log)
     sensor = rangers[0]
     first = [own for own in said if own.sensor == sensor and own.kind in {"echo", "distance"}]
-    columns = list(dict.fromkeys(_column(name, own, rangers) for own in first for name in own.values))
+    columns = list(dict.fromkeys(_column(name, own, rangers) for own in first for name in own.holds))
     log = rows_of(events, columns, log, beside=[sensor])
     if any(_FIXED_SPEED.fullmatch(own.line.tag) for own in first):
         log.notes.append(_NOTE)
@@ -83,7 +83,9 @@ def _said(line: Stamped) -> _Said | None:
     rest = line.rest
     if match := _ECHO.match(rest):
         length = {"Distance": match["length"]} if match["length"] else {}
-        return _Said(line, "echo", "", {"Echo took": match["value"], **length}, {"Echo took": "us", "Distance": "m"})
+        return _Said(
+            line, "echo", "", {"Echo took": match["value"], **length}, {"Echo took": "us", "Distance": "m"}
+        )
     if match := _DISTANCE.fullmatch(rest):
         echo = {"Echo": match["echo"]} if match["echo"] else {}
         units = {_SPELLED: match["unit"], "Echo": "us"}
@@ -101,7 +103,10 @@ def _said(line: Stamped) -> _Said | None:
 
 def _with_owners(said: Sequence[_Said]) -> list[_Said]:
     """An echo, and whatever has no name, is of the ranger that a line below names."""
-    found, name = [], next((own.sensor for own in reversed(said) if own.kind == "distance" and own.sensor), "")
+    found, name = (
+        [],
+        next((own.sensor for own in reversed(said) if own.kind == "distance" and own.sensor), ""),
+    )
     for own in reversed(said):
         if own.kind in {"distance", "silent"} and own.sensor:
             name = own.sensor
@@ -116,7 +121,7 @@ def _column(name: str, own: _Said, rangers: Sequence[str]) -> str:
 
 
 def _event(own: _Said, rangers: Sequence[str]) -> Event:
-    values = {_column(name, own, rangers): value for name, value in own.values.items()}
+    values = {_column(name, own, rangers): value for name, value in own.holds.items()}
     if own.kind == "silent" and rangers.index(own.sensor):  # of another ranger
         values = {_column(_SPELLED, own, rangers): "nan"}
     return Event(own.line.time, values, own.line.rest)
@@ -124,7 +129,9 @@ def _event(own: _Said, rangers: Sequence[str]) -> Event:
 
 def _settle(log: Log, columns: Sequence[str], sensor: str) -> None:
     """One reading, that with the most digits of those that are the same, and the echo time: both are sure."""
-    table = pd.DataFrame(list(log.records), columns=pd.Index(log.records[0] | dict.fromkeys([*columns, sensor])))
+    table = pd.DataFrame(
+        list(log.records), columns=pd.Index(log.records[0] | dict.fromkeys([*columns, sensor]))
+    )
     lengths = [name for name in columns if symbol_of(log.units.get(name, "")) in {"m", "cm", "mm"}]
     if sensor in log.units or lengths:
         log.units.setdefault(sensor, log.units.get(lengths[0], "") if lengths else "")
@@ -151,7 +158,9 @@ def _finer(table: pd.DataFrame, first: str, second: str, units: Mapping[str, str
         unit = NAMES.get(f"reading_{symbol_of(units.get(name, ''))}")
         if unit is None:
             return None
-        digits = max((len(str(v).partition(".")[2]) for v in table[name].dropna() if str(v) != "nan"), default=0)
+        digits = max(
+            (len(str(v).partition(".")[2]) for v in table[name].dropna() if str(v) != "nan"), default=0
+        )
         values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
         numbers.append(unit[0].units[unit[1]].to_si(values))
         steps.append(float(unit[0].units[unit[1]].to_si(10.0**-digits)))

@@ -28,7 +28,7 @@ class Event:
     ----------
     time : mapping of str to object
         The clock of the line by its column; empty where it has none.
-    values : mapping of str to object
+    holds : mapping of str to object
         Empty where the line says that no echo came.
     said : str
         The line.
@@ -37,7 +37,7 @@ class Event:
     """
 
     time: Mapping[str, Any]
-    values: Mapping[str, Any]
+    holds: Mapping[str, Any]
     said: str = ""
     ends: bool = False
 
@@ -63,14 +63,16 @@ def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Se
     places, records = _measurements(events, ranger, beside, log)
     times = pd.Series([next(iter(event.time.values()), None) for event in events], dtype=object)
     seconds = spread(seconds_of(times))
-    for name in dict.fromkeys(n for event in events for n in event.values if n not in {*ranger, *beside}):
+    for name in dict.fromkeys(n for event in events for n in event.holds if n not in {*ranger, *beside}):
         if 2 * sum(name in record for record in records) > len(records):
             continue  # written with the measurement itself
-        where = [n for n, event in enumerate(events) if name in event.values]
-        own = [events[n].values[name] for n in where]
+        where = [n for n, event in enumerate(events) if name in event.holds]
+        own = [events[n].holds[name] for n in where]
         numbers = numeric(pd.Series(own, dtype=object))
         texts = not pd.api.types.is_numeric_dtype(numbers)
-        values = np.arange(len(own), dtype=np.float64) if texts else numbers.to_numpy(np.float64, na_value=np.nan)
+        values = (
+            np.arange(len(own), dtype=np.float64) if texts else numbers.to_numpy(np.float64, na_value=np.nan)
+        )
         smooth = not texts and changes_smoothly(name, log.units.get(name, ""))
         found, log.joined[name] = joined(seconds[places], seconds[where], values, smooth=smooth)
         for record, value in zip(records, found.tolist(), strict=True):
@@ -92,7 +94,9 @@ def rows_by_order(events: Sequence[Event], ranger: Sequence[str], log: Log) -> L
     log.records = records
     log.notes.append(f"values between two {'blank lines' if blocks else 'of the same name'} are one row")
     if ranger and not blocks:
-        others = [name for name in dict.fromkeys(n for own in events for n in own.values) if name not in ranger]
+        others = [
+            name for name in dict.fromkeys(n for own in events for n in own.holds) if name not in ranger
+        ]
         log.joined |= dict.fromkeys(others, Join("ordered", 0.0, 0.0, 0))
     return log
 
@@ -121,9 +125,9 @@ def _measurements(
     places: list[int] = []
     records: list[Record] = []
     for place, event in enumerate(events):
-        if event.values and not set(ranger) & set(event.values):
+        if event.holds and not set(ranger) & set(event.holds):
             if records:
-                records[-1] |= {name: own for name, own in event.values.items() if name in beside}
+                records[-1] |= {name: own for name, own in event.holds.items() if name in beside}
             continue
         if _is_next(event, records, ranger):
             places.append(place)
@@ -135,11 +139,11 @@ def _measurements(
 def _is_next(event: Event, records: Sequence[Record], ranger: Sequence[str]) -> bool:
     """Whether an event begins a row: its name has come, or no echo came and the last measurement is whole."""
     last = set(records[-1]) if records else set()
-    return not records or (bool(set(event.values) & last) if event.values else set(ranger) <= last)
+    return not records or (bool(set(event.holds) & last) if event.holds else set(ranger) <= last)
 
 
 def _add(event: Event, records: list[Record], ranger: Sequence[str], log: Log) -> None:
-    records[-1] |= event.values
-    if not event.values:
+    records[-1] |= event.holds
+    if not event.holds:
         records[-1] = {**dict.fromkeys(ranger), **records[-1]}
         log.corrupt[len(records) - 1] = event.said

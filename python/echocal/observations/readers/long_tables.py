@@ -95,7 +95,9 @@ def _of_each(
     for sensor in sorted(apart):
         mine = sensors == sensor
         place = mine[own]
-        taken[place], join = joined(seconds[own & mine], seconds[where & mine], values[where & mine], smooth=smooth)
+        taken[place], join = joined(
+            seconds[own & mine], seconds[where & mine], values[where & mine], smooth=smooth
+        )
         joins.append(join)
     longest = max(joins, key=lambda join: join.interval_s)
     return taken, replace(longest, without=sum(join.without for join in joins))

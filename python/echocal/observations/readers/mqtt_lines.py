@@ -47,7 +47,7 @@ def read(lines: Sequence[str], path: str) -> Log:
         )
     short = _short(dict.fromkeys(name for _, _, values in told for name in values))
     events = [_event(line, time, {short[n]: own for n, own in values.items()}) for line, time, values in told]
-    names = list(dict.fromkeys(name for event in events for name in event.values))
+    names = list(dict.fromkeys(name for event in events for name in event.holds))
     return rows_of(events, ranger_names(names, {}), log)
 
 

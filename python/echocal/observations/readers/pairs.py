@@ -15,10 +15,16 @@ _NUMBER = r"[-+]?(?:\d++(?:[.,]\d++)?|\.\d++)(?:[eE][-+]?\d+)?(?![.:]?\d|x[\da-f
 _NO_NAME = r"(?!\s*(?:[:=]|is\b))"  # a word before a colon is the name of the next value
 _KNOWN = rf"\s*(?P<{{0}}>(?i:{'|'.join(map(re.escape, WRITTEN))}))(?![\w°%]|/\w){_NO_NAME}"
 _ANY = rf"(?:{_KNOWN.format('unit')}|(?P<odd>[A-Za-zµμ]++(?:/\w++)?){_NO_NAME})"
-_VALUE = rf"(?:(?P<value>{_NUMBER})(?:{_ANY})?|(?P<none>(?i:nan|inf|none|null|-{{2,}}|(?:{SILENT})[!.]*))(?!\w))"
+_VALUE = (
+    rf"(?:(?P<value>{_NUMBER})(?:{_ANY})?|(?P<none>(?i:nan|inf|none|null|-{{2,}}|(?:{SILENT})[!.]*))(?!\w))"
+)
 _NAME = r"(?<![\w.])(?P<name>(?:[A-Za-zÀ-ÿ°µ]|#\d)[\w °µ./%()\[\]#-]*?)"
-_PAIR = re.compile(rf"{_NAME}\s*(?::+|=+>?|->|\bis\b)\s*{_VALUE}|{_NAME.replace('name', 'before')}\s+(?P<bare>{_NUMBER}){_KNOWN.format('of_bare')}")
+_PAIR = re.compile(
+    rf"{_NAME}\s*(?::+|=+>?|->|\bis\b)\s*{_VALUE}|{_NAME.replace('name', 'before')}\s+(?P<bare>{_NUMBER}){_KNOWN.format('of_bare')}"
+)
 _NEXT = re.compile(rf"[\s,;/|(]*(?P<value>{_NUMBER}){_KNOWN.format('unit')}")
+_INDEX = re.compile(r"#?\d+[:.)]\s+(?=[-+\d.])")
+_CHANGED = re.compile(r".*?'(?P<name>[^']+)' (?:changed from .*? to|updated to) (?P<rest>.*)")
 _LEVEL = re.compile(r"^(?:INFO|DEBUG|WARN(?:ING)?|TRACE|NOTICE|I|D)\b[ :-]+(?=\w)")
 _FILLER = re.compile(r"^(?:and|with|the|at)\s+", re.IGNORECASE)
 _KINDS = {"m": "distance", "cm": "distance", "mm": "distance", "inch": "distance", "ft": "distance",
@@ -41,6 +47,8 @@ def pairs_of(text: str) -> list[Pair]:
     >>> pairs_of("Distance = Out of range"), pairs_of("12in, 30cm")
     ([('Distance', 'nan', '')], [('distance (in)', '12', 'in'), ('distance (cm)', '30', 'cm')])
     """
+    if match := _CHANGED.fullmatch(text):
+        text = f"{match['name']}: {match['rest']}"
     return list(_named(text)) or _nameless(text)
 
 
@@ -62,7 +70,7 @@ def _named(text: str) -> Iterator[Pair]:
 
 def _nameless(text: str) -> list[Pair]:
     """Values with units and without names, where a line has nothing else."""
-    found, place = [], 0
+    found, place = [], len(index[0]) if (index := _INDEX.match(text)) else 0
     while match := _NEXT.match(text, place):
         place = match.end()
         kind = _KINDS.get(symbol_of(match["unit"]))

@@ -47,7 +47,13 @@ def _said(name: str, found: Found) -> str:
         said = hint(name, found.units.get(name, ""))
         return "" if said is None or said.name not in NAMES else said.name
     form, unit = ours
-    return "" if form.label or form.several or form.quantity == "elapsed_time" else f"{form.role}_{unit}" if unit else form.role
+    return (
+        ""
+        if form.label or form.several or form.quantity == "elapsed_time"
+        else f"{form.role}_{unit}"
+        if unit
+        else form.role
+    )
 
 
 def _coarser(table: pd.DataFrame, first: tuple[str, str], second: tuple[str, str]) -> tuple[str, str] | None:

@@ -40,7 +40,9 @@ def recognizes(lines: Sequence[str]) -> bool:
     bare = sum(_is_bare(line.rest) for line in look)
     if 2 * named > len(look) or (bare and silent and bare + silent > 0.9 * len(look)):
         return True
-    return 3 * (named + silent) > len(look) and bool(named) and not any(_delimited(line.rest) for line in look)
+    return (
+        3 * (named + silent) > len(look) and bool(named) and not any(_delimited(line.rest) for line in look)
+    )
 
 
 def read(lines: Sequence[str], path: str) -> Log:
@@ -68,7 +70,7 @@ def _line_by_line(told: Sequence[Told], log: Log) -> Log:
     """Each line is a row, or a part of one where its names do not come again; others are rows without values."""
     records: list[dict[str, Any]] = []
     for line, pairs in told:
-        values = _event(line, pairs).values
+        values = _event(line, pairs).holds
         if not values and not (says_no_echo(line.rest) or (records and re.search(r"\w", line.rest))):
             continue
         if not values or not records or len(records) - 1 in log.corrupt or set(values) & set(records[-1]):
@@ -135,7 +137,10 @@ def _in_one_unit(told: Sequence[Told], log: Log) -> list[Told]:
             units.setdefault(name, Counter())[unit] += 1
     log.units |= {name: own.most_common(1)[0][0] for name, own in units.items()}
     mixed = {name for name, own in units.items() if len(set(map(symbol_of, own))) > 1}
-    log.notes += [f"'{name}' comes in several units ({', '.join(units[name])}) and is read in {log.units[name]}" for name in sorted(mixed)]
+    log.notes += [
+        f"'{name}' comes in several units ({', '.join(units[name])}) and is read in {log.units[name]}"
+        for name in sorted(mixed)
+    ]
     if not mixed:
         return list(told)
     return [
@@ -155,7 +160,11 @@ def _converted(value: str, unit: str, wanted: str) -> str:
 
 
 def _note_others(told: Sequence[Told], log: Log) -> None:
-    others = [line.rest for line, pairs in told if re.search(r"\w", line.rest) and not (pairs or says_no_echo(line.rest))]
+    others = [
+        line.rest
+        for line, pairs in told
+        if re.search(r"\w", line.rest) and not (pairs or says_no_echo(line.rest))
+    ]
     if others:
         log.notes.append(f"{len(others)} lines have no values and are no rows, first '{shown(others[0])}'")
 

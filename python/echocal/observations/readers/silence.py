@@ -15,7 +15,9 @@ SILENT = (
 )
 """Words that say so, wherever the letters are small or large."""
 
-_WORDS = re.compile(rf"(?i)(?<![a-z])(?:{SILENT}|error (?:getting|reading|measuring) (?:the )?distance)(?![a-z])")
+_WORDS = re.compile(
+    rf"(?i)(?<![a-z])(?:{SILENT}|error (?:getting|reading|measuring) (?:the )?distance)(?![a-z])"
+)
 _OTHERS = re.compile(
     r"(?i)(?<![a-z])(?:wi-?fi|mqtt|ntp|https?|tcp|udp|socket|server|broker|connect\w*|dht\w*|temp\w*|humid\w*"
     r"|dallas|ds18\w*|bme\w*|i2c|api|ota|dns|ip|client|login|password|lora\w*|modem|network)(?![a-z])"

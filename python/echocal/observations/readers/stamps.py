@@ -21,6 +21,7 @@ _FORMS = tuple(
         # ESPHome, and what else writes level and place of a line in brackets: [14:00:00.123][D][sensor:093]: ...
         (rf"\[?(?P<time>(?={_DATE}){_CLOCK}{_ZONE}).*?\[{_CLOCK}\]{_LEVEL}{_TAG}(?P<rest>.*)", "time"),
         (rf".*?\[(?P<time>{_CLOCK})\]{_LEVEL}{_TAG}(?P<rest>.*)", "time"),
+        (rf".*?\[(?P<time>{_CLOCK})\]\[[A-Z]{{1,5}}\]\[(?P<tag>[\w.-]+)\]:\s*(?P<rest>.*)", "time"),
         # Arduino's core for the ESP32: [  1234][I][main.cpp:52] loop(): ...
         (rf"\[\s*(?P<time>\d+)\]\[[A-Z]\]{_TAG}(?:\w+\(\):\s*)?(?P<rest>.*)", "time_ms"),
         # ESP-IDF: I (1234) TAG: ...
@@ -36,8 +37,14 @@ _FORMS = tuple(
         # Zephyr: [00:00:01.234,000] <inf> sensor: ...
         (rf"\[(?P<time>{_CLOCK})(?:,\d{{3}})?\] <\w+> [\w.-]+: (?P<rest>.*)", "time"),
         # Android: 05-31 14:00:00.123  1234  1250 D Tag: ...
-        (r"(?P<time>\d\d-\d\d \d\d:\d\d:\d\d\.\d+)\s+\d+\s+\d+ [A-Z] [^:]+: (?P<rest>.*)", "%m-%d %H:%M:%S.%f"),
-        (r"(?P<time>[A-Z][a-z]{2} [ \d]\d \d\d:\d\d:\d\d) \S+ \S+?: (?P<rest>.*)", "%b %d %H:%M:%S"),  # syslog
+        (
+            r"(?P<time>\d\d-\d\d \d\d:\d\d:\d\d\.\d+)\s+\d+\s+\d+ [A-Z] [^:]+: (?P<rest>.*)",
+            "%m-%d %H:%M:%S.%f",
+        ),
+        (
+            r"(?P<time>[A-Z][a-z]{2} [ \d]\d \d\d:\d\d:\d\d) \S+ \S+?: (?P<rest>.*)",
+            "%b %d %H:%M:%S",
+        ),  # syslog
         (
             rf"\s*[\[(]?(?P<time>{_CLOCK}{_ZONE})[\])]?\s*(?P<arrow>->|=>|>|\||;|:|-)?\s+(?P<rest>.*)",
             "time",
@@ -95,7 +102,9 @@ def stamped(line: str) -> Stamped:
         if match := form.fullmatch(line):
             parts = match.groupdict()
             rest = _SOURCE.sub(" ", parts["rest"]).strip()
-            return Stamped(_time(parts["time"], column), rest, parts.get("arrow") in _ARROWS, parts.get("tag") or "")
+            return Stamped(
+                _time(parts["time"], column), rest, parts.get("arrow") in _ARROWS, parts.get("tag") or ""
+            )
     return Stamped({}, _SOURCE.sub(" ", line).strip())
 
 

@@ -23,10 +23,19 @@ _ECHOES = (1e-4, 0.06)  # s: 1.7 cm to 10 m
 def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     """Take a time for an echo where a length beside it is that of its sound, or where it can be nothing else."""
     requests, notes = dict(found.requests), list(found.notes)
-    lengths = {n: unit for n in map(str, table.columns) if (unit := _unit(n, found)) in _LENGTHS and _is_numeric(table[n])}
+    lengths = {
+        n: unit
+        for n in map(str, table.columns)
+        if (unit := _unit(n, found)) in _LENGTHS and _is_numeric(table[n])
+    }
     for name in map(str, table.columns):
         unit = symbol_of(name)
-        if unit not in _TIMES or name in requests or not _is_numeric(table[name]) or _runs_on(_si(table, name, f"echo_{unit}")):
+        if (
+            unit not in _TIMES
+            or name in requests
+            or not _is_numeric(table[name])
+            or _runs_on(_si(table, name, f"echo_{unit}"))
+        ):
             continue
         seconds = _si(table, name, f"echo_{unit}")
         for length, own in lengths.items():
@@ -52,7 +61,11 @@ def _si(table: pd.DataFrame, name: str, as_: str) -> Column:
 
 
 def _is_numeric(values: "pd.Series[float]") -> bool:
-    return pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values) and values.notna().any()
+    return (
+        pd.api.types.is_numeric_dtype(values)
+        and not pd.api.types.is_bool_dtype(values)
+        and values.notna().any()
+    )
 
 
 def _runs_on(seconds: Column) -> bool:
