@@ -1,4 +1,4 @@
-"""Logs that people posted and kinds of them: read right, or asked; nothing is lost, and nothing is guessed."""
+"""Logs that people posted, and their kinds: read right, or asked; nothing is lost or guessed."""
 
 import json
 import warnings
@@ -85,7 +85,7 @@ COLORS = ("", "\x1b[0;36m", "\x1b[0;35m", "\x1b[1;32m")
 def _esphome(
     random: np.random.Generator, newer: bool, verbose: bool
 ) -> tuple[list[str], np.ndarray, np.ndarray]:
-    """A log as `esphome logs` shows it: a tank, a thermometer each tenth time, and what the program says beside."""
+    """A log as `esphome logs` shows it: a tank, a thermometer each tenth time, and further lines."""
     tag = "ultrasonic.sensor" if newer else "sensor.ultrasonic"
     color, end = str(random.choice(COLORS)), "\x1b[0m"
     distance = np.round(random.uniform(0.4, 3.0) + random.normal(0.0, 0.01, 60), 3)
@@ -103,13 +103,15 @@ def _esphome(
         micros = round(distance[n] * 2e6 / 343)
         if verbose:
             lines.append(
-                f"{color}[{clock}][V][{tag}:{line:03d}]: Echo took {0 if lost[n] else micros}{'us' if newer else 'µs'}{end}"
+                f"{color}[{clock}][V][{tag}:{line:03d}]: "
+                f"Echo took {0 if lost[n] else micros}{'us' if newer else 'µs'}{end}"
             )
         said = "Distance measurement timed out!" if lost[n] else f"Got distance: {distance[n]:.3f} m"
         lines.append(f"{color}[{clock}][D][{tag}:{line + 3:03d}]: 'Rain barrel' - {said}{end}")
         state = "nan" if lost[n] else f"{micros * 343e-6 / 2:.5f}"
         lines.append(
-            f"{color}[{clock}][D][sensor:{line:03d}]: 'Rain barrel': Sending state {state} m with 2 decimals of accuracy{end}"
+            f"{color}[{clock}][D][sensor:{line:03d}]: 'Rain barrel': "
+            f"Sending state {state} m with 2 decimals of accuracy{end}"
         )
         if n % 10 == 0:
             lines.append(f"[{clock}][D][dht:048]: Got Temperature=21.{n // 10}°C Humidity=48.0%")
@@ -168,7 +170,10 @@ LOST = {
     "MicroPython": ("Distance: {:.2f} cm", "ERROR getting distance: Out of range"),
     "Pycom": ("Distance {:.0f} cm", "Out of range"),
     "RPi.GPIO": ("Measured Distance = {:.1f} cm", "Distance measurement timed out"),
-    "gpiozero": ("Distance: {:.3f} cm", "/usr/lib/python3/dist-packages/gpiozero/input_devices.py:852: DistanceSensorNoEcho: no echo received"),
+    "gpiozero": (
+        "Distance: {:.3f} cm",
+        "/usr/lib/gpiozero/input_devices.py:852: DistanceSensorNoEcho: no echo received",
+    ),
     "NewPing": ("Ping: {:.0f}cm", "Ping: no ping"),
     "in words": ("Distance = {:.2f} cm", "Distance = Out of range"),
 }  # fmt: skip
@@ -184,7 +189,7 @@ def test_a_lost_echo_is_a_row(library: str, first: bool, random: np.random.Gener
     path = write(
         tmp_path, [silent if gone else good.format(d) for gone, d in zip(lost, distance, strict=True)]
     )
-    found, holds = inspected(path)
+    _, holds = inspected(path)
     requests = {name: own for name, own in holds.items() if own}
     assert list(requests.values()) == ["reading_cm"]
     data = read(path, columns=requests, reading_speed=343)
@@ -357,11 +362,12 @@ def test_a_ruler_is_never_to_be_the_reading(ruler: str, shell: Run) -> None:
 
 
 def test_gaps_count_where_there_is_a_reading(tmp_path: Path, random: np.random.Generator) -> None:
-    """A device that reports its state between measurements: those rows have neither reading nor temperature."""
+    """A device that reports its state between measurements: no reading, no temperature."""
     lines = ["Time,Distance (cm),Temp (°C),rssi"]
     for n in range(60):
         lines.append(
-            f"2024-05-14 {n // 30 + 8:02d}:{2 * (n % 30):02d}:00,{random.normal(180, 0.3):.1f},{18 + n / 30:.1f},-70"
+            f"2024-05-14 {n // 30 + 8:02d}:{2 * (n % 30):02d}:00,"
+            f"{random.normal(180, 0.3):.1f},{18 + n / 30:.1f},-70"
         )
         lines.append(f"2024-05-14 {n // 30 + 8:02d}:{2 * (n % 30) + 1:02d}:00,,,-71")
     data = read(write(tmp_path, lines), reading_speed=343)

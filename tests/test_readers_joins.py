@@ -1,4 +1,4 @@
-"""Quantities that a log gives at other times than the readings: joined in time, told, and no fault planted."""
+"""Quantities at other times than the readings: joined in time, told, and no fault planted."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -78,7 +78,8 @@ def counted(said: Rows, start: pd.Timestamp) -> list[str]:
 def serial(said: Rows, start: pd.Timestamp) -> list[str]:
     names = {"distance": ("Distance", "m"), "temperature": ("Temperature", "°C")}
     return [
-        f"{(start + pd.Timedelta(seconds=t)).strftime('%Y-%m-%d %H:%M:%S')} -> {names[n][0]}: {v:.4f} {names[n][1]}"
+        f"{(start + pd.Timedelta(seconds=t)).strftime('%Y-%m-%d %H:%M:%S')} -> "
+        f"{names[n][0]}: {v:.4f} {names[n][1]}"
         for t, n, v in said
     ]
 
@@ -176,7 +177,7 @@ def test_no_value_is_made_up_in_a_gap(random: np.random.Generator, tmp_path: Pat
 
 
 def test_a_record_of_changes_holds_its_value(random: np.random.Generator, tmp_path: Path) -> None:
-    """A logger that writes a state when it changes has long intervals at night, in which nothing is unknown."""
+    """A logger that writes a state when it changes has long intervals at night, and nothing is unknown."""
     at = np.arange(500) * 120.0
     air = 20.0 + 3.0 * np.maximum(np.sin(2 * np.pi * (at - 20000.0) / 60000.0), 0.0)  # still for hours
     air = (air + random.normal(0.0, 1e-3, len(at))).round(1)
@@ -196,9 +197,10 @@ def test_each_tank_has_its_own_air(random: np.random.Generator, tmp_path: Path) 
     for n in range(60):
         when = pd.Timestamp("2024-05-14") + pd.Timedelta(minutes=10 * n)
         for host, air, distance in (("a", 10.0, 1.0), ("b", 30.0, 2.0)):
+            later = when + pd.Timedelta(seconds=int(random.integers(1, 300)))
             lines += [
                 f"{when.isoformat()}Z,distance,{distance},{host}",
-                f"{(when + pd.Timedelta(seconds=int(random.integers(1, 300)))).isoformat()}Z,temperature,{air},{host}",
+                f"{later.isoformat()}Z,temperature,{air},{host}",
             ]
     path = tmp_path / "log.csv"
     path.write_text("\n".join(lines) + "\n")
@@ -211,7 +213,7 @@ def test_each_tank_has_its_own_air(random: np.random.Generator, tmp_path: Path) 
 
 @pytest.mark.statistical
 def test_a_lag_beside_a_join_has_the_other_explanation(random: np.random.Generator, tmp_path: Path) -> None:
-    """A thermometer that really is late is found, and the diagnosis says that its clock may differ instead."""
+    """A thermometer that is late is found, and the diagnosis says that its clock may differ."""
     air = Air(random, 3.0)
     said, _ = log(random, air, late=120.0, every=600.0)
     late = [(t, n, v if n == "distance" else float(air(t - 1500.0).round(2))) for t, n, v in said]

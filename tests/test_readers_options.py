@@ -18,13 +18,15 @@ CASES = Path(__file__).parent / "cases"
 
 def _px4(random: np.random.Generator) -> list[str]:
     """Topic distance_sensor of a flight log, as ulog2csv writes it; times are microseconds since boot."""
-    head = "timestamp,device_id,min_distance,max_distance,current_distance,variance,h_fov,v_fov,q[0],signal_quality,type"
+    head = (
+        "timestamp,device_id,min_distance,max_distance,current_distance,h_fov,v_fov,q[0],signal_quality,type"
+    )
     at = 84_000_000 + np.cumsum(random.integers(66_000, 67_400, 120))
     reading = 1.5 + random.normal(0.0, 0.004, 120)
     return [
         head,
         *(
-            f"{t},9506825,0.2,7.65,{d:.3f},0,0,0,1,{random.choice([-1, 100])},1"
+            f"{t},9506825,0.2,7.65,{d:.3f},0,0,1,{random.choice([-1, 100])},1"
             for t, d in zip(at, reading, strict=True)
         ),
     ]
@@ -42,7 +44,8 @@ def _several_of_all(random: np.random.Generator) -> list[str]:
         "Timestamp,Distance 1 (cm),Distance 2 (cm),Temp in (°C),Temp out (°C),Humidity (%),Batt (V),quality"
     )
     return [head, *(
-        f"2024-05-14 {n // 60:02d}:{n % 60:02d}:00,{random.normal(180, 0.5):.1f},{random.normal(90, 0.5):.1f},"
+        f"2024-05-14 {n // 60:02d}:{n % 60:02d}:00,"
+        f"{random.normal(180, 0.5):.1f},{random.normal(90, 0.5):.1f},"
         f"{random.normal(21, 1):.1f},{random.normal(14, 3):.1f},{random.normal(50, 3):.0f},3.{n % 10},{n % 3}"
         for n in range(80)
     )]  # fmt: skip

@@ -1,7 +1,7 @@
 """Assemble observations from the columns of a table."""
 
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,7 +21,7 @@ from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
-from echocal.observations.units import FORMS, Form
+from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
 
 __all__ = ["Assembly"]
@@ -84,8 +84,8 @@ class Assembly:
     def _refuse_level(self, values: Mapping[str, Column], echo_time: Column) -> None:
         """Refuse a level in place of the reference distance, which only a whole table shows."""
         source = self.plan.assignments.get("reference_distance")
-        if source is None or self.part is not None or {EVERYTHING, source.column} & set(self.trusted):
-            return
+        if source is None or self.part is not None or source.column in self.trusted:
+            return  # no fault of a column explains a level: it is refused where all others are trusted
         usable = self.reason == 0
         refuse_level(values["reference_distance"], values.get("reading"), echo_time, usable, source.column)
 
@@ -122,8 +122,8 @@ class Assembly:
         self._mark(wrong, f"{source.column} out of range", source)
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
-            if self.part is None and not {EVERYTHING, source.column} & set(self.trusted):
-                odd_times.refuse_other_clock(values, source)
+            if self.part is None and source.column not in self.trusted:
+                self._refuse_or_keep(source, odd_times.refuse_other_clock, values, source)
             values = self._since_start(values)
             if self.part is None:
                 self.notes += self._order(values, source)
@@ -167,11 +167,14 @@ class Assembly:
         return derived(conditions, named) if self.part is None else self.part.derived
 
     def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
-        """Refuse a column in another unit; where everything is trusted, keep the sentence."""
+        """Refuse a column in another unit."""
+        trusted = [name for name in self.trusted if name != EVERYTHING]
+        self._refuse_or_keep(source, checks.refuse_other_unit, values, seen, source, trusted)
+
+    def _refuse_or_keep(self, source: Assignment, check: Callable[..., None], *given: object) -> None:
+        """Refuse a column; where everything is trusted, keep the sentence."""
         try:
-            checks.refuse_other_unit(
-                values, seen, source, [name for name in self.trusted if name != EVERYTHING]
-            )
+            check(*given)
         except DataError as refusal:
             if EVERYTHING not in self.trusted:
                 raise

@@ -1,4 +1,4 @@
-"""What columns whose names say nothing may hold, by their values: a guess where one reading is left, else a question."""
+"""What columns without a telling name may hold: a guess if their values leave one answer, else a question."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ _HPA = (850.0, 1090.0)
 _TOGETHER = 0.9  # correlation of an echo time with its distance
 _FEWEST = 8  # rows that show a trend
 _ELSEWHERE = {
-    "bat", "batt", "battery", "akku", "volt", "volts", "voltage", "vbat", "vbatt", "vcc", "vdd", "rssi", "snr", "soc",
-    "count", "counts", "counter", "id", "seq", "sequence", "status", "flag", "code", "mode", "index", "nr", "no", "pin",
-    "heap", "uptime", "adc", "raw", "ticks", "mah", "ma",
+    "adc", "akku", "bat", "batt", "battery", "code", "count", "counter", "counts", "flag", "heap", "id",
+    "index", "ma", "mah", "mode", "no", "nr", "pin", "raw", "rssi", "seq", "sequence", "snr", "soc",
+    "status", "ticks", "uptime", "vbat", "vbatt", "vcc", "vdd", "volt", "voltage", "volts",
 }  # fmt: skip
 """Words of a name with which a column is neither distance nor temperature."""
 
@@ -161,7 +161,7 @@ def _rise_together(length: Column, time: Column) -> bool:
 def _temperature(
     kinds: Mapping[str, set[str]], columns: Mapping[str, Column], found: Collection[str], *, settled: bool
 ) -> str:
-    """The column that may be a temperature, and neither a voltage nor a charge that runs down; empty for none.
+    """The column that may be a temperature, but no voltage and no charge that runs down; empty for none.
 
     Where no other column can be the distance, it may as well be that.
     """
@@ -176,7 +176,7 @@ def _temperature(
 
 
 def _reading(kinds: Mapping[str, set[str]], temperature: str) -> str:
-    """The column that can be nothing but a distance; else the only one that may be; empty where several are left."""
+    """The column that can only be a distance, else the only one that may be; empty where several are left."""
     may = [name for name, own in kinds.items() if "reading" in own and name != temperature]
     clean = [name for name in may if kinds[name] == {"reading"}] or may
     return clean[0] if len(clean) == 1 else ""
@@ -184,7 +184,7 @@ def _reading(kinds: Mapping[str, set[str]], temperature: str) -> str:
 
 def _question(kinds: set[str], values: Column, wanted: Collection[str]) -> str:
     """What to ask about a column, if an answer is wanted."""
-    if not kinds & set(wanted) or kinds == {"reading", "percent"} and "reading" not in wanted:
+    if not kinds & set(wanted):
         return ""
     unit = usual("reading", values)
     asked = [f"a distance in {unit}"] if "reading" in kinds and "reading" in wanted else []

@@ -60,10 +60,10 @@ def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) 
     for name in table.columns:
         if roles[str(name)] == "echo_quality" and table[name].nunique() < _CODES:
             found.setdefault(str(name), "has few different values, as a code has,")
-    for name in table.select_dtypes("number"):
-        said = None if str(name) in (requests or {}) else hint(str(name))
-        if said is not None and said.name == "time":
-            found[str(name)] = _without_unit(str(name), table[name])
+    for column in map(str, table.select_dtypes("number")):
+        clock = None if column in (requests or {}) else hint(column)
+        if clock is not None and clock.name == "time":
+            found[column] = _without_unit(column, table[column])
     return found
 
 
@@ -77,4 +77,5 @@ def _without_unit(name: str, values: pd.Series[float]) -> str:
         "time_s": step
     }
     told = ", ".join(f'"{name}={unit}" ({span(own)})' for unit, own in ways.items())
-    return f"counts time in an unknown unit and is not used; to use it, say the step between rows: --column {told}"
+    use = "to use it, say the step between rows: --column"
+    return f"counts time in an unknown unit and is not used; {use} {told}"

@@ -104,7 +104,7 @@ def role_of_unit(column: str) -> str:
 
 
 def _alone(role: str, symbol: str) -> Hint | None:
-    """What a unit as a name says for sure: a length may be the reference, a time a clock, a percentage a charge."""
+    """What a unit as a name says: a length may be the reference, a time a clock, a percentage a charge."""
     if role in {"echo", "humidity"}:
         return None
     return Hint(f"{role}_{symbol}", role != "reading")

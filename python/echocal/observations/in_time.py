@@ -50,8 +50,9 @@ def joined(at: Column, times: Column, values: Column, *, smooth: bool) -> tuple[
     >>> import numpy as np
     >>> minutes = np.array([0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14.0])
     >>> values, join = joined(np.array([30.0, 150.0, 600.0]), 60 * minutes, 20 + minutes, smooth=True)
-    >>> values.tolist(), str(join)
-    ([20.5, 22.5, nan], 'interpolated in time (values 60 s apart, up to 3 min), no value near enough for 1 row')
+    >>> values.tolist(), str(join)  # doctest: +NORMALIZE_WHITESPACE
+    ([20.5, 22.5, nan],
+     'interpolated in time (values 60 s apart, up to 3 min), no value near enough for 1 row')
     """
     known = np.isfinite(times)
     order = np.argsort(times[known], kind="stable")
@@ -79,7 +80,7 @@ def joined(at: Column, times: Column, values: Column, *, smooth: bool) -> tuple[
 
 
 def _usual(steps: Column) -> float:
-    """Interval up to which half of the time of a record lies: values in bursts do not count by their number."""
+    """Interval up to which half of the time of a record lies, so that bursts do not count by their rows."""
     if not len(steps):
         return 0.0
     ordered = np.sort(steps)
@@ -125,7 +126,7 @@ def seconds_of(values: pd.Series[Any]) -> Column:
 
 
 def spread(seconds: Column) -> Column:
-    """Times of rows in their order, where several have the same time: evenly within the last digit of the clock.
+    """Times of rows in their order: those with the same time evenly within the last digit of the clock.
 
     Examples
     --------
@@ -151,4 +152,4 @@ def spread(seconds: Column) -> Column:
 def _since_1970(times: pd.Series[Any]) -> Column:
     utc = pd.to_datetime(times, utc=True)
     seconds = (utc - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)
-    return seconds.to_numpy(dtype=np.float64, na_value=np.nan)
+    return np.asarray(seconds.to_numpy(dtype=np.float64, na_value=np.nan), dtype=np.float64)

@@ -12,7 +12,7 @@ Column = NDArray[np.float64]
 _FEWEST = 8  # rows
 _LEAST = 0.02  # m that a level changes at least: more than the steps of readings in whole centimeters
 _RATIO = 1 / 3
-"""Spread of sum over spread of difference. Rows without any relation have 1; at 1/3 the correlation is -0.8."""
+"""Spread of sum over spread of difference: 1 without any relation, 1/3 at a correlation of -0.8."""
 _SPEED = 343.0  # m/s: the height in the message is a rough one
 
 
@@ -48,11 +48,12 @@ def refuse_level(
     if own < _LEAST or together > _RATIO * apart:
         return
     message = (
-        f"column '{column}' looks like a level, not like the distance to the target: where it rises, the reading "
-        f"falls. Their sum stays within {together:.3f} m of {height:.2f} m, and their difference changes by "
-        f"{apart:.3f} m (90 % of {known.sum()} rows). distance = height - level, where height is that of the sensor "
-        f"above the zero of the level, about {height:.2f} m: write this distance into the table. To read "
-        f'the table without the column: --column "{column}=ignore"; if it is a distance all the same: --trust "{column}"'
+        f"column '{column}' looks like a level, not like the distance to the target: where it rises, the "
+        f"reading falls. Their sum stays within {together:.3f} m of {height:.2f} m, and their difference "
+        f"changes by {apart:.3f} m (90 % of {known.sum()} rows). distance = height - level, where height is "
+        f"that of the sensor above the zero of the level, about {height:.2f} m: write this distance into the "
+        f'table. To read the table without the column: --column "{column}=ignore"; if it is a distance all '
+        f'the same: --trust "{column}"'
     )
     raise DataError(message)
 

@@ -61,8 +61,8 @@ class Observations(Shown):
         Conditions that the user states for all rows, where the table has no column: value and standard
         uncertainty [SI], by quantity.
     joined : mapping of str to Join
-        How values that were recorded at other times than the rows came to them: by quantity, or by column where
-        it holds none.
+        How values that were recorded at other times than the rows came to them: by quantity, or by column
+        where it holds none.
     refused : mapping of str to str
         By quantity, why its column looks as if it were in another unit. Only a table that is read
         with everything trusted has such columns, for a diagnosis to find a fault that explains them.

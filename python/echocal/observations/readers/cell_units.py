@@ -46,7 +46,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
 
 
 def _beside(table: pd.DataFrame) -> dict[str, str]:
-    """Units in a column of their own, behind that of the numbers, in a table without names: ``1.234,M,20.1,C``."""
+    """Units in columns of their own behind the numbers, in a table without names: ``1.234,M,20.1,C``."""
     units = {}
     for name, behind in pairwise(table.columns):
         if not _NAMELESS.fullmatch(str(behind)):

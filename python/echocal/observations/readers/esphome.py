@@ -27,7 +27,8 @@ _STATE = re.compile(
 )
 _ECHO = re.compile(r"Echo took (?P<value>\d+)\s*[µμu]s(?: \((?P<length>[\d.]+)\s*m\))?")
 _DISTANCE = re.compile(
-    r"(?:'?(?P<name>[^']*?)'? - )?(?:Got distance|Distance from sensor): (?P<value>[\d.]+)\s*(?P<unit>mm|cm|m)\b"
+    r"(?:'?(?P<name>[^']*?)'? - )?(?:Got distance|Distance from sensor): "
+    r"(?P<value>[\d.]+)\s*(?P<unit>mm|cm|m)\b"
     r"(?:.*?echo: (?P<echo>\d+)\s*[µμu]s)?.*"
 )
 _OF_NAME = re.compile(r"'(?P<name>[^']+)' - ")
@@ -129,9 +130,7 @@ def _event(own: _Said, rangers: Sequence[str]) -> Event:
 
 def _settle(log: Log, columns: Sequence[str], sensor: str) -> None:
     """One reading, that with the most digits of those that are the same, and the echo time: both are sure."""
-    table = pd.DataFrame(
-        list(log.records), columns=pd.Index(log.records[0] | dict.fromkeys([*columns, sensor]))
-    )
+    table = pd.DataFrame(list(log.records))
     lengths = [name for name in columns if symbol_of(log.units.get(name, "")) in {"m", "cm", "mm"}]
     if sensor in log.units or lengths:
         log.units.setdefault(sensor, log.units.get(lengths[0], "") if lengths else "")

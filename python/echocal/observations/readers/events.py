@@ -102,7 +102,7 @@ def rows_by_order(events: Sequence[Event], ranger: Sequence[str], log: Log) -> L
 
 
 def of_several_messages(records: Sequence[Record], log: Log) -> Log:
-    """Rows of messages, of which some have a reading and others only further quantities, each with its time."""
+    """Rows of messages with their times: some have a reading, and others only further quantities."""
     names = list(dict.fromkeys(name for record in records for name in record))
     clocks = [name for name in names if is_time_name(name) and all(name in own for own in records)]
     ranger = ranger_names([name for name in names if not is_time_name(name)], log.units)

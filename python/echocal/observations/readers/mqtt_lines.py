@@ -18,8 +18,8 @@ __all__ = ["NAME", "read", "recognizes"]
 NAME = "topics and payloads of MQTT"
 
 _LINE = re.compile(
-    r"(?:\[?(?P<time>\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?(?:Z|[+-]\d\d:?\d\d)?|\d{1,2}:\d\d:\d\d(?:\.\d+)?"
-    r"|\d{10}(?:\.\d+)?|\d{13})\]?[ :\t]+)?"
+    r"(?:\[?(?P<time>\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?(?:Z|[+-]\d\d:?\d\d)?"
+    r"|\d{1,2}:\d\d:\d\d(?:\.\d+)?|\d{10}(?:\.\d+)?|\d{13})\]?[ :\t]+)?"
     r"(?P<topic>[\w.$ -]+(?:/[\w.:$-]+)+)[ :\t] ?(?P<payload>[-+]?[\d.]+|nan|\{.*\})"
 )
 

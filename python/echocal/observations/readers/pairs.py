@@ -20,20 +20,23 @@ _VALUE = (
 )
 _NAME = r"(?<![\w.])(?P<name>(?:[A-Za-zÀ-ÿ°µ]|#\d)[\w °µ./%()\[\]#-]*?)"
 _PAIR = re.compile(
-    rf"{_NAME}\s*(?::+|=+>?|->|\bis\b)\s*{_VALUE}|{_NAME.replace('name', 'before')}\s+(?P<bare>{_NUMBER}){_KNOWN.format('of_bare')}"
+    rf"{_NAME}\s*(?::+|=+>?|->|\bis\b)\s*{_VALUE}"
+    rf"|{_NAME.replace('name', 'before')}\s+(?P<bare>{_NUMBER}){_KNOWN.format('of_bare')}"
 )
 _NEXT = re.compile(rf"[\s,;/|(]*(?P<value>{_NUMBER}){_KNOWN.format('unit')}")
 _INDEX = re.compile(r"#?\d+[:.)]\s+(?=[-+\d.])")
 _CHANGED = re.compile(r".*?'(?P<name>[^']+)' (?:changed from .*? to|updated to) (?P<rest>.*)")
 _LEVEL = re.compile(r"^(?:INFO|DEBUG|WARN(?:ING)?|TRACE|NOTICE|I|D)\b[ :-]+(?=\w)")
 _FILLER = re.compile(r"^(?:and|with|the|at)\s+", re.IGNORECASE)
-_KINDS = {"m": "distance", "cm": "distance", "mm": "distance", "inch": "distance", "ft": "distance",
-          "us": "echo", "ms": "echo", "C": "temperature", "F": "temperature", "percent": "humidity"}  # fmt: skip
+_KINDS = {
+    "m": "distance", "cm": "distance", "mm": "distance", "inch": "distance", "ft": "distance", "us": "echo",
+    "ms": "echo", "C": "temperature", "F": "temperature", "percent": "humidity",
+}  # fmt: skip
 """What a value without a name is, by its unit."""
 
 
 def pairs_of(text: str) -> list[Pair]:
-    """Names, values and units in a line.
+    r"""Names, values and units in a line.
 
     A word after a value is its unit where it is one and no colon follows: else it begins the next name.
     Further values with units of their own behind a value are the same in other units.

@@ -38,7 +38,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
 
 
 def _said(name: str, found: Found) -> str:
-    """Which quantity a column holds by its name, in echocal's way; empty for none, and for several of a kind."""
+    """Which quantity a column holds by its name, in echocal's way; empty for none."""
     try:
         ours = by_name(name)
     except DataError:

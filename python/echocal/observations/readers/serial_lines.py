@@ -31,7 +31,7 @@ Told = tuple[Stamped, list[Pair]]
 
 
 def recognizes(lines: Sequence[str]) -> bool:
-    """Whether most lines have a time and an arrow, or names with values, or a value where others have none."""
+    """Whether most lines have a time and an arrow, or names with values, or values where others have none."""
     look = [stamped(line) for line in lines[:_LOOK]]
     if 2 * sum(line.arrow for line in look) > len(look):
         return True
@@ -67,7 +67,7 @@ def _named(split: Sequence[Stamped]) -> Log:
 
 
 def _line_by_line(told: Sequence[Told], log: Log) -> Log:
-    """Each line is a row, or a part of one where its names do not come again; others are rows without values."""
+    """Each line is a row, or a part of one where no name comes again; others are rows without values."""
     records: list[dict[str, Any]] = []
     for line, pairs in told:
         values = _event(line, pairs).holds
@@ -85,7 +85,7 @@ def _line_by_line(told: Sequence[Told], log: Log) -> Log:
 def _events(told: Sequence[Told]) -> list[Event]:
     """Values of the lines, and where blank lines end a row."""
     blocks, ended = _blocks(told), False
-    events = []
+    events: list[Event] = []
     for line, pairs in told:
         ended = ended or (blocks and not line.rest)
         if pairs or says_no_echo(line.rest):

@@ -18,7 +18,7 @@ _TAG = r"\[(?P<tag>[\w.:<>-]+?):(?P<line>\d+)\](?:\[[^\]]*\])?:?\s*"
 _FORMS = tuple(
     (re.compile(form), column)
     for form, column in (
-        # ESPHome, and what else writes level and place of a line in brackets: [14:00:00.123][D][sensor:093]: ...
+        # ESPHome, and what else has level and place in brackets: [14:00:00.123][D][sensor:093]: ...
         (rf"\[?(?P<time>(?={_DATE}){_CLOCK}{_ZONE}).*?\[{_CLOCK}\]{_LEVEL}{_TAG}(?P<rest>.*)", "time"),
         (rf".*?\[(?P<time>{_CLOCK})\]{_LEVEL}{_TAG}(?P<rest>.*)", "time"),
         (rf".*?\[(?P<time>{_CLOCK})\]\[[A-Z]{{1,5}}\]\[(?P<tag>[\w.-]+)\]:\s*(?P<rest>.*)", "time"),
@@ -31,7 +31,8 @@ _FORMS = tuple(
         (r"(?P<time>\d+)\s*: (?:Info|Debug|Error|DebugMore)\s*: (?P<rest>.*)", "time_ms"),
         # ROS: [INFO] [1623456789.123456789] [node]: ...
         (
-            r"\[[A-Z]+\]\s*\[(?:WallTime: )?(?P<time>\d+\.\d+)(?:, \d+\.\d+)?\]\s*(?:\[[^\]]*\])?:?\s*(?P<rest>.*)",
+            r"\[[A-Z]+\]\s*\[(?:WallTime: )?(?P<time>\d+\.\d+)(?:, \d+\.\d+)?\]\s*"
+            r"(?:\[[^\]]*\])?:?\s*(?P<rest>.*)",
             "time_s",
         ),
         # Zephyr: [00:00:01.234,000] <inf> sensor: ...

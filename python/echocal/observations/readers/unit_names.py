@@ -1,4 +1,4 @@
-"""Columns that are called by their unit alone: ``inches``, ``ms``, ``us``; and lengths that say what such a time is."""
+"""Columns called by their unit alone, ``inches`` and ``ms``: a length says what a time beside it is."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ _ECHOES = (1e-4, 0.06)  # s: 1.7 cm to 10 m
 
 
 def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
-    """Take a time for an echo where a length beside it is that of its sound, or where it can be nothing else."""
+    """Take a time for an echo where a length beside it agrees, or where it can be nothing else."""
     requests, notes = dict(found.requests), list(found.notes)
     lengths = {
         n: unit
@@ -61,7 +61,7 @@ def _si(table: pd.DataFrame, name: str, as_: str) -> Column:
 
 
 def _is_numeric(values: "pd.Series[float]") -> bool:
-    return (
+    return bool(
         pd.api.types.is_numeric_dtype(values)
         and not pd.api.types.is_bool_dtype(values)
         and values.notna().any()
