@@ -11,6 +11,7 @@ Column = NDArray[np.float64]
 
 _FEWEST = 5  # rows
 _DIFFERENT = 4  # different values of each column: two points always lie on a line
+_RELATED = 0.8  # squared correlation, far below what rounding leaves of a copy
 _SLACK = 1.25  # of what rounding leaves open, for the factor is fitted
 _WIDE = 8.0  # range of the values over what rounding leaves open: else anything lies on a line
 _DIGITS = 9
@@ -53,11 +54,16 @@ def line_between(copy: Column, other: Column) -> Line | None:
     known = np.flatnonzero(np.isfinite(copy) & np.isfinite(other))
     known = known[:: max(1, len(known) // _SOME)]
     y, x = copy[known], other[known]
-    if len(known) < _FEWEST or min(len(np.unique(y)), len(np.unique(x))) < _DIFFERENT:
+    if len(known) < _FEWEST:
+        return None
+    x_off, y_off = x - x.mean(), y - y.mean()
+    own, both = float(x_off @ x_off), float(x_off @ y_off)
+    if not both * both > _RELATED * own * float(y_off @ y_off):
+        return None
+    if min(len(np.unique(y)), len(np.unique(x))) < _DIFFERENT:
         return None
     steps = step_of(y), step_of(x)
-    centered = x - x.mean()
-    factor = float(centered @ (y - y.mean()) / (centered @ centered))
+    factor = both / own
     factor, offset = _plain(factor, y, x, steps)
     open_ = 0.5 * (steps[0] + abs(factor) * steps[1])
     left = y - factor * x - offset

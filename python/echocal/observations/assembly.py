@@ -262,7 +262,8 @@ class Assembly:
         """Further columns that are no quantity again times a factor, shifted, or rounded."""
         if self.part is not None:
             return extra
-        quantities = [(name, own) for name, own in self.plan.assignments.items() if name != "elapsed_time"]
+        away = {"elapsed_time", "reference_distance"}  # what is tried against these is told in their words
+        quantities = [(name, own) for name, own in self.plan.assignments.items() if name not in away]
         copies: dict[str, str] = {}
         for column in set(extra) - set(self.trusted):
             for name, source in quantities:

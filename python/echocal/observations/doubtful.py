@@ -48,7 +48,10 @@ def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) 
         for name, role in roles.items()
         if role in {"reading", "echo"} and not said[name].startswith("distance_")
     ]
-    measured = table[ranger].notna().any(axis="columns") if ranger else None
+    try:
+        measured = table[ranger].notna().any(axis="columns") if ranger else None
+    except ArithmeticError:  # a signaling NaN, which the reader names
+        measured = None
     rows = table if measured is None or not measured.any() else table[measured]
     empty = rows.select_dtypes("number").isna().sum()
     of = "rows" if len(rows) == len(table) else "rows with a reading"

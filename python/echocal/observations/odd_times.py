@@ -17,6 +17,7 @@ _SURE = np.datetime64("2000-01-01", "ns")
 
 _LONGEST = 5e9  # s: since 1970 it is the year 2128
 _SHORTEST = 1e-3  # s: sound comes back from 17 cm in this time, and a ranger waits for its echo
+_FEWEST = 5  # steps
 _OFTEN = 3600.0  # s: people who log less often choose whole half hours, hours or days
 _NEAR = 0.04  # of these: the clock of a sleeping device is off by some percent
 _ROUND = ((6 * 3600.0, 1800.0), (0.97 * 86400.0, 3600.0), (np.inf, 86400.0))
@@ -91,7 +92,7 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     steps = np.abs(np.diff(known))
     steps = steps[steps > 0.0]
     own = source.unit.numerator / source.unit.denominator
-    if not len(steps) or (_is_usual(steps, own) and np.abs(known).max() < _LONGEST):
+    if len(steps) < _FEWEST or (_is_usual(steps, own) and np.abs(known).max() < _LONGEST):
         return
     step = float(np.median(steps))
     units = {
@@ -106,11 +107,10 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     told = "; ".join(
         f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items()
     )
-    which = " or ".join(f'"{source.column}={name}"' for name in others)
+    ways = [f'--column "{source.column}={name}"' for name in others]
     message = (
-        f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. "
-        f"{f'Say which it is: --column {which}; ' if which else ''}"
-        f'if it is right as it stands: --trust "{source.column}"'
+        f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. Say which it is: "
+        f'{"".join(f"{way}, " for way in ways)}or if it is right as it stands: --trust "{source.column}"'
     )
     raise DataError(message)
 

@@ -12,7 +12,7 @@ from echocal.observations.readers.events import Event, rows_of
 from echocal.observations.readers.leads import ranger_names
 from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import pairs_of
-from echocal.observations.readers.silence import says_no_echo
+from echocal.observations.silence import says_no_echo
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import symbol_of
@@ -37,6 +37,7 @@ _NOTE = (
     "the component 'ultrasonic' of ESPHome makes readings with 343 m/s (us_to_m in ultrasonic_sensor.cpp): "
     "--reading-speed 343"
 )
+_WIDE = 300  # characters that tell of what kind a line is
 _SPELLED = "Got distance"
 
 
@@ -53,7 +54,7 @@ class _Said:
 
 def recognizes(lines: Sequence[str]) -> bool:
     """Whether the lines are a log of ESPHome with values."""
-    told = (line.rest for line in map(stamped, lines) if line.tag)
+    told = (line.rest for line in map(stamped, (line[:_WIDE] for line in lines)) if line.tag)
     return sum(any(form.match(rest) for form in (_STATE, _ECHO, _DISTANCE)) for rest in told) > 1
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from echocal.observations.readers.log import Log
-from echocal.observations.readers.silence import says_no_echo
+from echocal.observations.silence import says_no_echo
 
 __all__ = ["NAME", "read", "recognizes"]
 

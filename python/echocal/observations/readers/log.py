@@ -12,7 +12,7 @@ from echocal.errors import DataError
 from echocal.observations.fields import shown
 from echocal.observations.join import Join
 from echocal.observations.numbers import NO_NUMBER
-from echocal.observations.readers.silence import NO_ECHO, says_no_echo
+from echocal.observations.silence import NO_ECHO, says_no_echo
 
 __all__ = ["Log", "numeric"]
 

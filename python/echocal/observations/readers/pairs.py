@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from echocal.observations.readers.silence import SILENT
+from echocal.observations.silence import SILENT
 from echocal.observations.units_said import WRITTEN, symbol_of
 
 __all__ = ["Pair", "pairs_of"]

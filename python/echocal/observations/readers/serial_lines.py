@@ -13,7 +13,7 @@ from echocal.observations.readers.events import Event, rows_of
 from echocal.observations.readers.leads import ranger_names
 from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import Pair, pairs_of
-from echocal.observations.readers.silence import says_no_echo
+from echocal.observations.silence import says_no_echo
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.units import FORMS
 from echocal.observations.units_said import symbol_of
@@ -24,6 +24,7 @@ NAME = "lines of a serial monitor"
 
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
 _LOOK = 100
+_WIDE = 300  # characters that tell of what kind a line is
 _MANY = 10  # lines with values: a name that comes once among them is that of no column
 
 Told = tuple[Stamped, list[Pair]]
@@ -32,7 +33,7 @@ Told = tuple[Stamped, list[Pair]]
 
 def recognizes(lines: Sequence[str]) -> bool:
     """Whether most lines have a time and an arrow, or names with values, or values where others have none."""
-    look = [stamped(line) for line in lines[:_LOOK]]
+    look = [stamped(line[:_WIDE]) for line in lines[:_LOOK]]
     if 2 * sum(line.arrow for line in look) > len(look):
         return True
     named = sum(bool(pairs_of(line.rest)) for line in look)
@@ -183,7 +184,8 @@ def _delimited_rests(split: Sequence[Stamped]) -> Log:
     tells = (n for n, line in enumerate(split) if _delimited(line.rest) or _NUMBER.match(line.rest))
     first = next(tells, 0)
     silent = next((n for n, line in enumerate(split[:first]) if says_no_echo(line.rest)), None)
-    begin = max(first - 1, 0) if silent is None else first
+    named = first > 0 and silent is None and not split[first - 1].rest.endswith((":", ".", "!"))
+    begin = first - 1 if named else first
     head = find_head([line.rest for line in split[begin:] if not says_no_echo(line.rest)], 0, "")
     rows = split[begin + head.start :] if silent is None else [*split[silent:first], *split[first:]]
     log = Log([], notes=[] if not head.nameless else ["the values have no names"])

@@ -51,7 +51,8 @@ _FORMS = tuple(
             "time",
         ),
         (rf"\s*[\[(](?P<time>{_CLOCK}{_ZONE})[\])](?P<rest>.*)", "time"),
-        (r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*\]\s*(?P<rest>.*)", "time_s"),
+        (r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*s?\]\s*(?P<rest>.*)", "time_s"),
+        (r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*ms\]\s*(?P<rest>.*)", "time_ms"),
     )
 )
 _SOURCE = re.compile(
