@@ -24,6 +24,7 @@ NAME = "lines of a serial monitor"
 
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
 _LOOK = 100
+_NAME = 4  # words that a name has at most
 _WIDE = 300  # characters that tell of what kind a line is
 _MANY = 10  # lines with values: a name that comes once among them is that of no column
 
@@ -39,7 +40,8 @@ def recognizes(lines: Sequence[str]) -> bool:
     named = sum(bool(pairs_of(line.rest)) for line in look)
     silent = sum(says_no_echo(line.rest) for line in look)
     bare = sum(_is_bare(line.rest) for line in look)
-    if 2 * named > len(look) or (bare and silent and bare + silent > 0.9 * len(look)):
+    noisy = bool(silent) or _is_sentence(look[0].rest)
+    if 2 * named > len(look) or (bare and noisy and bare + silent > 0.9 * len(look)):
         return True
     return (
         3 * (named + silent) > len(look) and bool(named) and not any(_delimited(line.rest) for line in look)
@@ -174,6 +176,11 @@ def _delimited(rest: str) -> bool:
     return any(rest.count(s) for s in ",;\t|") and any(map(is_value, re.split(r"[,;\t|]", rest)))
 
 
+def _is_sentence(rest: str) -> bool:
+    """Whether a line above values is a message, and no name of a column."""
+    return rest.endswith((":", ".", "!")) or (len(rest.split()) > _NAME and not any(s in rest for s in ",;\t|"))
+
+
 def _is_bare(rest: str) -> bool:
     """Whether a line is one number, or numbers with separators."""
     return bool(rest) and all(_NUMBER.fullmatch(part.strip()) for part in re.split(r"[,;\t|]", rest))
@@ -184,7 +191,7 @@ def _delimited_rests(split: Sequence[Stamped]) -> Log:
     tells = (n for n, line in enumerate(split) if _delimited(line.rest) or _NUMBER.match(line.rest))
     first = next(tells, 0)
     silent = next((n for n, line in enumerate(split[:first]) if says_no_echo(line.rest)), None)
-    named = first > 0 and silent is None and not split[first - 1].rest.endswith((":", ".", "!"))
+    named = first > 0 and silent is None and not _is_sentence(split[first - 1].rest)
     begin = first - 1 if named else first
     head = find_head([line.rest for line in split[begin:] if not says_no_echo(line.rest)], 0, "")
     rows = split[begin + head.start :] if silent is None else [*split[silent:first], *split[first:]]

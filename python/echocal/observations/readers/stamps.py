@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import lru_cache
 
 __all__ = ["Stamped", "plain", "stamped"]
 
@@ -90,6 +91,7 @@ def plain(line: str) -> str:
     return _ANSI.sub("", line) if "\x1b" in line else line
 
 
+@lru_cache(maxsize=1024)
 def stamped(line: str) -> Stamped:
     """Clock and rest of a line.
 
