@@ -4,10 +4,13 @@ import warnings
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from echocal.errors import DataWarning, UsageError
 from echocal.observations.table import Observations
+
+if TYPE_CHECKING:
+    from echocal.observations.join import Join
 
 __all__ = ["read_observations"]
 
@@ -125,11 +128,15 @@ def read_observations(
     assembly.notes += [*found.notes, *said, *([several] if several else [])]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
-    columns_of = {column: quantity for quantity, column in observations.source_names.items()}
-    by_quantity = {columns_of.get(column, column): join for column, join in found.joined.items()}
-    observations = replace(observations, joined=by_quantity)
+    observations = _with_joins(observations, found.joined)
     if stated:
         observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
     if not observations.usable.all():
         warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
     return observations
+
+
+def _with_joins(observations: Observations, joined: Mapping[str, "Join"]) -> Observations:
+    """The observations with how columns were joined, by quantity where they hold one."""
+    quantities = {column: quantity for quantity, column in observations.source_names.items()}
+    return replace(observations, joined={quantities.get(name, name): join for name, join in joined.items()})

@@ -63,12 +63,13 @@ def read(lines: Sequence[str], path: str) -> Log:
     said = _with_owners([own for line in map(stamped, lines) if line.tag and (own := _said(line))])
     states = {own.sensor for own in said if own.kind == "state"}
     said = [own for own in said if own.kind != "other" or not states]  # each value is a state, too
-    rangers = list(dict.fromkeys(own.sensor for own in said if own.kind in {"echo", "distance", "silent"}))
+    rangers = list(dict.fromkeys(own.sensor for own in said if own.kind in {"echo", "distance"}))
+    said = [own for own in said if own.kind != "silent" or own.sensor in rangers]
     log = Log([])
     for own in said:
         log.units |= {_column(name, own, rangers): unit for name, unit in own.units.items()}
     events = [_event(own, rangers) for own in said]
-    if not any(own.kind in {"echo", "distance"} for own in said):
+    if not rangers:
         names = list(dict.fromkeys(name for event in events for name in event.holds))
         return rows_of(events, (ranger_names(names, log.units) or names)[:1], log)
     sensor = rangers[0]
@@ -105,10 +106,8 @@ def _said(line: Stamped) -> _Said | None:
 
 def _with_owners(said: Sequence[_Said]) -> list[_Said]:
     """An echo, and whatever has no name, is of the ranger that a line below names."""
-    found, name = (
-        [],
-        next((own.sensor for own in reversed(said) if own.kind == "distance" and own.sensor), ""),
-    )
+    found: list[_Said] = []
+    name = next((own.sensor for own in reversed(said) if own.kind == "distance" and own.sensor), "")
     for own in reversed(said):
         if own.kind in {"distance", "silent"} and own.sensor:
             name = own.sensor

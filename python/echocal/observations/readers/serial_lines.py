@@ -178,7 +178,9 @@ def _delimited(rest: str) -> bool:
 
 def _is_sentence(rest: str) -> bool:
     """Whether a line above values is a message, and no name of a column."""
-    return rest.endswith((":", ".", "!")) or (len(rest.split()) > _NAME and not any(s in rest for s in ",;\t|"))
+    return rest.endswith((":", ".", "!")) or (
+        len(rest.split()) > _NAME and not any(s in rest for s in ",;\t|")
+    )
 
 
 def _is_bare(rest: str) -> bool:
