@@ -61,12 +61,6 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         "column 'temperature_R' has unknown unit 'R'; accepted: temperature_C, temperature_K, "
         "temperature_F. Rename it, or say what it is: --column",
     ),
-    "unit in the wrong case": (
-        {**ECHO, "temperature_c": [20.0] * 3},
-        {},
-        DataError,
-        "column 'temperature_c' has unknown unit 'c'; accepted: temperature_C,",
-    ),
     "no unit": (
         {**ECHO, "humidity": [50.0] * 3},
         {},

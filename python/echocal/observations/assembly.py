@@ -1,9 +1,8 @@
 """Assemble observations from the columns of a table."""
 
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 
 import numpy as np
 import pandas as pd
@@ -12,24 +11,22 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import checks, clock, labels, odd_times
+from echocal.observations.advice import no_echo, which_temperature
+from echocal.observations.alike import line_between
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
-from echocal.observations.found import found_in
-from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
+from echocal.observations.level import refuse_level
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
-from echocal.observations.proposals import propose, unfit
 from echocal.observations.table import Observations
-from echocal.observations.units import FORMS, Form
+from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
 
 __all__ = ["Assembly"]
 
 Column = NDArray[np.float64]
-
-_MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
 
 
 @dataclass
@@ -57,15 +54,17 @@ class Assembly:
         """Put everything together; `reading_speed` as in `echocal.read_observations`."""
         held = self.plan.assignments
         if not {"echo_time", "reading"} & set(held):
-            raise DataError(self._no_echo())
+            raise DataError(no_echo(self.table, self.plan))
         order = dict.fromkeys(form.quantity for form in FORMS if not form.label)
         values = {quantity: self._values(quantity) for quantity in order if quantity in held}
         conditions = {name: values[name] for name in QUANTITIES if name in values}
         echo_time = self._echo_time(values, conditions, reading_speed)
         self._note_lookalikes()
+        self._refuse_level(values, echo_time)
         self._summarize()
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         extra, texts = self._extra()
+        extra = self._without_copies(extra, {**values, "echo_time": echo_time})
         return Observations(
             echo_time=echo_time,
             conditions={**conditions, **self._derived(conditions, named), **self._hour()},
@@ -81,6 +80,14 @@ class Assembly:
             notes=tuple(self.notes),
             refused=self.refused,
         )
+
+    def _refuse_level(self, values: Mapping[str, Column], echo_time: Column) -> None:
+        """Refuse a level in place of the reference distance, which only a whole table shows."""
+        source = self.plan.assignments.get("reference_distance")
+        if source is None or self.part is not None or source.column in self.trusted:
+            return  # no fault of a column explains a level: it is refused where all others are trusted
+        usable = self.reason == 0
+        refuse_level(values["reference_distance"], values.get("reading"), echo_time, usable, source.column)
 
     def _values(self, quantity: str) -> Column:
         """Values of a quantity [SI]; rows without one, or with an impossible one, are marked."""
@@ -115,6 +122,8 @@ class Assembly:
         self._mark(wrong, f"{source.column} out of range", source)
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
+            if self.part is None and source.column not in self.trusted:
+                self._refuse_or_keep(source, odd_times.refuse_other_clock, values, source)
             values = self._since_start(values)
             if self.part is None:
                 self.notes += self._order(values, source)
@@ -158,11 +167,14 @@ class Assembly:
         return derived(conditions, named) if self.part is None else self.part.derived
 
     def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
-        """Refuse a column in another unit; where everything is trusted, keep the sentence."""
+        """Refuse a column in another unit."""
+        trusted = [name for name in self.trusted if name != EVERYTHING]
+        self._refuse_or_keep(source, checks.refuse_other_unit, values, seen, source, trusted)
+
+    def _refuse_or_keep(self, source: Assignment, check: Callable[..., None], *given: object) -> None:
+        """Refuse a column; where everything is trusted, keep the sentence."""
         try:
-            checks.refuse_other_unit(
-                values, seen, source, [name for name in self.trusted if name != EVERYTHING]
-            )
+            check(*given)
         except DataError as refusal:
             if EVERYTHING not in self.trusted:
                 raise
@@ -224,8 +236,7 @@ class Assembly:
 
     def _thermometer(self) -> str:
         """How to say which column is the temperature."""
-        forms = [form for form in FORMS if form.quantity == "temperature"]
-        return self._meant(forms) or "NAME=temperature_C"
+        return which_temperature(self.table, self.plan)
 
     def _labels(self, name: str) -> NDArray[np.int64]:
         column = self.plan.assignments[name].column
@@ -246,6 +257,28 @@ class Assembly:
             if np.isfinite(values).any():
                 found[column] = values
         return found, texts
+
+    def _without_copies(self, extra: dict[str, Column], values: Mapping[str, Column]) -> dict[str, Column]:
+        """Further columns that are no quantity again times a factor, shifted, or rounded."""
+        if self.part is not None:
+            return extra
+        away = {"elapsed_time", "reference_distance"}  # what is tried against these is told in their words
+        quantities = [(name, own) for name, own in self.plan.assignments.items() if name not in away]
+        copies: dict[str, str] = {}
+        for column in set(extra) - set(self.trusted):
+            for name, source in quantities:
+                line = (
+                    line_between(extra[column], source.unit.from_si(values[name])) if name in values else None
+                )
+                if line is not None:
+                    copies[column] = f"'{column}' is {line.of(source.column)}"
+                    break
+        for column in [name for name in extra if name in copies]:
+            self.notes.append(
+                f"{copies[column]} in every row, within their rounding: a copy, which is left aside; "
+                f'if it is not: --trust "{column}"'
+            )
+        return {name: own for name, own in extra.items() if name not in copies}
 
     def _thermometers(self) -> dict[str, Column]:
         """Further thermometers [degC], NaN where one has no possible value; no row is unusable by them."""
@@ -289,61 +322,3 @@ class Assembly:
             message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
             raise DataError(message)
         self.notes.append(f"{total} of {rows(len(self.table))} cannot be used: {listed}")
-
-    def _no_echo(self) -> str:
-        echo = [form for form in FORMS if form.quantity in ("echo_time", "reading")]
-        names = ", ".join(name for form in echo[:1] + echo[3:4] for name in form.names)
-        columns = ", ".join(str(name) for name in self.table.columns)
-        return (
-            f"no column holds an echo time or a distance reading; accepted: {names}. "
-            f"The table has: {columns}. {self._hint(echo)}"
-        )
-
-    def _hint(self, echo: Collection[Form]) -> str:
-        """Which column may be the one, of those whose names say nothing: misspelled, alike, or the first."""
-        others = self.plan.others
-        reference = self.plan.assignments.get("reference_distance")
-        timed = [(n, p.request) for n, p in propose(self.table, found_in(self.table), {}).items()]
-        timed = [(n, request) for n, request in timed if n in others and request.startswith("echo_")]
-        timed = [(n, request) for n, request in timed if request != "echo_quality"]
-        if reference is not None and len(timed) == 1:
-            (name, request), *_ = timed
-            return f'Say which it is: --column "{name}={request}"; {INSPECT}'
-        if reference is not None and not self._meant(echo):
-            name = f"reading_{reference.unit_name}"
-            column = reference.column
-            return f"Record one of them; if the sensor indicates '{column}': --column \"{column}={name}\""
-        if not others:
-            return "Record one of them"
-        if meant := self._meant(echo):
-            return f'Did you mean: --column "{meant}"'
-        alike = [(name, form) for name in others for form in echo if looks_like(name, form)]
-        for name, form in alike:
-            if unit_of(name) in form.units:
-                return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
-        guessed = propose(self.table, found_in(self.table), {})
-        likely = [
-            f"{name}={p.request}" for name, p in guessed.items() if p.request.startswith(("reading", "echo"))
-        ]
-        told = unfit(self.table, [name for name, _ in alike]) if not likely else ""
-        if told:
-            return f"{told}; {INSPECT}"
-        if likely:
-            return f'Say which it is: --column "{likely[0]}"; {INSPECT}'
-        like = alike[0][0] if alike else others[0]
-        if told := unfit(self.table, [like]):
-            return f"{told}; {INSPECT}"
-        first = f"{like}=reading_m"
-        return f'Say which it is: --column "{first}"; {INSPECT}'
-
-    def _meant(self, forms: Collection[Form]) -> str | None:
-        """Request of a column whose name says a quantity in other words, or misspells it."""
-        for name in self.plan.others:
-            said = phrase(name)
-            if said and said[0] in forms:
-                return f"{name}={Assignment(name, *said).name}"
-        known = [name for form in forms for name in form.names]
-        for name in self.plan.others:
-            if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
-                return f"{name}={near[0]}"
-        return None

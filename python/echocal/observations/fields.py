@@ -12,7 +12,7 @@ import pandas as pd
 
 from echocal.errors import DataError
 
-__all__ = ["fields", "is_empty", "refuse_object", "row", "rows", "shown"]
+__all__ = ["fields", "is_empty", "refuse_object", "row", "rows", "shown", "span"]
 
 _SCALARS = (str, Real, Decimal, np.bool_, np.datetime64, np.timedelta64, date, time, timedelta, pd.Period)
 _NONE = (None, pd.NA, pd.NaT)
@@ -28,6 +28,20 @@ def row(position: int | np.intp) -> str:
 def rows(count: int | np.intp) -> str:
     """Count rows for a person."""
     return f"{count} row" if count == 1 else f"{count} rows"
+
+
+def span(seconds: float) -> str:
+    """Length of time for a person.
+
+    Examples
+    --------
+    >>> span(5.0), span(600.0), span(9700.0)
+    ('5 s', '10 min', '2.7 h')
+    """
+    for size, unit in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * size:
+            return f"{round(seconds / size, 1):g} {unit}"
+    return f"{seconds:.3g} s"
 
 
 def shown(text: str) -> str:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import pandas as pd
 
+from echocal.observations.join import Join
 from echocal.observations.layout import Head, Layout
 
 __all__ = ["CORRUPT", "CUT", "NOT_READ", "Found", "found_in", "keep", "pointed", "said_of"]
@@ -38,10 +39,14 @@ class Found:
         What a person should know, one sentence each.
     corrupt : mapping of int to str
         Reason of each row that could not be read.
-    requests : mapping of str to str
-        What columns hold by their values: times.
     streams : bool
         Whether `echocal correct` can keep the file line by line.
+    requests : mapping of str to str
+        What columns hold by their values or by how the log is written: times, the values of known programs.
+    sure : tuple of str
+        Those of them that are right, however unusual: the log writes the unit beside each value.
+    joined : mapping of str to Join
+        Columns whose values were recorded at other times than those of the rows.
     """
 
     kind: str = ""
@@ -50,6 +55,8 @@ class Found:
     corrupt: Mapping[int, str] = field(default_factory=dict)
     streams: bool = True
     requests: Mapping[str, str] = field(default_factory=dict)
+    sure: tuple[str, ...] = ()
+    joined: Mapping[str, Join] = field(default_factory=dict)
 
 
 def keep(table: pd.DataFrame, found: Found) -> pd.DataFrame:
@@ -61,6 +68,8 @@ def keep(table: pd.DataFrame, found: Found) -> pd.DataFrame:
         "corrupt": [[row, why] for row, why in found.corrupt.items()],
         "streams": found.streams,
         "requests": dict(found.requests),
+        "sure": list(found.sure),
+        "joined": {column: asdict(join) for column, join in found.joined.items()},
     }
     table.attrs[_KEY] = plain
     return table
@@ -72,9 +81,11 @@ def found_in(table: pd.DataFrame) -> Found:
     if not plain:
         return Found()
     corrupt = {int(row): str(why) for row, why in plain["corrupt"] if row < len(table)}
+    joined = {column: Join(**join) for column, join in plain["joined"].items()}
     return Found(
-        plain["kind"], plain["units"], tuple(plain["notes"]), corrupt, plain["streams"], plain["requests"]
-    )
+        plain["kind"], plain["units"], tuple(plain["notes"]), corrupt, plain["streams"], plain["requests"],
+        tuple(plain["sure"]), joined,
+    )  # fmt: skip
 
 
 def pointed(texts: pd.Series[Any]) -> pd.Series[Any]:

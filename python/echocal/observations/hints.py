@@ -27,7 +27,7 @@ from echocal.observations.vocabulary import (
     WORDS,
 )
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "role_of"]
+__all__ = ["Hint", "completed", "hint", "is_time_name", "role_of", "role_of_unit"]
 
 
 @dataclass(frozen=True)
@@ -63,10 +63,17 @@ def hint(column: str, unit: str = "") -> Hint | None:
     """
     if column.strip().lower() in TIMES or column.strip().lower().startswith(("date time,", "date-time")):
         return Hint("time")
-    words, own = split_unit(STATISTIC.sub("", column))
-    symbol = symbol_of(unit) or own
     if column.strip().lower() in COUNTERS:
         return Hint(COUNTERS[column.strip().lower()])
+    if role := role_of_unit(column):
+        # one letter, and a word such as "in", say too little
+        return (
+            None
+            if len(column.strip()) < 2 or column.strip().lower() == "in"
+            else _alone(role, symbol_of(column))
+        )
+    words, own = split_unit(STATISTIC.sub("", column))
+    symbol = symbol_of(unit) or own
     if not symbol:
         return Hint("echo_quality") if _of_echo(words) else None
     listed = _listed(words)
@@ -81,6 +88,26 @@ def hint(column: str, unit: str = "") -> Hint | None:
             name = _name(role, symbol)
             return Hint(name, role not in {"reading"} or not tokens & {"distance", "dist", "abstand"})
     return None
+
+
+def role_of_unit(column: str) -> str:
+    """Which quantity a column holds that is called by its unit alone; empty for any other name.
+
+    Examples
+    --------
+    >>> role_of_unit("inches"), role_of_unit("degF"), role_of_unit("us"), role_of_unit("Distance (cm)")
+    ('reading', 'temperature', 'echo', '')
+    """
+    symbol = symbol_of(column)
+    roles = ("reading", "echo", "temperature", "humidity", "pressure")
+    return next((role for role in roles if symbol and symbol in WORDS[role][0]), "")
+
+
+def _alone(role: str, symbol: str) -> Hint | None:
+    """What a unit as a name says: a length may be the reference, a time a clock, a percentage a charge."""
+    if role in {"echo", "humidity"}:
+        return None
+    return Hint(f"{role}_{symbol}", role != "reading")
 
 
 def is_time_name(column: str) -> bool:
@@ -114,7 +141,10 @@ def completed(
         said = hint(column, unit)
         why = (doubtful or {}).get(column)
         if said and why and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
-            notes.append(f"'{column}' {why} and is not used; to use it: --column \"{column}={said.name}\"")
+            use = (
+                "" if said.name == "time" else f' and is not used; to use it: --column "{column}={said.name}"'
+            )
+            notes.append(f"'{column}' {why}{use}")
         elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
     _drop_unsure(hints, held, notes)

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import EchocalError
+from echocal.observations.fields import span
 from echocal.observations.found import found_in
 from echocal.observations.layout import Layout
 from echocal.observations.names import EXTRA, IGNORE
@@ -233,17 +234,10 @@ def _clock(observations: Observations) -> Clock | None:
     steps = np.diff(seconds[rows])
     usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     gaps, back, equal = (np.flatnonzero(m) for m in (steps > _JUMP * usual, steps < 0, steps == 0))
-    shown = [f"row {rows[n] + 2}: {_span(steps[n])} after the row before" for n in gaps[:_SHOWN]]
-    shown += [f"row {rows[n] + 2}: {_span(-steps[n])} back" for n in back[:_SHOWN]]
+    shown = [f"row {rows[n] + 2}: {span(steps[n])} after the row before" for n in gaps[:_SHOWN]]
+    shown += [f"row {rows[n] + 2}: {span(-steps[n])} back" for n in back[:_SHOWN]]
     first, last = (f"{v:g} s" for v in (seconds[rows].min(), seconds[rows].max()))
     if observations.time is not None:
         known = observations.time[~np.isnat(observations.time)]
         first, last = (str(v.astype("datetime64[s]")) + "Z" for v in (known.min(), known.max()))
     return Clock(first, last, usual, len(gaps), len(back), len(equal), shown)
-
-
-def _span(seconds: float) -> str:
-    for size, unit in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2 * size:
-            return f"{seconds / size:.1f} {unit}"
-    return f"{seconds:.3g} s"

@@ -5,6 +5,7 @@ from difflib import get_close_matches
 
 from echocal.errors import DataError, UsageError
 from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
+from echocal.observations.units_said import symbol_of
 
 __all__ = ["EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
@@ -15,7 +16,7 @@ IGNORE = "ignore"
 _ROLES = sorted((form.role for form in FORMS), key=len, reverse=True)
 _FORM_BY_ROLE = {form.role: form for form in FORMS}
 _FORM_BY_WORDS = {words: form for form in FORMS for words in (*form.words, form.role.replace("_", " "))}
-_FURTHER = re.compile(rf"temperature_.+_({'|'.join(THERMOMETER.units)})")
+_FURTHER = re.compile(rf"(?i)temperature_.+_({'|'.join(THERMOMETER.units)})")
 _PHRASE = re.compile(r"(?P<words>.+?)(?:\s+in\s+(?P<unit>.+)|\s*[\[(](?P<bracket>.*)[\])])?")
 
 
@@ -31,7 +32,7 @@ def by_name(column: str) -> tuple[Form, str] | None:
     if found and (found[1] or column == found[0].role):
         return found  # a bare name in another case ("Time") is somebody's own
     if further := _FURTHER.fullmatch(column):
-        return THERMOMETER, further[1]
+        return THERMOMETER, further[1].upper()
     role = next((role for role in _ROLES if column == role or column.startswith(f"{role}_")), None)
     if role is None:
         return None
@@ -79,10 +80,12 @@ def looks_like(column: str, form: Form) -> bool:
 
 
 def _exact(name: str) -> tuple[Form, str] | None:
-    """Match names in any case of the quantity, but only in the unit's own case."""
+    """Match names in any case of the quantity; the unit may be written as people and loggers write it."""
     for role in _ROLES:
         if name.lower() == role or name.lower().startswith(f"{role}_"):
-            return NAMES.get(role + name[len(role) :])
+            written = name[len(role) + 1 :]
+            exact = NAMES.get(role + name[len(role) :])
+            return exact or (NAMES.get(f"{role}_{symbol_of(written)}") if symbol_of(written) else None)
     return None
 
 

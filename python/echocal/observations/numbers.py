@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
 from echocal.observations.fields import fields, row, shown
+from echocal.observations.silence import says_no_echo
 
 __all__ = ["EMPTY", "EXACT", "NO_NUMBER", "Missing", "is_damaged", "to_numbers"]
 
@@ -120,6 +121,7 @@ def _parse(values: pd.Series[Any], column: str, missing: Missing, corrupt: list[
     absent = texts.isin(NO_NUMBER | missing.texts(column)).to_numpy()
     numbers = pd.to_numeric(texts.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
     wrong = np.flatnonzero(np.isnan(numbers) & ~absent)
+    wrong = wrong[[not says_no_echo(text) for text in texts.iloc[wrong]]]
     if corrupt is not None and _FEW * len(wrong) <= len(texts) and not _mean(texts.iloc[wrong]):
         corrupt += wrong.tolist()
     elif len(wrong):

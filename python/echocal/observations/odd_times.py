@@ -1,18 +1,31 @@
-"""Times that a clock gives which was not set, was set anew, or stood still."""
+"""Times that a clock gives which was not set, was set anew, stood still, or counts in another unit."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.errors import DataError
 from echocal.observations.clock import Instants
-from echocal.observations.fields import row, rows
+from echocal.observations.fields import row, rows, span
 from echocal.observations.plan import Assignment
 
-__all__ = ["not_set", "said_of_order"]
+__all__ = ["not_set", "refuse_other_clock", "said_of_order"]
 
 Column = NDArray[np.float64]
 
 _FIRST = np.datetime64("1990-01-01", "ns")  # clocks that were not set begin in 1970 or 1980
 _SURE = np.datetime64("2000-01-01", "ns")
+
+_LONGEST = 5e9  # s: since 1970 it is the year 2128
+_SHORTEST = 1e-3  # s: sound comes back from 17 cm in this time, and a ranger waits for its echo
+_FEWEST = 5  # steps
+_OFTEN = 3600.0  # s: people who log less often choose whole half hours, hours or days
+_NEAR = 0.04  # of these: the clock of a sleeping device is off by some percent
+_ROUND = ((6 * 3600.0, 1800.0), (0.97 * 86400.0, 3600.0), (np.inf, 86400.0))
+"""Steps below which a person chooses multiples of which time [s]."""
+
+_EVEN = 0.25  # of a step: half of the steps lie within it
+
+_USUAL = (2e-3, 7 * 86400.0)  # s: steps in another unit that are offered
 
 
 def not_set(times: Instants) -> NDArray[np.bool_]:
@@ -57,3 +70,61 @@ def said_of_order(elapsed: Column, source: Assignment, *, bursts: bool) -> list[
             f"{row(known[still[0] + 1])}: a clock that stood still, or counts too coarsely"
         )
     return said
+
+
+def refuse_other_clock(seconds: Column, source: Assignment) -> None:
+    """Refuse a count of time whose steps make sense only in another unit.
+
+    A program that counts milliseconds or microseconds makes whole numbers with nearly even steps. Taken for
+    seconds, they are hours that are no multiples of half an hour, an hour or a day.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        Times in the unit that the column's name says [s].
+
+    Raises
+    ------
+    DataError
+        If they are.
+    """
+    known = seconds[np.isfinite(seconds)]
+    steps = np.abs(np.diff(known))
+    steps = steps[steps > 0.0]
+    own = source.unit.numerator / source.unit.denominator
+    if len(steps) < _FEWEST or (_is_usual(steps, own) and np.abs(known).max() < _LONGEST):
+        return
+    step = float(np.median(steps))
+    units = {
+        f"{source.form.role}_{n}": u.numerator / u.denominator for n, u in source.form.units.items() if n
+    }
+    others = {
+        name: step * unit / own
+        for name, unit in units.items()
+        if (unit < own) == (step >= _SHORTEST) and unit != own
+        if _USUAL[0] <= step * unit / own <= _USUAL[1] and np.abs(known).max() * unit / own < _LONGEST
+    }
+    told = "; ".join(
+        f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items()
+    )
+    ways = [f'--column "{source.column}={name}"' for name in others]
+    message = (
+        f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. Say which it is: "
+        f'{"".join(f"{way}, " for way in ways)}or if it is right as it stands: --trust "{source.column}"'
+    )
+    raise DataError(message)
+
+
+def _is_usual(steps: Column, unit: float) -> bool:
+    """Whether steps [s] of a count in a unit [s] may be those of a logger."""
+    middle = float(np.median(steps))
+    if middle < _OFTEN:
+        return middle >= _SHORTEST
+    counts = steps / unit
+    low, high = np.quantile(counts, [0.25, 0.75])
+    even = high - low <= _EVEN * middle / unit and np.allclose(counts, np.round(counts), rtol=0.0, atol=1e-6)
+    choice = next(multiple for below, multiple in _ROUND if middle < below)
+    near = np.abs(steps / choice - np.round(steps / choice)) <= _NEAR
+    # equal steps without any jitter may be computed; then only a round count is that of a program
+    computed = np.ptp(counts) == 0.0 and float(f"{counts[0]:.2g}") != counts[0]
+    return bool(not even or near.mean() >= 0.5 or computed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,11 +11,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import EchocalError
+from echocal.observations.by_values import guesses, usual
 from echocal.observations.checks import CODES
 from echocal.observations.doubtful import doubtful_in
 from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
-from echocal.observations.hints import completed, hint, is_time_name, role_of
+from echocal.observations.hints import completed, hint, is_time_name, role_of, role_of_unit
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import has_foreign_unit, split_unit, symbol_of
@@ -23,17 +24,6 @@ from echocal.observations.units_said import has_foreign_unit, split_unit, symbol
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
 Column = NDArray[np.float64]
-
-_RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {
-    "reading": (("m", 0.02, 10.0), ("cm", 10.0, 600.0), ("mm", 600.0, 12000.0)),
-    "distance": (("m", 0.02, 10.0), ("cm", 10.0, 600.0), ("mm", 600.0, 12000.0)),
-    "echo": (("s", 1e-4, 0.06), ("ms", 0.1, 60.0), ("us", 100.0, 60000.0)),
-    "temperature": (("C", -40.0, 48.0), ("F", 48.0, 120.0), ("K", 230.0, 330.0)),
-    "humidity": (("percent", 1.5, 100.0),),
-    "echo_quality": (("", 0.0, 1000.0),),
-    "pressure": (("kPa", 60.0, 110.0), ("hPa", 600.0, 1100.0), ("Pa", 60000.0, 110000.0)),
-}
-"""Usual medians of a column by its unit."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +47,14 @@ class Proposal:
 def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict[str, Proposal]:
     """A proposal for each column; what the user says goes first."""
     columns = [str(name) for name in table.columns]
-    doubtful = doubtful_in(table)
+    doubtful = doubtful_in(table, {**found.requests, **given})
     sure, _ = completed(columns, given, found, doubtful)
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
+    told = {n: why.partition(";")[0].partition(" and is not")[0] for n, why in doubtful.items()}
+    proposals |= {n: Proposal("", why) for n, why in told.items() if not proposals[n].request}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
-    bare = {name: role for name in columns if not proposals[name].request and (role := role_of(name))}
+    roles = {name: role_of(name) or _by_unit(name, table, held) for name in columns}
+    bare = {name: role for name, role in roles.items() if role and not proposals[name].request}
     for name, role in sorted(bare.items(), key=lambda pair: pair[1] == "distance"):
         numbers = _numbers(table[name])
         if (
@@ -72,15 +65,20 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
         ):
             continue
         own = role
-        unit = symbol_of(found.units.get(name, "")) or split_unit(name)[1] or _usual(own, numbers)
+        unit = (
+            symbol_of(found.units.get(name, ""))
+            or split_unit(name)[1]
+            or symbol_of(name)
+            or usual(own, numbers)
+        )
         request = _request(own, unit)
         if request and _quantity(request) not in held:
-            usual = "of a quality number" if own == "echo_quality" else f"as usual in {unit or 'a fraction'}"
-            why = f"its name, and values {usual}"
+            values = "of a quality number" if own == "echo_quality" else f"as usual in {unit or 'a fraction'}"
+            why = f"its name, and values {values}"
             proposals[name] = Proposal(request, why, guess=True)
             held.add(_quantity(request))
-    if not {"reading", "echo_time"} & held:
-        _by_values(table, found, proposals, held)
+    if not {"reading", "echo_time"} & held or "temperature" not in held:
+        _by_values(table, found, proposals, held, {name for name in roles if roles[name]})
     if not {"reading", "echo_time"} & held:
         _reference_as_reading(table, proposals, given)
     return proposals
@@ -121,8 +119,8 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
     if name in given:
         return Proposal(given[name], "as you say")
     if name in found.requests:
-        joined = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
-        return Proposal(found.requests[name], joined)
+        why = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
+        return Proposal(found.requests[name], "the log says so" if name in found.sure else why)
     try:
         if ours := by_name(name):
             form, unit = ours
@@ -138,25 +136,34 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
     return Proposal("", "")
 
 
-def _by_values(table: pd.DataFrame, found: Found, proposals: dict[str, Proposal], held: set[str]) -> None:
-    """The first column that varies like a reading, and the first after it like a temperature."""
+def _by_unit(name: str, table: pd.DataFrame, held: set[str]) -> str:
+    """Which quantity a column may hold that is called by its unit: a time that runs on is a clock."""
+    role, numbers = role_of_unit(name), _numbers(table[name])
+    if not role or numbers is None or not usual(role, numbers):
+        return ""
+    return "" if role == "echo" and (np.diff(numbers[np.isfinite(numbers)]) >= 0).all() else role
+
+
+def _by_values(
+    table: pd.DataFrame, found: Found, proposals: dict[str, Proposal], held: set[str], named: Collection[str]
+) -> None:
+    """Guesses and questions for the columns whose names say nothing."""
+    free, units = {}, {}
     for name in map(str, table.columns):
         numbers = None if is_time_name(name) else _numbers(table[name])
-        if proposals[name].request or numbers is None or _counts(numbers) or has_foreign_unit(name):
+        if name in named or proposals[name].request or numbers is None or has_foreign_unit(name):
             continue
-        stated = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
-        if not {"reading", "echo_time"} & held and (not stated or f"reading_{stated}" in NAMES):
-            unit = stated or _usual("reading", numbers)
-            if unit:
-                proposals[name] = Proposal(
-                    f"reading_{unit}", f"values as usual for a distance in {unit}", guess=True
-                )
-                held.add("reading")
-        elif "temperature" not in held and not stated and _usual("temperature", numbers) == "C":
-            proposals[name] = Proposal(
-                "temperature_C", "values as usual for a temperature in degC", guess=True
-            )
-            held.add("temperature")
+        free[name] = numbers
+        units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
+    known = bool({"reading", "echo_time"} & held)
+    for name, guess in guesses(free, units, held).items():
+        if (
+            known and guess.request
+        ):  # a table whose names say something: no other column is taken by its values
+            proposals[name] = Proposal("", f"may be {guess.request}, by its values: say so")
+            continue
+        proposals[name] = Proposal(guess.request, guess.reason, guess=bool(guess.request))
+        held.add(_quantity(guess.request))
 
 
 def _reference_as_reading(
@@ -166,25 +173,12 @@ def _reference_as_reading(
     distances = [name for name, p in proposals.items() if _quantity(p.request or "") == "reference_distance"]
     if len(distances) != 1 or distances[0] in given or _numbers(table[distances[0]]) is None:
         return
+    if role_of(distances[0]) == "distance":  # a ruler is none, whatever else is missing
+        return
     (name,) = distances
     request = f"reading_{proposals[name].request.rpartition('_')[2]}"
     if request in NAMES:
         proposals[name] = Proposal(request, "the only distance, and the log has no echo", guess=True)
-
-
-def _counts(numbers: Column) -> bool:
-    """Whether a column counts rows or the time."""
-    steps = np.diff(numbers[np.isfinite(numbers)])
-    return bool(len(steps) > 1 and (steps > 0).all())
-
-
-def _usual(role: str, numbers: Column) -> str:
-    """Unit in which the median is usual; of lengths with decimals or without."""
-    finite = numbers[np.isfinite(numbers)]
-    if not len(finite):
-        return ""
-    middle = float(np.median(finite))
-    return next((unit for unit, low, high in _RANGES.get(role, ()) if low <= middle < high), "")
 
 
 def _request(role: str, unit: str) -> str:

@@ -4,10 +4,13 @@ import warnings
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from echocal.errors import DataWarning, UsageError
 from echocal.observations.table import Observations
+
+if TYPE_CHECKING:
+    from echocal.observations.join import Join
 
 __all__ = ["read_observations"]
 
@@ -116,15 +119,24 @@ def read_observations(
     stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
     found = found_in(table)
-    requests, said = completed(list(table.columns), plan.read_columns(columns), found, doubtful_in(table))
+    asked = plan.read_columns(columns)
+    doubtful = doubtful_in(table, {**found.requests, **asked})
+    requests, said = completed(list(table.columns), asked, found, doubtful)
     planned = plan.make(list(table.columns), requests, trust)
-    assembly = Assembly(table, planned, codes, trust, time_zone, time_format=time_format)
-    several = note_of(table, set(plan.read_columns(columns)))
+    assembly = Assembly(table, planned, codes, {*trust, *found.sure}, time_zone, time_format=time_format)
+    several = note_of(table, set(asked))
     assembly.notes += [*found.notes, *said, *([several] if several else [])]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
+    observations = _with_joins(observations, found.joined)
     if stated:
         observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
     if not observations.usable.all():
         warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
     return observations
+
+
+def _with_joins(observations: Observations, joined: Mapping[str, "Join"]) -> Observations:
+    """The observations with how columns were joined, by quantity where they hold one."""
+    quantities = {column: quantity for quantity, column in observations.source_names.items()}
+    return replace(observations, joined={quantities.get(name, name): join for name, join in joined.items()})

@@ -1,14 +1,20 @@
 """Measured data in SI units, every row accounted for."""
 
+from __future__ import annotations
+
 from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
 from echocal.shown import Shown
+
+if TYPE_CHECKING:
+    from echocal.observations.join import Join
 
 __all__ = ["Observations"]
 
@@ -54,6 +60,9 @@ class Observations(Shown):
     stated : mapping of str to (float, float)
         Conditions that the user states for all rows, where the table has no column: value and standard
         uncertainty [SI], by quantity.
+    joined : mapping of str to Join
+        How values that were recorded at other times than the rows came to them: by quantity, or by column
+        where it holds none.
     refused : mapping of str to str
         By quantity, why its column looks as if it were in another unit. Only a table that is read
         with everything trusted has such columns, for a diagnosis to find a fault that explains them.
@@ -84,6 +93,7 @@ class Observations(Shown):
     source_names: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     stated: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    joined: Mapping[str, Join] = field(default_factory=dict, repr=False)
     refused: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:

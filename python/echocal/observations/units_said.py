@@ -4,7 +4,7 @@ import re
 
 from echocal.observations.units import UNIT_WORDS
 
-__all__ = ["has_foreign_unit", "is_unit_row", "split_unit", "symbol_of"]
+__all__ = ["WRITTEN", "has_foreign_unit", "is_unit_row", "split_unit", "symbol_of"]
 
 _MORE = {
     "degc": "C", "deg c": "C", "deg_c": "C", "°c": "C", "c": "C", "ºc": "C", "*c": "C", "grad c": "C",
@@ -25,6 +25,9 @@ for _symbol, _words in UNIT_WORDS.items():
     for _word in (*_words, _symbol.lower()):
         if _word:
             _MORE.setdefault(_word, _symbol)
+
+WRITTEN = tuple(sorted(_MORE, key=len, reverse=True))
+"""Ways to write a unit, in lower case, the longest first."""
 
 _LOGGERS = {
     "ts", "rn", "avg", "smp", "min", "max", "tot", "std", "wvc", "tmx", "tmn", "smm", "time", "date",

@@ -47,7 +47,7 @@ class Unit:
             values = values * self.numerator
         return values if self.denominator == 1.0 else values / self.denominator
 
-    def from_si(self, value: float) -> float:
+    def from_si(self, value: Number) -> Number:
         """Convert a value in SI to this unit."""
         return value * self.denominator / self.numerator + self.zero
 

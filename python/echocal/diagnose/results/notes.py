@@ -15,6 +15,7 @@ from echocal.diagnose.selection.claims import free_size, without
 from echocal.diagnose.selection.tension import reconciled
 from echocal.diagnose.validation.validate import Validation
 from echocal.observations import Observations
+from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = ["notes"]
@@ -43,6 +44,7 @@ def notes(
             f"{cause} acts in too few stations or segments: a fit without them does not find its size. The "
             f"{rows} neither confirm nor refute it"
         )
+    said += [_joined(claim.cause, observations) for claim in validation.claims]
     said += [*_both(case, observations), *_unread(case), *_aside(case)]
     if passing := ", ".join(validation.model.campaign_effects):
         said.append(
@@ -79,6 +81,20 @@ def _both(case: Case, observations: Observations) -> list[str]:
         "the table has readings and echo times. The diagnosis uses the echo times, because the arithmetic of "
         f'the device does not change them. To diagnose the readings: --column "{echo}=ignore"'
     ]
+
+
+def _joined(cause: str, observations: Observations) -> str:
+    """That a cause acts on the course of a quantity that was recorded at other times than the rows."""
+    derived = (QUANTITIES[name].derived_from or "" for name in find_effect(cause).reads)
+    moving = {word for text in derived if text.startswith("time and ") for word in [text[len("time and ") :]]}
+    joined = [name for name in observations.joined if name in moving]
+    if not joined:
+        return ""
+    column = observations.source_names[joined[0]]
+    return (
+        f"{cause} acts on the course of '{column}', which has other times than the rows and is "
+        f"{observations.joined[joined[0]]}. Two clocks that differ look the same as this cause: compare them"
+    )
 
 
 def _unread(case: Case) -> list[str]:

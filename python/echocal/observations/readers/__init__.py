@@ -23,12 +23,15 @@ from echocal.observations.readers import (
     messages,
     mqtt_lines,
     nmea,
+    repeats,
     ros,
     serial_lines,
     spreadsheet,
     times,
+    unit_names,
     white_space,
 )
+from echocal.observations.readers.stamps import plain
 
 __all__ = ["format_of", "read", "tidy"]
 
@@ -44,7 +47,7 @@ _FORMATS = (
     serial_lines,
     white_space,
 )
-_STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step)
+_STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
 _FIRST = 200
 
 
@@ -64,8 +67,19 @@ def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame |
     from echocal.observations.text import below
 
     with below(path, settled(path, layout), layout.skip_lines) as file:
-        log = form.read([line.rstrip("\r\n") for line in file], str(path))
-    return keep(log.table(), Found(form.NAME, log.units, tuple(log.notes), log.corrupt, streams=False))
+        log = form.read([plain(line.rstrip("\r\n")) for line in file], str(path))
+    table = log.table()
+    found = Found(
+        form.NAME,
+        log.units,
+        tuple(log.notes),
+        log.corrupt,
+        False,
+        log.requests,
+        tuple(log.requests),
+        log.joined,
+    )
+    return keep(table, found)
 
 
 def format_of(path: Path, layout: Layout) -> str:
@@ -91,6 +105,6 @@ def _form(path: Path, layout: Layout):  # type: ignore[no-untyped-def]
     from echocal.observations.text import below  # which knows this room
 
     with below(path, settled(path, layout), layout.skip_lines) as file:
-        lines = [line.rstrip("\r\n") for line in islice(file, _FIRST)]
+        lines = [plain(line.rstrip("\r\n")) for line in islice(file, _FIRST)]
     lines = [line for line in lines if line.strip()]
     return next((form for form in _FORMATS if lines and form.recognizes(lines)), None)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import pandas as pd
@@ -13,6 +15,7 @@ from echocal.observations.units_said import symbol_of
 
 __all__ = ["step"]
 
+_NAMELESS = re.compile(r"(?i)column \d+|unnamed \d+|units?|einheit(?:en)?")
 _CELL = r"^([-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?)\s*([^\d\s.,:/-][^\d]{0,7})$"
 
 
@@ -39,7 +42,21 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
         values[same] = parts.loc[same, 0].str.replace(",", ".", regex=False)
         table = table.assign(**{name: _numbers(values)})
         units.setdefault(str(name), str(parts[1].dropna().mode()[0]).strip())
-    return table, replace(found, units=units)
+    return table, replace(found, units={**_beside(table), **units})
+
+
+def _beside(table: pd.DataFrame) -> dict[str, str]:
+    """Units in columns of their own behind the numbers, in a table without names: ``1.234,M,20.1,C``."""
+    units = {}
+    for name, behind in pairwise(table.columns):
+        if not _NAMELESS.fullmatch(str(behind)):
+            continue
+        if not pd.api.types.is_numeric_dtype(table[name]) or pd.api.types.is_numeric_dtype(table[behind]):
+            continue
+        texts = table[behind].dropna().astype(str).str.strip().unique()
+        if len(texts) == 1 and symbol_of(texts[0]):
+            units[str(name)] = str(texts[0])
+    return units
 
 
 def _numbers(values: pd.Series[Any]) -> pd.Series[Any]:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from echocal.errors import DataError
+from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.log import Log
 
 __all__ = ["NAME", "flat", "read", "recognizes"]
@@ -32,8 +33,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     if not records:
         message = f'{path} is JSON without records; a record is {{"distance_cm": 12.3, ...}}, one a line'
         raise DataError(message)
-    log.records = _short([flat(record) for record in records])
-    return log
+    return of_several_messages(_short([flat(record) for record in records]), log)
 
 
 def _lines(lines: Sequence[str], path: str) -> Log:
@@ -52,8 +52,7 @@ def _lines(lines: Sequence[str], path: str) -> Log:
     if 2 * len(log.corrupt) >= len(records):
         message = f"{path} is JSON that cannot be read; write one record a line, or save the table as CSV"
         raise DataError(message)
-    log.records = _short(records)
-    return log
+    return of_several_messages(_short(records), log)
 
 
 def _records(whole: Any, log: Log) -> list[Mapping[str, Any]]:

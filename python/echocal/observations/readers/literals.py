@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from echocal.observations.readers.log import Log
+from echocal.observations.silence import says_no_echo
 
 __all__ = ["NAME", "read", "recognizes"]
 
@@ -18,7 +19,8 @@ _LOOK = 50
 def recognizes(lines: Sequence[str]) -> bool:
     """Whether most lines are a tuple, a list or a dict."""
     look = lines[:_LOOK]
-    return 2 * sum(_value(line)[1] is not None for line in look) > len(look)
+    good = sum(_value(line)[1] is not None for line in look)
+    return good > 0 and 2 * (good + sum(map(says_no_echo, look))) > len(look)
 
 
 def read(lines: Sequence[str], path: str) -> Log:
@@ -29,7 +31,7 @@ def read(lines: Sequence[str], path: str) -> Log:
         time, value = _value(line)
         stamp = {"time": time} if time else {}
         if value is None:
-            if records:
+            if records or says_no_echo(line):
                 log.corrupt[len(records)] = line
                 records.append(dict(stamp))
             continue
@@ -49,7 +51,7 @@ def _value(line: str) -> tuple[str, dict[str, Any] | None]:
     time = (match["time"] or "").replace("->", "").strip()
     if isinstance(value, Mapping):
         return time, {str(name): own for name, own in value.items()}
-    if isinstance(value, tuple | list) and len(value) > 1:
+    if isinstance(value, tuple | list) and value:
         return time, _placed(list(value))
     return "", None
 

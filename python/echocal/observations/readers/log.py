@@ -10,9 +10,13 @@ import pandas as pd
 
 from echocal.errors import DataError
 from echocal.observations.fields import shown
+from echocal.observations.join import Join
 from echocal.observations.numbers import NO_NUMBER
+from echocal.observations.silence import NO_ECHO, says_no_echo
 
 __all__ = ["Log", "numeric"]
+
+_WITHOUT = "line without values"
 
 
 @dataclass
@@ -26,13 +30,19 @@ class Log:
     units : dict of str to str
     notes : list of str
     corrupt : dict of int to str
-        Reason of each row that could not be read.
+        The line of each row that has no values.
+    requests : dict of str to str
+        What columns hold for sure, by how the log is written.
+    joined : dict of str to Join
+        Columns whose values were recorded at other times than those of the rows.
     """
 
     records: Sequence[Mapping[str, Any]]
     units: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     corrupt: dict[int, str] = field(default_factory=dict)
+    requests: dict[str, str] = field(default_factory=dict)
+    joined: dict[str, Join] = field(default_factory=dict)
 
     def table(self) -> pd.DataFrame:
         """Columns in the order in which they appear; numbers where all values are such.
@@ -46,16 +56,23 @@ class Log:
         if not names:
             raise DataError("the log has no values")
         columns = {name: [record.get(name) for record in self.records] for name in names}
-        if self.corrupt:
-            first = min(self.corrupt)
-            self.notes.append(
-                f"{len(self.corrupt)} of {len(self.records)} lines have no values, first row {first + 1}: "
-                f"'{shown(self.corrupt[first])}'"
-            )
-            self.corrupt = dict.fromkeys(self.corrupt, "line without values")
+        self._give_reasons()
         return pd.DataFrame(
             {name: numeric(pd.Series(values, dtype=object)) for name, values in columns.items()}
         )
+
+    def _give_reasons(self) -> None:
+        """Turn the lines of rows without values into reasons, and say how many there are."""
+        reasons = {row: NO_ECHO if says_no_echo(line) else _WITHOUT for row, line in self.corrupt.items()}
+        told = {NO_ECHO: "say that no echo came", _WITHOUT: "have no values"}
+        for reason, what in told.items():
+            rows = [row for row, own in reasons.items() if own == reason]
+            if rows:
+                line = shown(self.corrupt[min(rows)].strip())
+                self.notes.append(
+                    f"{len(rows)} of {len(self.records)} lines {what}, first row {min(rows) + 1}: '{line}'"
+                )
+        self.corrupt = reasons
 
 
 def numeric(values: pd.Series[Any]) -> pd.Series[Any]:

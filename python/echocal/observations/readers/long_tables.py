@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from echocal.observations.found import Found
-from echocal.observations.hints import hint
+from echocal.observations.in_time import joined, seconds_of
+from echocal.observations.join import Join, told
+from echocal.observations.readers.leads import changes_smoothly, ranger_names
 
 __all__ = ["step"]
 
@@ -25,26 +30,18 @@ _NAMES = (
     "quantity",
 )
 _VALUES = ("_value", "state", "value", "payload", "wert")
-_TIMES = ("_time", "last_changed", "last_updated", "time", "timestamp", "datetime", "created_at", "ts")
+_TIMES = (
+    *("_time", "last_changed", "last_updated", "time", "timestamp", "datetime", "created_at", "ts"),
+    *("time_s", "time_ms", "time_us", "epoch", "zeit", "datum"),
+)
 _UNITS = ("unit", "unit_of_measurement", "units", "einheit")
 _MOST = 50
-_LEADS = (
-    "distance",
-    "dist",
-    "abstand",
-    "entfernung",
-    "echo",
-    "reading",
-    "range",
-    "ultrasonic",
-    "sonar",
-    "tank",
-    "level",
-)
+
+Column = NDArray[np.float64]
 
 
 def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
-    """One column for each quantity: a row for each value of the ranger, with the last ones of the others."""
+    """One column for each quantity: a row for each value of the ranger, with the others at its time."""
     lower = {str(name).lower(): str(name) for name in table.columns}
     name, value, time = (
         next((lower[own] for own in known if own in lower), None) for known in (_NAMES, _VALUES, _TIMES)
@@ -52,42 +49,66 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if name is None or value is None or time is None or pd.api.types.is_numeric_dtype(table[name]):
         return table, found
     kinds = [str(own) for own in table[name].dropna().unique()]
-    if not 1 <= len(kinds) <= _MOST:
-        return table, found
     units = _units(table, name, lower)
-    lead = _lead(kinds, units)
-    values = pd.to_numeric(table[value], errors="coerce")
-    if lead is None:
+    lead = next(iter(ranger_names(kinds, units)), kinds[0] if len(kinds) == 1 else None)
+    if not 1 <= len(kinds) <= _MOST or lead is None:
         return table, found
-    own = table[name].astype(object) == lead
-    wide = table.loc[own, [c for c in table.columns if c == time or _is_tag(str(c), lower)]].reset_index(
-        drop=True
-    )
-    wide.insert(0 if time not in wide.columns else 1, lead, values[own].reset_index(drop=True))
-    seconds = pd.to_datetime(table[time].astype(str), format="mixed", utc=True, errors="coerce")
-    base = (
-        pd.DataFrame({"t": seconds[own].to_numpy(), "row": range(len(wide))})
-        .dropna()
-        .sort_values("t", kind="stable")
-    )
+    of_kind = table[name].astype(object)
+    values = pd.to_numeric(table[value], errors="coerce").to_numpy(dtype=np.float64)
+    own = (of_kind == lead).to_numpy()
+    tags = [str(c) for c in table.columns if _is_tag(str(c), lower)]
+    wide = table.loc[own, [c for c in table.columns if c == time or c in tags]].reset_index(drop=True)
+    wide.insert(0 if time not in wide.columns else 1, lead, values[own])
+    seconds, sensors = seconds_of(table[time]), _sensors(table[tags])
+    joins: dict[str, Join] = {}
     for kind in kinds:
-        if kind == lead:
-            continue
-        other = table[name].astype(object) == kind
-        right = pd.DataFrame({"t": seconds[other].to_numpy(), kind: values[other].to_numpy()}).dropna()
-        right = right.sort_values("t", kind="stable")
-        if right.empty or base.empty:
-            continue
-        joined = pd.merge_asof(base, right, on="t").set_index("row")[kind]
-        wide[kind] = joined.reindex(range(len(wide)))
-    others = ", ".join(repr(kind) for kind in kinds if kind != lead) or "no other"
+        where = (of_kind == kind).to_numpy() & np.isfinite(seconds)
+        if kind != lead and np.isfinite(values[where]).any():
+            smooth = changes_smoothly(kind, units.get(kind, ""))
+            wide[kind], joins[kind] = _of_each(seconds, values, sensors, own, where, smooth=smooth)
     note = (
         f"the log has a row for each value: {len(table)} rows of {len(kinds)} quantities become {len(wide)} "
-        f"rows, one for each '{lead}', with the last value of {others}"
+        f"rows, one for each '{lead}'"
     )
     return wide, replace(
-        found, units={**found.units, **units}, notes=(*found.notes, note), corrupt={}, streams=False
-    )
+        found, units={**found.units, **units}, notes=(*found.notes, note, *told(joins)), corrupt={},
+        streams=False, joined={**found.joined, **joins},
+    )  # fmt: skip
+
+
+def _of_each(
+    seconds: Column,
+    values: Column,
+    sensors: NDArray[np.int64],
+    own: NDArray[np.bool_],
+    where: NDArray[np.bool_],
+    *,
+    smooth: bool,
+) -> tuple[Column, Join]:
+    """Values at the times of the ranger: of the same sensor where each has the quantity, else of any."""
+    apart = set(sensors[own].tolist())
+    if apart != set(sensors[where].tolist()):
+        sensors = np.zeros_like(sensors)
+        apart = {0}
+    taken = np.full(int(own.sum()), np.nan)
+    joins = []
+    for sensor in sorted(apart):
+        mine = sensors == sensor
+        place = mine[own]
+        taken[place], join = joined(
+            seconds[own & mine], seconds[where & mine], values[where & mine], smooth=smooth
+        )
+        joins.append(join)
+    longest = max(joins, key=lambda join: join.interval_s)
+    return taken, replace(longest, without=sum(join.without for join in joins))
+
+
+def _sensors(tags: pd.DataFrame) -> NDArray[np.int64]:
+    """Number of the sensor that each row is of, by its tags."""
+    if tags.empty:
+        return np.zeros(len(tags), dtype=np.int64)
+    codes: Any = tags.astype(str).agg("\0".join, axis=1).factorize()[0]
+    return np.asarray(codes, dtype=np.int64)
 
 
 def _units(table: pd.DataFrame, name: str, lower: dict[str, str]) -> dict[str, str]:
@@ -96,16 +117,6 @@ def _units(table: pd.DataFrame, name: str, lower: dict[str, str]) -> dict[str, s
         return {}
     pairs = table[[name, column]].dropna().drop_duplicates(name)
     return {str(kind): str(unit) for kind, unit in pairs.itertuples(index=False)}
-
-
-def _lead(kinds: list[str], units: dict[str, str]) -> str | None:
-    said = [
-        kind
-        for kind in kinds
-        if (h := hint(kind, units.get(kind, ""))) and h.name.startswith(("reading", "echo"))
-    ]
-    alike = [kind for word in _LEADS for kind in kinds if word in kind.lower()]
-    return next(iter([*said, *alike]), kinds[0] if len(kinds) == 1 else None)
 
 
 def _is_tag(name: str, lower: dict[str, str]) -> bool:

@@ -5,6 +5,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from echocal.observations.hints import is_time_name
+from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.log import Log
 
@@ -12,7 +14,7 @@ __all__ = ["NAME", "read", "recognizes"]
 
 NAME = "messages that end in JSON"
 
-_MESSAGE = re.compile(r"(?P<before>[^{]*[^{\s,;\"'=:]\s*[:=]?\s*)(?P<json>\{.*\})\s*")
+_MESSAGE = re.compile(r"(?P<before>[^{]*[^{\s,;\"'=:]\s*[:=]?\s*['\"]?)(?P<json>\{.*\})['\")\]]*\s*")
 _TIME = re.compile(
     r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?(?:Z|[+-]\d\d:?\d\d)?|\b\d{1,2}:\d\d:\d\d(?:[.,]\d+)?"
 )
@@ -33,8 +35,7 @@ def read(lines: Sequence[str], path: str) -> Log:
         if values is None:
             log.corrupt[len(records)] = line
         records.append(values or {})
-    log.records = records
-    return log
+    return of_several_messages(records, log)
 
 
 def _values(line: str) -> dict[str, Any] | None:
@@ -49,4 +50,8 @@ def _values(line: str) -> dict[str, Any] | None:
         return None
     values = {name.rpartition(".")[2]: own for name, own in flat(record).items()}
     time = _TIME.search(match["before"])
-    return values if time is None or "time" in values else {"time": time[0].replace(",", "."), **values}
+    return (
+        values
+        if time is None or any(map(is_time_name, values))
+        else {"time": time[0].replace(",", "."), **values}
+    )

@@ -2,135 +2,210 @@
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Sequence
-from datetime import UTC, datetime
+from dataclasses import replace
 from typing import Any
 
+from echocal.observations.fields import shown
 from echocal.observations.heading import find_head, is_value
+from echocal.observations.readers.events import Event, rows_of
+from echocal.observations.readers.leads import ranger_names
 from echocal.observations.readers.log import Log
+from echocal.observations.readers.pairs import Pair, pairs_of
+from echocal.observations.readers.stamps import Stamped, stamped
+from echocal.observations.silence import says_no_echo
+from echocal.observations.units import FORMS
 from echocal.observations.units_said import symbol_of
 
-__all__ = ["NAME", "pairs_of", "read", "recognizes"]
+__all__ = ["NAME", "read", "recognizes"]
 
 NAME = "lines of a serial monitor"
 
-_PREFIX = re.compile(
-    r"\s*[\[(]?(?P<time>(?:\d{4}-\d\d-\d\d[T ]|\d{1,2}[./]\d{1,2}[./]\d{2,4},? )?"
-    r"\d{1,2}:\d\d:\d\d(?:[.,:]\d+)?Z?)"
-    r"[\])]?\s*(?P<arrow>->|=>|>|\||;|:|-)?\s+(?P<rest>.*)"
-)
-_STAMP = re.compile(r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*\]\s*(?P<rest>.*)")
-_PAIR = re.compile(
-    r"(?<![\w.])(?P<name>[A-Za-zÀ-ÿ°µ][\w °µ./%()\[\]#-]*?)\s*(?::|=|\bis\b)\s*"
-    r"(?P<value>[-+]?(?:\d++(?:[.,]\d++)?|\.\d++)(?:[eE][-+]?\d+)?(?!:)|nan|inf|NaN|--+)"
-    r"\s*(?P<unit>°\s?[CF]|[*º]C|deg[ _]?[CF]?|%(?: ?RH)?|[A-Za-zµμ]+(?:/\w+)?)?"
-)
-_SYSLOG = re.compile(r"(?P<time>[A-Z][a-z]{2} [ \d]\d \d\d:\d\d:\d\d) \S+ \S+?: (?P<rest>.*)")
-_SINGLE = re.compile(r"[-+]?\d+(?:[.,]\d+)?\s*(?:cm|mm|m|in|inch|us|µs)")
-_LEVEL = re.compile(r"^(?:INFO|DEBUG|WARN(?:ING)?|TRACE|NOTICE|I|D)\b[ :-]*")
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")
 _LOOK = 100
+_NAME = 4  # words that a name has at most
+_WIDE = 300  # characters that tell of what kind a line is
+_MANY = 10  # lines with values: a name that comes once among them is that of no column
+
+Told = tuple[Stamped, list[Pair]]
+"""A line, and the values in it."""
 
 
 def recognizes(lines: Sequence[str]) -> bool:
-    """Whether most lines have a time and an arrow, or names with values."""
-    look = lines[:_LOOK]
-    arrows = sum(bool((m := _PREFIX.fullmatch(line)) and m["arrow"] in {"->", "=>"}) for line in look)
-    if 2 * arrows > len(look):
+    """Whether most lines have a time and an arrow, or names with values, or values where others have none."""
+    look = [stamped(line[:_WIDE]) for line in lines[:_LOOK]]
+    if 2 * sum(line.arrow for line in look) > len(look):
         return True
-    if 2 * sum(bool(_SINGLE.fullmatch(_split(line)[1])) for line in look) > len(look):
+    named = sum(bool(pairs_of(line.rest)) for line in look)
+    silent = sum(says_no_echo(line.rest) for line in look)
+    bare = sum(_is_bare(line.rest) for line in look)
+    noisy = bool(silent) or _is_sentence(look[0].rest)
+    if 2 * named > len(look) or (bare and noisy and bare + silent > 0.9 * len(look)):
         return True
-    named = sum(bool(pairs_of(_split(line)[1])) for line in look)
-    return 2 * named > len(look) or (3 * named > len(look) and not any(_delimited(line) for line in look))
+    return (
+        3 * (named + silent) > len(look) and bool(named) and not any(_delimited(line.rest) for line in look)
+    )
 
 
 def read(lines: Sequence[str], path: str) -> Log:
-    """Read the lines; a line without values below the first is a row with a reason."""
-    split = [_split(line) for line in lines if line.strip()]
-    rests = [rest for _, rest in split]
-    named = sum(bool(pairs_of(rest) or _SINGLE.fullmatch(rest)) for rest in rests)
-    if 2 * named >= len(rests) or (named >= 3 and not any(_delimited(r) for r in rests)):
+    """Read the lines; one that says that no echo came is a row with a reason."""
+    split = [stamped(line) for line in lines]
+    filled = [line for line in split if line.rest]
+    named = sum(bool(pairs_of(line.rest)) for line in filled)
+    if 2 * named >= len(filled) or (named >= 3 and not any(_delimited(line.rest) for line in filled)):
         return _named(split)
-    return _delimited_rests(split)
+    return _delimited_rests(filled)
 
 
-def pairs_of(text: str) -> list[tuple[str, str, str]]:
-    """Names, values and units in a line."""
-    found = []
-    for match in _PAIR.finditer(text):
-        words = match["name"] if "[" in match["name"] else match["name"].rpartition("]")[2]
-        name = _LEVEL.sub("", " ".join(words.strip(" -,;|").split()))
-        if name and not re.fullmatch(r"https?|\d*", name):
-            found.append((name, match["value"], match["unit"] or ""))
-    return found
-
-
-def _split(line: str) -> tuple[str, str]:
-    """Time and rest of a line."""
-    match = _PREFIX.fullmatch(line) or _STAMP.fullmatch(line) or _SYSLOG.fullmatch(line)
-    return (match["time"], match["rest"].strip()) if match else ("", line.strip())
-
-
-def _named(split: Sequence[tuple[str, str]]) -> Log:
+def _named(split: Sequence[Stamped]) -> Log:
     log = Log([])
+    told = _in_one_unit(_without_rare([(line, pairs_of(line.rest)) for line in split], log), log)
+    named = [{name for name, _, _ in pairs} for _, pairs in told if pairs]
+    ranger = ranger_names(list(dict.fromkeys(name for _, pairs in told for name, _, _ in pairs)), log.units)
+    if ranger and all(set(ranger) & own for own in named):
+        return _line_by_line(told, log)
+    _note_others(told, log)
+    return rows_of(_events(told), ranger, log)
+
+
+def _line_by_line(told: Sequence[Told], log: Log) -> Log:
+    """Each line is a row, or a part of one where no name comes again; others are rows without values."""
     records: list[dict[str, Any]] = []
-    units: dict[str, set[str]] = {}
-    for time, rest in split:
-        pairs = pairs_of(rest)
-        if not pairs and _SINGLE.fullmatch(rest):
-            pairs = pairs_of(f"{'echo' if rest.endswith('s') else 'distance'}: {rest}")
-        if not pairs:
-            if records and re.search(r"\w", rest):
-                log.corrupt[len(records)] = rest
-                records.append(_at(time))
+    for line, pairs in told:
+        values = _event(line, pairs).holds
+        if not values and not (says_no_echo(line.rest) or (records and re.search(r"\w", line.rest))):
             continue
-        names = [name for name, _, _ in pairs]
-        fresh = not records or len(records) - 1 in log.corrupt or set(names) & set(records[-1])
-        if fresh:
-            records.append(_at(time))
-        for name, value, unit in pairs:
-            records[-1][name] = value.replace(",", ".")
-            units.setdefault(name, set()).add(symbol_of(unit) and unit)
+        if not values or not records or len(records) - 1 in log.corrupt or set(values) & set(records[-1]):
+            records.append(dict(line.time))
+        if not values:
+            log.corrupt[len(records) - 1] = line.rest
+        records[-1] |= values
     log.records = records
-    for name, said in units.items():
-        said.discard("")
-        if len(said) == 1:
-            log.units[name] = said.pop()
-        elif said:
-            log.notes.append(f"'{name}' comes in several units: {', '.join(sorted(said))}")
     return log
 
 
-def _at(time: str) -> dict[str, Any]:
-    if not time:
-        return {}
-    if time.replace(".", "").isdigit():
-        return {"time_s": time}
-    if time[:1].isalpha():  # a date without a year
-        instant = datetime.strptime(f"2000 {time}", "%Y %b %d %H:%M:%S").replace(tzinfo=UTC)
-        return {"time_s": instant.timestamp()}
-    return {"time": re.sub(r"(?<=\d),(?=\d)", ".", time)}
+def _events(told: Sequence[Told]) -> list[Event]:
+    """Values of the lines, and where blank lines end a row."""
+    blocks, ended = _blocks(told), False
+    events: list[Event] = []
+    for line, pairs in told:
+        ended = ended or (blocks and not line.rest)
+        if pairs or says_no_echo(line.rest):
+            events.append(replace(_event(line, pairs), ends=ended and bool(events)))
+            ended = False
+    return events
+
+
+def _blocks(told: Sequence[Told]) -> bool:
+    """Whether blank lines are between blocks of several values, most of which have the same names."""
+    blocks: list[tuple[str, ...]] = [()]
+    for line, pairs in told:
+        if not line.rest:
+            blocks.append(())
+        else:
+            blocks[-1] += tuple(name for name, _, _ in pairs)
+    filled = Counter(block for block in blocks if block)
+    if not filled or len(filled) == filled.total() == 1:
+        return False
+    usual, count = filled.most_common(1)[0]
+    return len(usual) > 1 and len(set(usual)) == len(usual) and 2 * count > filled.total()
+
+
+def _event(line: Stamped, pairs: Sequence[Pair]) -> Event:
+    return Event(line.time, {name: value.replace(",", ".") for name, value, _ in pairs}, line.rest)
+
+
+def _without_rare(told: Sequence[Told], log: Log) -> list[Told]:
+    """Values whose name comes once among many lines belong to a message, or to a line that is damaged.
+
+    A name that never has a number begins a message, as ``ERROR: out of range``.
+    """
+    numbers = {name for _, pairs in told for name, value, _ in pairs if value != "nan"}
+    told = [(line, [pair for pair in pairs if pair[0] in numbers]) for line, pairs in told]
+    counts = Counter(name for _, pairs in told for name, _, _ in pairs)
+    if sum(bool(pairs) for _, pairs in told) < _MANY:
+        return list(told)
+    rare = [f"{name}: {value}" for _, pairs in told for name, value, _ in pairs if counts[name] == 1]
+    if rare:
+        log.notes.append(f"{len(rare)} values whose name comes once are left out, as '{shown(rare[0])}'")
+    return [(line, [pair for pair in pairs if counts[pair[0]] > 1]) for line, pairs in told]
+
+
+def _in_one_unit(told: Sequence[Told], log: Log) -> list[Told]:
+    """Values of a name in the unit that it mostly has."""
+    units: dict[str, Counter[str]] = {}
+    for name, _, unit in (pair for _, pairs in told for pair in pairs):
+        if symbol_of(unit):
+            units.setdefault(name, Counter())[unit] += 1
+    log.units |= {name: own.most_common(1)[0][0] for name, own in units.items()}
+    mixed = {name for name, own in units.items() if len(set(map(symbol_of, own))) > 1}
+    log.notes += [
+        f"'{name}' comes in several units ({', '.join(units[name])}) and is read in {log.units[name]}"
+        for name in sorted(mixed)
+    ]
+    if not mixed:
+        return list(told)
+    return [
+        (line, [(n, _converted(v, u, log.units[n]) if n in mixed else v, u) for n, v, u in pairs])
+        for line, pairs in told
+    ]
+
+
+def _converted(value: str, unit: str, wanted: str) -> str:
+    """A value in another unit of the same quantity; none where there is no such."""
+    own, other = symbol_of(unit), symbol_of(wanted)
+    if own == other or not own:
+        return value
+    form = next((form for form in FORMS if own in form.units and other in form.units), None)
+    number = float(value.replace(",", "."))
+    return "nan" if form is None else repr(form.units[other].from_si(form.units[own].to_si(number)))
+
+
+def _note_others(told: Sequence[Told], log: Log) -> None:
+    others = [
+        line.rest
+        for line, pairs in told
+        if re.search(r"\w", line.rest) and not (pairs or says_no_echo(line.rest))
+    ]
+    if others:
+        log.notes.append(f"{len(others)} lines have no values and are no rows, first '{shown(others[0])}'")
 
 
 def _delimited(rest: str) -> bool:
     return any(rest.count(s) for s in ",;\t|") and any(map(is_value, re.split(r"[,;\t|]", rest)))
 
 
-def _delimited_rests(split: Sequence[tuple[str, str]]) -> Log:
+def _is_sentence(rest: str) -> bool:
+    """Whether a line above values is a message, and no name of a column."""
+    return rest.endswith((":", ".", "!")) or (
+        len(rest.split()) > _NAME and not any(s in rest for s in ",;\t|")
+    )
+
+
+def _is_bare(rest: str) -> bool:
+    """Whether a line is one number, or numbers with separators."""
+    return bool(rest) and all(_NUMBER.fullmatch(part.strip()) for part in re.split(r"[,;\t|]", rest))
+
+
+def _delimited_rests(split: Sequence[Stamped]) -> Log:
     """Numbers with separators, or one number a line, behind the times."""
-    first = next((n for n, (_, rest) in enumerate(split) if _delimited(rest) or _NUMBER.match(rest)), 0)
-    begin = max(first - 1, 0)
-    head = find_head([rest for _, rest in split[begin:]], 0, "")
-    rows = split[begin + head.start :]
+    tells = (n for n, line in enumerate(split) if _delimited(line.rest) or _NUMBER.match(line.rest))
+    first = next(tells, 0)
+    silent = next((n for n, line in enumerate(split[:first]) if says_no_echo(line.rest)), None)
+    named = first > 0 and silent is None and not _is_sentence(split[first - 1].rest)
+    begin = first - 1 if named else first
+    head = find_head([line.rest for line in split[begin:] if not says_no_echo(line.rest)], 0, "")
+    rows = split[begin + head.start :] if silent is None else [*split[silent:first], *split[first:]]
     log = Log([], notes=[] if not head.nameless else ["the values have no names"])
-    records = []
-    for time, rest in rows:
-        fields = next(csv.reader([rest], delimiter=head.separator, skipinitialspace=True), [])
+    records: list[dict[str, Any]] = []
+    for line in rows:
+        fields = next(csv.reader([line.rest], delimiter=head.separator, skipinitialspace=True), [])
         if len(fields) == len(head.names) and any(map(is_value, map(_bare, fields))):
-            records.append({**_at(time), **dict(zip(head.names, fields, strict=True))})
+            records.append({**line.time, **dict(zip(head.names, fields, strict=True))})
         else:
-            log.corrupt[len(records)] = rest
-            records.append(_at(time))
+            log.corrupt[len(records)] = line.rest
+            records.append(dict(line.time))
     log.records, log.units = records, dict(head.units)
     return log
 

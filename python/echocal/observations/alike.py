@@ -1,0 +1,115 @@
+"""Columns that say the same: one is the other times a factor, shifted, or rounded."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Line", "echo_speed", "line_between", "step_of"]
+
+Column = NDArray[np.float64]
+
+_FEWEST = 5  # rows
+_DIFFERENT = 4  # different values of each column: two points always lie on a line
+_RELATED = 0.8  # squared correlation, far below what rounding leaves of a copy
+_SLACK = 1.25  # of what rounding leaves open, for the factor is fitted
+_WIDE = 8.0  # range of the values over what rounding leaves open: else anything lies on a line
+_DIGITS = 9
+_SOME = 5000  # rows that are looked at
+
+_SPEEDS = (310.0, 365.0)
+"""m/s: of sound in air from -35 to 55 degC, which is also what firmware takes it for."""
+
+_APART = 0.1  # of a length, beyond what rounding leaves open: a delay, a ruler, single wild rows aside
+_MOST = 0.9  # of the rows
+
+
+@dataclass(frozen=True)
+class Line:
+    """A column that follows from another: ``copy = factor * other + offset``, within the rounding of both."""
+
+    factor: float
+    offset: float
+
+    def of(self, other: str) -> str:
+        """What the copy is, with the name of the other column."""
+        offset = f" {'+' if self.offset > 0 else '-'} {abs(self.offset):.4g}" if self.offset else ""
+        return f"{self.factor:.6g} times '{other}'{offset}"
+
+
+def line_between(copy: Column, other: Column) -> Line | None:
+    """The line on which two columns lie within their rounding; None where they do not.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> reading = np.array([200.0, 200.5, 199.5, 100.0, 99.5, 50.5, 50.0, 24.0])
+    >>> line_between(2 * reading, reading)
+    Line(factor=2.0, offset=0.0)
+    >>> line_between(np.floor(reading / 2.54), reading) is None
+    False
+    >>> line_between(reading + np.array([3, -2, 1, 0, 2, -1, 2, 1.0]), reading) is None
+    True
+    """
+    known = np.flatnonzero(np.isfinite(copy) & np.isfinite(other))
+    known = known[:: max(1, len(known) // _SOME)]
+    y, x = copy[known], other[known]
+    if len(known) < _FEWEST:
+        return None
+    x_off, y_off = x - x.mean(), y - y.mean()
+    own, both = float(x_off @ x_off), float(x_off @ y_off)
+    if not both * both > _RELATED * own * float(y_off @ y_off):
+        return None
+    if min(len(np.unique(y)), len(np.unique(x))) < _DIFFERENT:
+        return None
+    steps = step_of(y), step_of(x)
+    factor = both / own
+    factor, offset = _plain(factor, y, x, steps)
+    open_ = 0.5 * (steps[0] + abs(factor) * steps[1])
+    left = y - factor * x - offset
+    exact = 1e-9 * float(np.abs(y).max())
+    if np.abs(left).max() > _SLACK * open_ + exact or np.ptp(y) < _WIDE * open_:
+        return None
+    return Line(factor, offset)
+
+
+def _plain(factor: float, y: Column, x: Column, steps: tuple[float, float]) -> tuple[float, float]:
+    """Factor and offset of the middle of a strip; without an offset, and round, where the rows allow it."""
+    open_ = 0.5 * (steps[0] + abs(factor) * steps[1])
+    ratio = float((x @ y) / (x @ x))
+    for digits in (2, 3, 4, 5, 6, 17):
+        rounded = float(f"{ratio:.{digits}g}")
+        if np.abs(y - rounded * x).max() <= open_:
+            return rounded, 0.0
+    left = y - factor * x
+    return factor, float(0.5 * (left.max() + left.min()))
+
+
+def echo_speed(length: Column, seconds: Column) -> float:
+    """Speed of sound [m/s] if a time is that of the echo from a length [m, s]; else 0."""
+    known = np.isfinite(length) & np.isfinite(seconds) & (length > 0.0) & (seconds > 0.0)
+    d, t = length[known], seconds[known]
+    if len(d) < 2 or 2 * len(d) < len(length):
+        return 0.0
+    middle = float(np.median(2.0 * d / t))
+    open_ = 0.5 * (step_of(d) + 0.5 * middle * step_of(t))
+    near = np.abs(d - 0.5 * middle * t) <= open_ + _APART * d
+    if not _SPEEDS[0] <= middle <= _SPEEDS[1] or near.mean() < _MOST:
+        return 0.0
+    return float(2.0 * (d[near] @ t[near]) / (t[near] @ t[near]))
+
+
+def step_of(values: Column) -> float:
+    """Step in which values are written: the least difference, which is at least one of the last digit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> step_of(np.array([1.5, 2.0, 3.5])), step_of(np.array([0.25, 0.75, 0.26]))
+    (0.5, 0.01)
+    """
+    different = np.unique(values[np.isfinite(values)])
+    gaps = np.diff(different)
+    scale = float(np.abs(different).max()) if len(different) else 0.0
+    gaps = gaps[gaps > 1e-12 * scale]
+    return float(round(gaps.min(), _DIGITS)) if len(gaps) else 0.0

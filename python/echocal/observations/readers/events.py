@@ -1,0 +1,149 @@
+"""Values that a log gives one after the other, each with its time: those of the ranger are its rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from echocal.observations.hints import is_time_name
+from echocal.observations.in_time import joined, seconds_of, spread
+from echocal.observations.join import Join, told
+from echocal.observations.readers.leads import changes_smoothly, ranger_names
+from echocal.observations.readers.log import Log, numeric
+
+__all__ = ["Event", "of_several_messages", "rows_by_order", "rows_of"]
+
+Record = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Event:
+    """What a line of a log says at its time.
+
+    Attributes
+    ----------
+    time : mapping of str to object
+        The clock of the line by its column; empty where it has none.
+    holds : mapping of str to object
+        Empty where the line says that no echo came.
+    said : str
+        The line.
+    ends : bool
+        Whether a blank line is above it that ends what came before.
+    """
+
+    time: Mapping[str, Any]
+    holds: Mapping[str, Any]
+    said: str = ""
+    ends: bool = False
+
+
+def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Sequence[str] = ()) -> Log:
+    """A row for each measurement of the ranger, with the values that other quantities have at its time.
+
+    Without a clock, or without a name that says which quantity is the ranger's, rows follow the order of
+    the values, see `rows_by_order`.
+
+    Parameters
+    ----------
+    events : sequence of Event
+    ranger : sequence of str
+        Names of the values that a measurement has. One ends where a name comes again.
+    log : Log
+        With the units of the values; gets the rows.
+    beside : sequence of str
+        Further values of the ranger, which belong to the measurement before, however often they come.
+    """
+    if not ranger or 2 * sum(bool(event.time) for event in events) <= len(events):
+        return rows_by_order(events, ranger, log)
+    places, records = _measurements(events, ranger, beside, log)
+    times = pd.Series([next(iter(event.time.values()), None) for event in events], dtype=object)
+    seconds = spread(seconds_of(times))
+    for name in dict.fromkeys(n for event in events for n in event.holds if n not in {*ranger, *beside}):
+        if 2 * sum(name in record for record in records) > len(records):
+            continue  # written with the measurement itself
+        where = [n for n, event in enumerate(events) if name in event.holds]
+        own = [events[n].holds[name] for n in where]
+        numbers = numeric(pd.Series(own, dtype=object))
+        texts = not pd.api.types.is_numeric_dtype(numbers)
+        values = (
+            np.arange(len(own), dtype=np.float64) if texts else numbers.to_numpy(np.float64, na_value=np.nan)
+        )
+        smooth = not texts and changes_smoothly(name, log.units.get(name, ""))
+        found, log.joined[name] = joined(seconds[places], seconds[where], values, smooth=smooth)
+        for record, value in zip(records, found.tolist(), strict=True):
+            record[name] = own[int(value)] if texts and value == value else value
+    log.records = records
+    if log.joined:
+        log.notes += [f"a row is a measurement of {' and '.join(map(repr, ranger))}", *told(log.joined)]
+    return log
+
+
+def rows_by_order(events: Sequence[Event], ranger: Sequence[str], log: Log) -> Log:
+    """Rows end where a name comes again, or at blank lines if values stand in blocks between them."""
+    records: list[Record] = []
+    blocks = any(event.ends for event in events)
+    for event in events:
+        if event.ends or _is_next(event, records, ranger):
+            records.append(dict(event.time))
+        _add(event, records, ranger, log)
+    log.records = records
+    log.notes.append(f"values between two {'blank lines' if blocks else 'of the same name'} are one row")
+    if ranger and not blocks:
+        others = [
+            name for name in dict.fromkeys(n for own in events for n in own.holds) if name not in ranger
+        ]
+        log.joined |= dict.fromkeys(others, Join("ordered", 0.0, 0.0, 0))
+    return log
+
+
+def of_several_messages(records: Sequence[Record], log: Log) -> Log:
+    """Rows of messages with their times: some have a reading, and others only further quantities."""
+    names = list(dict.fromkeys(name for record in records for name in record))
+    clocks = [name for name in names if is_time_name(name) and all(name in own for own in records)]
+    ranger = ranger_names([name for name in names if not is_time_name(name)], log.units)
+    apart = [own for own in records if not set(ranger) & set(own)]
+    log.records = records
+    if not ranger or not clocks or not apart or log.corrupt:
+        return log
+    clock = clocks[0]
+    events = [Event({clock: own[clock]}, {n: v for n, v in own.items() if n != clock}) for own in records]
+    count = len(records)
+    log = rows_of(events, ranger, log)
+    log.notes.insert(0, f"{len(apart)} of {count} messages have no reading and are no rows")
+    return log
+
+
+def _measurements(
+    events: Sequence[Event], ranger: Sequence[str], beside: Sequence[str], log: Log
+) -> tuple[list[int], list[Record]]:
+    """Places of the first event of each measurement, and its record."""
+    places: list[int] = []
+    records: list[Record] = []
+    for place, event in enumerate(events):
+        if event.holds and not set(ranger) & set(event.holds):
+            if records:
+                records[-1] |= {name: own for name, own in event.holds.items() if name in beside}
+            continue
+        if _is_next(event, records, ranger):
+            places.append(place)
+            records.append(dict(event.time))
+        _add(event, records, ranger, log)
+    return places, records
+
+
+def _is_next(event: Event, records: Sequence[Record], ranger: Sequence[str]) -> bool:
+    """Whether an event begins a row: its name has come, or no echo came and the last measurement is whole."""
+    last = set(records[-1]) if records else set()
+    return not records or (bool(set(event.holds) & last) if event.holds else set(ranger) <= last)
+
+
+def _add(event: Event, records: list[Record], ranger: Sequence[str], log: Log) -> None:
+    records[-1] |= event.holds
+    if not event.holds:
+        records[-1] = {**dict.fromkeys(ranger), **records[-1]}
+        log.corrupt[len(records) - 1] = event.said
