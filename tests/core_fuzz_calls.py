@@ -180,6 +180,7 @@ def firmware_request() -> dict[str, Any]:
         "command": "echocal",
         "diagnosis": [],
         "model_hash": "0" * 64,
+        "standard_uncertainty": [(0.5, 0.001), (2.0, 0.002)],
     }
 
 

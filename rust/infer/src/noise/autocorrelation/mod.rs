@@ -126,12 +126,14 @@ fn products(plan: &Plan<'_>, parts: &Parts, place: Option<usize>, coefficient: f
     }
 }
 
-/// First rows of blocks that follow a row of another block in their series.
+/// First rows of blocks that follow a row of another block in their series; the first of all follows none.
 fn edges(layout: &RowLayout<'_>) -> Vec<usize> {
     let mut seen = vec![false; layout.block_count];
     let first = |&row: &usize| !core::mem::replace(&mut seen[layout.blocks[row] as usize], true);
     let firsts = (0..layout.starts.len()).filter(first);
-    firsts.filter(|&row| !layout.starts[row]).collect()
+    firsts
+        .filter(|&row| row > 0 && !layout.starts[row])
+        .collect()
 }
 
 /// These rows for one coefficient.
