@@ -57,6 +57,36 @@ def test_the_command_goes_on_and_its_exit_code_says_so(random: np.random.Generat
     assert {"0.csv", "1.csv", "2.csv", "3.csv", "z.parquet", "_echocal"} <= made
 
 
+def test_a_part_without_rows_is_corrected(random: np.random.Generator, tmp_path: Path) -> None:
+    """As clusters write them; with a model for each sensor, too."""
+    whole = pa.table({"id": ["a", "b"], "echo_us": [11660.0, 9000.0], "temperature_C": [20.0, 21.0]})
+    (tmp_path / "in").mkdir()
+    (tmp_path / "models").mkdir()
+    pq.write_table(whole, tmp_path / "in" / "whole.parquet")
+    pq.write_table(whole.slice(0, 0), tmp_path / "in" / "none.parquet")
+    for name in "ab":
+        MODEL.save(tmp_path / "models" / f"{name}.json")
+    done = correct_files(tmp_path / "in", tmp_path / "out", models=tmp_path / "models", by="id")
+    assert [one["error"] for one in done.results.values()] == [None, None]
+    assert pq.read_table(tmp_path / "out" / "none.parquet").num_rows == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links and pipes of POSIX")
+def test_links_that_lead_nowhere_and_pipes_are_told(random: np.random.Generator, tmp_path: Path) -> None:
+    logs = make_logs(tmp_path / "in", random, 1)
+    (logs / "gone.csv").symlink_to(tmp_path / "no.csv")
+    (logs / "loop.csv").symlink_to("loop.csv")
+    (logs / "folder").symlink_to(tmp_path)
+    os.mkfifo(logs / "pipe.csv")
+    words = [sys.executable, "-m", "echocal", "correct", "in", "-o", "out", "--law", "linear"]
+    run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert run.returncode == 3
+    assert "2 of 3 files were set aside" in run.stderr
+    assert all(
+        name in run.stderr for name in ("gone.csv", "loop.csv", "left out: 2 files", "folder", "pipe.csv")
+    )
+
+
 ERRORS = [KeyError(3), IndexError(), AttributeError("no\nsuch"), RecursionError(), Panic("index")]
 
 

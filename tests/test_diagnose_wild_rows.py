@@ -94,6 +94,27 @@ def test_rows_one_step_off_are_used_though_most_are_exact(step: float, random: n
         assert noise > 0.1 * step
 
 
+@pytest.mark.parametrize("step", [0.005, 0.01, 0.0254])
+def test_a_far_row_among_exact_ones_is_left_out(step: float, random: np.random.Generator) -> None:
+    """A step is the most that rounding takes off: a row six of them away is no rounded one."""
+    steps = np.repeat(random.choice(np.arange(8, 60), 5, replace=False), 8)
+    off = np.zeros(len(steps))
+    off[random.integers(len(steps))] = random.choice([-1, 1]) * max(6, round(0.05 / step))
+    table = {"reading_m": step * (steps + off), "distance_m": step * steps}
+    found = echocal.diagnose({**table, "temperature_C": np.full(len(steps), 20.0)})
+    assert sum(found.rows["unusable"].values()) == 1
+    assert found.rows["used"] == len(steps) - 1
+
+
+def test_nothing_tells_the_noise_of_exact_rows(random: np.random.Generator) -> None:
+    """A residual of 1e-14 m is that of arithmetic."""
+    for _ in range(4):
+        steps = np.repeat(random.choice(np.arange(8, 60), 8, replace=False), 5)
+        table = {"reading_m": 0.01 * steps, "distance_m": 0.01 * steps}
+        found = echocal.diagnose(table, reading_speed="343", at={"temperature": "20+-2"})
+        assert {cause.id for cause in found.causes if cause.kind == "noise"} <= {"reading_quantization"}
+
+
 def edge_of_the_beam(random: np.random.Generator) -> dict[str, np.ndarray]:
     """Beyond some distance a thing beside the target is nearer than the target."""
     distances = np.round(np.sort(random.uniform(0.2, 3.5, int(random.integers(5, 12)))), 2)

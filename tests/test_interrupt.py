@@ -111,3 +111,16 @@ def test_what_is_to_outlive_its_terminal_does(logs: Path, tmp_path: Path) -> Non
         time.sleep(0.002)
     run.send_signal(signal.SIGHUP)
     assert run.wait(60) == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_an_import_is_finished_before_a_request_ends_it(tmp_path: Path) -> None:
+    """Else its locks would stay closed, and threads that import wait for ever, as those of a pool do."""
+    asked = "import os, signal\nos.kill(os.getpid(), signal.SIGTERM)\nprint('whole', flush=True)\n"
+    (tmp_path / "asked.py").write_text(asked)
+    program = "from echocal._interrupt import unwind_when_told\nunwind_when_told()\n"
+    program += "import time, asked\ntime.sleep(30)\n"
+    search = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    words = [sys.executable, "-c", program]
+    run = subprocess.run(words, env=search, capture_output=True, text=True, timeout=20, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (128 + signal.SIGTERM, "whole\n", "")

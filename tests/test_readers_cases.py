@@ -361,6 +361,38 @@ def test_a_ruler_is_never_to_be_the_reading(ruler: str, shell: Run) -> None:
     assert "=reading" not in err
 
 
+RULERS = ("tape_{}", "real_{}", "actual_{}", "ruler ({})")
+
+
+@pytest.mark.parametrize("unit", ["cm", "mm", "in"])
+@pytest.mark.parametrize("ruler", RULERS)
+def test_round_places_on_a_ruler_are_no_copy(
+    ruler: str, unit: str, random: np.random.Generator, tmp_path: Path
+) -> None:
+    """A reading lies near a place, as a rounded copy of it would."""
+    size = {"cm": 10, "mm": 100, "in": 10}[unit]
+    places = np.repeat(np.arange(1, 9) * size, 3)
+    reading = (places * random.uniform(1.0, 1.02) + size * random.uniform(0, 0.03, 24)).round(1)
+    name = ruler.format(unit)
+    lines = [f"{name},distance_{unit},temperature_c"]
+    lines += [f"{p},{r},{c:.1f}" for p, r, c in zip(places, reading, random.normal(20, 2, 24), strict=True)]
+    path = write(tmp_path, lines)
+    found, holds = inspected(path)
+    assert holds[name].startswith("distance_")
+    assert holds[f"distance_{unit}"].startswith("reading_")
+    assert not any("copy" in note or "left aside" in note for note in found.notes)
+    data = read(path, columns=holds, reading_speed=343)
+    assert data.reference_distance == pytest.approx(places * {"cm": 0.01, "mm": 0.001, "in": 0.0254}[unit])
+    assert data.usable.all()
+
+
+def test_a_setting_is_no_copy_of_what_follows_it(random: np.random.Generator) -> None:
+    chamber = np.repeat([10.0, 15.0, 20.0, 25.0, 30.0, 35.0], 10)
+    reading = (1000 - 1.7 * (chamber - 20) + random.normal(0, 0.3, 60)).round(1)
+    table = {"reading_mm": reading, "temperature_C": (chamber + random.normal(0, 0.3, 60)).round(2)}
+    assert list(echocal.read_observations({**table, "chamber_set": chamber}).extra) == ["chamber_set"]
+
+
 def test_gaps_count_where_there_is_a_reading(tmp_path: Path, random: np.random.Generator) -> None:
     """A device that reports its state between measurements: no reading, no temperature."""
     lines = ["Time,Distance (cm),Temp (°C),rssi"]

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from brokers import broker
 from watched import csv, log
@@ -299,6 +300,37 @@ def test_what_is_no_row_can_be_kept_with_its_reason(
     assert letters[0]["text"] == "1,2\n"
     assert "twice" in letters[1]["reason"]
     assert "base64" in letters[2]
+
+
+def test_texts_are_written_as_they_are_or_set_aside(
+    run: Run, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """A carriage return stays within its field; what is no UTF-8, or cut in a quoted field, is no row."""
+    first, *rest = (row | {"note": "n"} for row in log(random, 5))
+    whole = csv([first, *rest])
+    head, *rows = whole.encode().splitlines()
+    notes = [b'"a\rb"', b'12" pipe', b"caf\xe9", b'"abc"x', b'"cut']
+    spoiled = b"\n".join([head, *(row[: -len(b"n")] + note for row, note in zip(rows, notes, strict=True))])
+    (tmp_path / "log.csv").write_bytes(spoiled)
+    words = ["log.csv", "--law", "linear", "--once", "-o", "out.csv", "--dead-letters", "aside.jsonl"]
+    code, said = run("watch", *words)
+    assert (code, "2 rows, 2 corrected" in said, "3 set aside in aside.jsonl" in said) == (0, True, True)
+    made = pd.read_csv(tmp_path / "out.csv", lineterminator="\n")
+    assert made["note"].tolist() == ["a\rb", '12" pipe']
+    assert ["no UTF-8" in letter["reason"] for letter in lines(tmp_path / "aside.jsonl")] == [
+        True,
+        False,
+        False,
+    ]
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16", "utf-16-le"])
+def test_a_header_in_another_encoding_is_refused(encoding: str, run: Run, tmp_path: Path) -> None:
+    text = "time,échos_us,temperature_C\n2026-01-01T00:00:00Z,11660,20\n"
+    (tmp_path / "log.csv").write_bytes(text.encode(encoding))
+    code, said = run("watch", "log.csv", "--law", "linear", "--once")
+    assert code == 3
+    assert "UTF-8" in said
 
 
 @pytest.mark.parametrize("blank", ["", " "])

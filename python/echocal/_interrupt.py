@@ -17,6 +17,8 @@ _REQUESTS = ("SIGTERM", "SIGHUP", "SIGBREAK")
 _SAME = 2.0
 """Time in which a second request is the first one, sent to a process and to its group [s]; judgement."""
 
+_SOON = 0.01  # s, until a request that came during an import is looked at again
+
 _told: list[tuple[float, int]] = []
 """When this process was asked to end, and by which signal."""
 
@@ -50,12 +52,24 @@ def stop_if_told() -> None:
         raise Terminated(128 + _told[0][1])
 
 
-def _stop(number: int, _: FrameType | None) -> None:
+def _stop(number: int, frame: FrameType | None) -> None:
     now = time.monotonic()
     if _told and now - _told[-1][0] < _SAME:
         return  # it would interrupt the cleaning
+    if _is_importing(frame) and hasattr(signal, "setitimer"):  # its locks would stay closed to other threads
+        signal.signal(signal.SIGALRM, lambda _, then: _stop(number, then))
+        signal.setitimer(signal.ITIMER_REAL, _SOON)
+        return
     _told.append((now, number))
     stop_if_told()
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _quietly(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -118,14 +118,22 @@ def _objects(url: str) -> Inputs:
 
 
 def _below(root: Path, found: Iterator[Path]) -> Iterator[tuple[Path, PurePath]]:
-    return ((path, path.relative_to(root)) for path in sorted(set(found)) if _is_file(path))
+    return ((path, path.relative_to(root)) for path in sorted(set(found)) if not _is_real_folder(path))
 
 
-def _is_file(path: Path) -> bool:
+def _is_real_folder(path: Path) -> bool:
     try:
-        return path.is_file()
+        return path.is_dir() and not path.is_symlink()
     except OSError:  # no permission to look: its task tells
-        return True
+        return False
+
+
+def _is_special(path: Place) -> bool:
+    """Whether a path is neither a file nor a link that leads nowhere, of which its task tells."""
+    try:
+        return isinstance(path, Path) and path.exists() and not path.is_file()
+    except OSError:
+        return False
 
 
 def _sorted_out(found: Iterable[tuple[Place, PurePath]], given: str) -> Inputs:
@@ -135,7 +143,7 @@ def _sorted_out(found: Iterable[tuple[Place, PurePath]], given: str) -> Inputs:
     for path, place in found:
         if any(part.startswith((".", "_")) for part in place.parts):
             hidden.append(path)
-        elif path.name.lower().endswith(ENDINGS):
+        elif path.name.lower().endswith(ENDINGS) and not _is_special(path):
             files.append(Source(path, place))
         else:
             unknown.append(path)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Line", "echo_speed", "line_between", "step_of"]
+__all__ = ["Line", "echo_speed", "is_set", "line_between", "resolution"]
 
 Column = NDArray[np.float64]
 
@@ -14,7 +14,8 @@ _DIFFERENT = 4  # different values of each column: two points always lie on a li
 _RELATED = 0.8  # squared correlation, far below what rounding leaves of a copy
 _SLACK = 1.25  # of what rounding leaves open, for the factor is fitted
 _WIDE = 8.0  # range of the values over what rounding leaves open: else anything lies on a line
-_DIGITS = 9
+_DIGITS = 1e-7  # of the largest value: what single precision leaves of it
+_MOST_DIGITS = 9
 _SOME = 5000  # rows that are looked at
 
 _SPEEDS = (310.0, 365.0)
@@ -62,18 +63,18 @@ def line_between(copy: Column, other: Column) -> Line | None:
         return None
     if min(len(np.unique(y)), len(np.unique(x))) < _DIFFERENT:
         return None
-    steps = step_of(y), step_of(x)
+    steps = tuple(0.0 if is_set(own) else resolution(own) for own in (y, x))
     factor = both / own
     factor, offset = _plain(factor, y, x, steps)
     open_ = 0.5 * (steps[0] + abs(factor) * steps[1])
     left = y - factor * x - offset
-    exact = 1e-9 * float(np.abs(y).max())
+    exact = _DIGITS * float(np.abs(y).max())
     if np.abs(left).max() > _SLACK * open_ + exact or np.ptp(y) < _WIDE * open_:
         return None
     return Line(factor, offset)
 
 
-def _plain(factor: float, y: Column, x: Column, steps: tuple[float, float]) -> tuple[float, float]:
+def _plain(factor: float, y: Column, x: Column, steps: tuple[float, ...]) -> tuple[float, float]:
     """Factor and offset of the middle of a strip; without an offset, and round, where the rows allow it."""
     open_ = 0.5 * (steps[0] + abs(factor) * steps[1])
     ratio = float((x @ y) / (x @ x))
@@ -92,24 +93,38 @@ def echo_speed(length: Column, seconds: Column) -> float:
     if len(d) < 2 or 2 * len(d) < len(length):
         return 0.0
     middle = float(np.median(2.0 * d / t))
-    open_ = 0.5 * (step_of(d) + 0.5 * middle * step_of(t))
+    open_ = 0.5 * (resolution(d) + 0.5 * middle * resolution(t))
     near = np.abs(d - 0.5 * middle * t) <= open_ + _APART * d
     if not _SPEEDS[0] <= middle <= _SPEEDS[1] or near.mean() < _MOST:
         return 0.0
     return float(2.0 * (d[near] @ t[near]) / (t[near] @ t[near]))
 
 
-def step_of(values: Column) -> float:
-    """Step in which values are written: the least difference, which is at least one of the last digit.
+def resolution(values: Column) -> float:
+    """Resolution in which values are written: one of the last digit, at most 1.
+
+    The least difference is none: values that are set, as places on a tape, may all be multiples of ten.
 
     Examples
     --------
     >>> import numpy as np
-    >>> step_of(np.array([1.5, 2.0, 3.5])), step_of(np.array([0.25, 0.75, 0.26]))
-    (0.5, 0.01)
+    >>> resolution(np.array([10.0, 20.0, 40.0])), resolution(np.array([0.25, 0.5]))
+    (1.0, 0.01)
     """
-    different = np.unique(values[np.isfinite(values)])
-    gaps = np.diff(different)
-    scale = float(np.abs(different).max()) if len(different) else 0.0
-    gaps = gaps[gaps > 1e-12 * scale]
-    return float(round(gaps.min(), _DIGITS)) if len(gaps) else 0.0
+    known = values[np.isfinite(values)]
+    same = _DIGITS * float(np.abs(known).max(initial=0.0))
+    left = (float(np.abs(known - known.round(n)).max(initial=0.0)) for n in range(_MOST_DIGITS))
+    return next((10.0**-n for n, own in enumerate(left) if own <= same), 0.0)
+
+
+def is_set(values: Column) -> bool:
+    """Whether all values are round: what somebody sets is, and what a device measures or rounds is not.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> is_set(np.array([10.0, 25.0, 40.0])), is_set(np.array([10.0, 21.0, 40.0]))
+    (True, False)
+    """
+    digit, known = resolution(values), values[np.isfinite(values)]
+    return digit > 0.0 and bool(np.all(np.abs(np.remainder(known / digit + 2.5, 5.0) - 2.5) < 0.1))

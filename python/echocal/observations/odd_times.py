@@ -125,6 +125,6 @@ def _is_usual(steps: Column, unit: float) -> bool:
     even = high - low <= _EVEN * middle / unit and np.allclose(counts, np.round(counts), rtol=0.0, atol=1e-6)
     choice = next(multiple for below, multiple in _ROUND if middle < below)
     near = np.abs(steps / choice - np.round(steps / choice)) <= _NEAR
-    # equal steps without any jitter may be computed; then only a round count is that of a program
-    computed = np.ptp(counts) == 0.0 and float(f"{counts[0]:.2g}") != counts[0]
+    # equal steps without any jitter may be computed; then only a round count, or a huge one, is of a program
+    computed = np.ptp(counts) <= 1e-6 and middle < _USUAL[1] and float(f"{counts[0]:.2g}") != round(counts[0])
     return bool(not even or near.mean() >= 0.5 or computed)

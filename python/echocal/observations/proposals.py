@@ -119,7 +119,8 @@ def _of_name(name: str, sure: Mapping[str, str], given: Mapping[str, str], found
     if name in given:
         return Proposal(given[name], "as you say")
     if name in found.requests:
-        why = "part of time, time_s" if found.requests[name] == IGNORE else "its values are times"
+        ways = {IGNORE: "part of time, time_s", EXTRA: "another column has the same"}
+        why = ways.get(found.requests[name], "its values are times")
         return Proposal(found.requests[name], "the log says so" if name in found.sure else why)
     try:
         if ours := by_name(name):
@@ -177,8 +178,14 @@ def _reference_as_reading(
         return
     (name,) = distances
     request = f"reading_{proposals[name].request.rpartition('_')[2]}"
-    if request in NAMES:
-        proposals[name] = Proposal(request, "the only distance, and the log has no echo", guess=True)
+    if request not in NAMES:
+        return
+    proposals[name] = Proposal(request, "the only distance, and the log has no echo", guess=True)
+    rulers = [own for own, p in proposals.items() if role_of(own) == "distance" and not p.request]
+    if len(rulers) == 1 and (numbers := _numbers(table[rulers[0]])) is not None and rulers[0] not in given:
+        unit = split_unit(rulers[0])[1] or usual("distance", numbers)
+        if request := _request("distance", unit):
+            proposals[rulers[0]] = Proposal(request, "its name: the reference beside the reading", guess=True)
 
 
 def _request(role: str, unit: str) -> str:

@@ -8,7 +8,8 @@ NO_ECHO = "no echo"
 """Reason of a row whose line says that no echo came."""
 
 SILENT = (
-    r"time[ds]?[ _-]?out|out[ _-]of[ _-](?:max\w*[ _-])?range|(?:over|beyond)[ _-](?:max\w*[ _-])?range"
+    r"time[ds]?[ _-]?out(?!\s*[:=]\s*\d)"
+    r"|out[ _-]of[ _-](?:max\w*[ _-])?range|(?:over|beyond)[ _-](?:max\w*[ _-])?range"
     r"|no[ _-]?(?:echo|ping|pulse|object|obstacle|signal|reading|target|return|response|measure\w*|valid\w*)"
     r"|retry(?:ing)?|invalid|too[ _-](?:far|close)|not[ _-](?:detected|valid)|lost[ _-](?:echo|ping|pulse)"
     r"|(?:echo|ping|pulse)[ _-](?:was[ _-])?(?:lost|missed|missing)|nothing (?:in|within|detected)"
@@ -33,5 +34,7 @@ def says_no_echo(text: str) -> bool:
     --------
     >>> says_no_echo("'Tank' - Distance measurement timed out!"), says_no_echo("MQTT connection timed out")
     (True, False)
+    >>> says_no_echo("Timeout: 11661 us")  # what it is set to
+    False
     """
     return bool(_WORDS.search(text)) and not (_OTHERS.search(text) or _ECHO_OF_CODE.match(text))

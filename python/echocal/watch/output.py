@@ -1,11 +1,11 @@
 """Files that grow with a watch: what a stop by force left beyond the last commit is cut off again."""
 
 import csv
-import io
 import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TextIO
 
 from echocal.errors import DataError, writing
@@ -156,9 +156,12 @@ class Stream:
 
 
 def _csv(rows: Iterable[Sequence[Any]]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue()
+    lines: list[str] = []
+    writer = csv.writer(
+        SimpleNamespace(write=lines.append), lineterminator="\r\n"
+    )  # it quotes what has one of both
+    writer.writerows(rows)
+    return "".join(f"{line[:-2]}\n" for line in lines)
 
 
 def _json_lines(rows: list[Row]) -> str:

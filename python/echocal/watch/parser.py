@@ -98,12 +98,18 @@ class Parser:
     def row(self, line: bytes) -> tuple[Row | None, str]:
         """A row, or why the line is none; neither for a header or an empty line."""
         text = line.decode("utf-8", errors="replace").strip("\r\n\ufeff")
+        why = no_utf8(line) if "\ufffd" in text else ""
+        if self.header is None and (why or "\0" in text):
+            message = f"the header is no text in UTF-8, in which a watched file must be: {text[:_SHOWN]}"
+            raise DataError(message)
+        if why:
+            return None, f"{why}: {text[:_SHOWN]}"
         if not text.strip() or text.startswith("#"):
             return None, ""
         if text.lstrip().startswith("{"):
             return parsed(line)
         try:
-            fields = next(csv.reader([text], delimiter=self.separator))
+            fields = next(csv.reader([text], delimiter=self.separator, strict=True))
         except csv.Error as error:
             return None, f"a line cannot be cut into fields ({error}): {text[:_SHOWN]}"
         if self.header is None or self._is_header(fields):
@@ -165,8 +171,8 @@ def json_of(text: bytes) -> tuple[Any, str]:
         if _is_deep(found):
             return None, f"nested more than {_DEEPEST} deep"
         json.dumps(found, ensure_ascii=False).encode()  # what cannot be written is not read
-    except UnicodeDecodeError as error:
-        return None, f"no UTF-8 ({error.reason} at byte {error.start})"
+    except UnicodeDecodeError:
+        return None, no_utf8(text)
     except UnicodeEncodeError:
         return None, "one half of a sign, which no text can have"
     except RecursionError:
@@ -176,6 +182,15 @@ def json_of(text: bytes) -> tuple[Any, str]:
     except ValueError as error:
         return None, f"no JSON ({error})"
     return found, ""
+
+
+def no_utf8(text: bytes) -> str:
+    """Where a text is no UTF-8; empty if it is."""
+    try:
+        text.decode()
+    except UnicodeDecodeError as error:
+        return f"no UTF-8 ({error.reason} at byte {error.start})"
+    return ""
 
 
 def _is_deep(found: Any) -> bool:

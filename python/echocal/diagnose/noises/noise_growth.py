@@ -55,9 +55,9 @@ FACTS = CauseFacts(
 
 
 def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
-    """Profile the growth; None where all distances are alike."""
+    """Profile the growth; None where all distances are alike, or nothing is left."""
     own, distance = settings.of(FACTS, Thresholds), trace.distance
-    if np.ptp(distance) < own.spread * distance.mean():
+    if np.ptp(distance) < own.spread * distance.mean() or not trace.innovation.any():
         return None
     rise = np.corrcoef(np.abs(trace.innovation), distance)[0, 1] * np.sqrt(len(trace))
     if not rise > settings.worth:

@@ -24,7 +24,7 @@ def far_from_station(
     labels: Labels,
     temperature: Column | None,
     settings: RowSettings,
-    rounding: float = 0.0,
+    step: float = 0.0,
 ) -> Mask:
     """Find rows far from the usual reading at their station, because of another echo.
 
@@ -39,8 +39,8 @@ def far_from_station(
     temperature : ndarray, shape (n,), or None
         Air temperature [degC]; limits the possible change by the air.
     settings : RowSettings
-    rounding : float
-        Standard deviation of the error of rounding [m].
+    step : float
+        Step of the readings [m].
 
     Returns
     -------
@@ -52,8 +52,8 @@ def far_from_station(
         return none
     by_station = Grouped(labels)
     centers, usual, farthest = by_station.scatter(indication)
-    scatter = max(_MAD_TO_SD * float(np.nanmedian(usual)), rounding)
-    least = max(settings.off_station * scatter, settings.far_least)
+    scatter = _MAD_TO_SD * float(np.nanmedian(usual))
+    least = max(settings.off_station * scatter, settings.far_least + step)
     if farthest <= least:
         return none
     off = np.abs(indication - centers[labels])
@@ -72,7 +72,7 @@ def without_other_echoes(
     labels: Labels,
     temperature: Column | None,
     settings: RowSettings,
-    rounding: float = 0.0,
+    step: float = 0.0,
 ) -> Usable:
     """Leave out rows of another echo.
 
@@ -84,10 +84,10 @@ def without_other_echoes(
     temperature : ndarray, shape (n,), or None
         Air temperature [degC].
     settings : RowSettings
-    rounding : float
-        Standard deviation of the error of rounding [m].
+    step : float
+        Step of the readings [m].
     """
-    far = far_from_station(usable.indication, labels, temperature, settings, rounding)
+    far = far_from_station(usable.indication, labels, temperature, settings, step)
     if not far.any():
         return usable
     return usable.without(far, OFF_STATION)

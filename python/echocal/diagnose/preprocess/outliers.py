@@ -35,7 +35,7 @@ def far_rows(
     expected: Column | None,
     orders: Callable[[], Sequence[Column]],
     settings: RowSettings,
-    rounding: float = 0.0,
+    step: float = 0.0,
 ) -> Mask:
     """Find rows farther off than noise or the air can explain.
 
@@ -49,8 +49,8 @@ def far_rows(
     orders : callable
         ``orders()`` are columns, shape (n,), that a deviation may depend on.
     settings : RowSettings
-    rounding : float
-        Standard deviation of the error of rounding [m]. Rows scatter as much, even if most are equal.
+    step : float
+        Step of the readings [m]. Rows may be one step apart, even if most are equal.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def far_rows(
         expected = window.median().to_numpy()
     deviation = indication - expected
     center, spread = robust(deviation)
-    limit = max(settings.far * max(spread, rounding), settings.far_least)
+    limit = max(settings.far * spread, settings.far_least + step)
     if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= limit:
         return np.zeros(len(indication), dtype=bool)
     off = np.abs(deviation - center)
@@ -99,7 +99,7 @@ def without_far_rows(
     usable: Usable,
     reference: Column | None,
     settings: RowSettings,
-    rounding: float = 0.0,
+    step: float = 0.0,
 ) -> Usable:
     """Leave out rows farther off than noise or the air can explain, but not a whole station.
 
@@ -110,8 +110,8 @@ def without_far_rows(
     reference : ndarray, shape (total,), or None
         Reference distance of every row of the source [m]; None where it is not known.
     settings : RowSettings
-    rounding : float
-        Standard deviation of the error of rounding [m].
+    step : float
+        Step of the readings [m].
     """
     rows = usable.rows
     columns = (reference, observations.conditions.get("temperature"))
@@ -121,7 +121,7 @@ def without_far_rows(
         return [rows.astype(np.float64), *(some(column, rows) for column in columns if column is not None)]
 
     expected = None if reference is None else some(reference, rows)
-    far = far_rows(usable.indication, expected, orders, settings, rounding)
+    far = far_rows(usable.indication, expected, orders, settings, step)
     if reference is not None and far.any():
         far &= ~far_as_a_whole(far, stations(observations, reference, rows, settings), settings)
     if not far.any():

@@ -58,13 +58,13 @@ def prepare(
     """
     reference = reference_of(observations, reference_distance, constant_distance)
     usable = usable_rows(observations, base, reference)
-    least = max((rounding or {}).values(), default=0.0)
-    usable, labels = without_far_rows(observations, usable, reference, settings, least), None
+    step = 12**0.5 * max((rounding or {}).values(), default=0.0)
+    usable, labels = without_far_rows(observations, usable, reference, settings, step), None
     if reference is not None and len(usable.rows):
         warm, count = observations.conditions.get("temperature"), len(usable.rows)
         labels = stations(observations, reference, usable.rows, settings)
         temperature = None if warm is None else some(warm, usable.rows)
-        usable = without_other_echoes(usable, labels, temperature, settings, least)
+        usable = without_other_echoes(usable, labels, temperature, settings, step)
         if len(usable.rows) < count:
             labels = stations(observations, reference, usable.rows, settings)
     rows, indication = usable.rows, usable.indication

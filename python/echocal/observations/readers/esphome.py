@@ -31,6 +31,8 @@ _DISTANCE = re.compile(
     r"(?P<value>[\d.]+)\s*(?P<unit>mm|cm|m)\b"
     r"(?:.*?echo: (?P<echo>\d+)\s*[µμu]s)?.*"
 )
+_CONFIGURATION = re.compile(r"(?:^|[\]\s])\[C\]\[")
+"""What a component is set to: each session begins with it."""
 _OF_NAME = re.compile(r"'(?P<name>[^']+)' - ")
 _FIXED_SPEED = re.compile(r"sensor\.ultrasonic|ultrasonic\.sensor")
 _NOTE = (
@@ -60,7 +62,8 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read what the sensors tell, a row for each measurement of the ranger. Other lines are no rows."""
-    said = _with_owners([own for line in map(stamped, lines) if line.tag and (own := _said(line))])
+    told = [stamped(line) for line in lines if not _CONFIGURATION.search(line[:_WIDE])]
+    said = _with_owners([own for line in told if line.tag and (own := _said(line))])
     states = {own.sensor for own in said if own.kind == "state"}
     said = [own for own in said if own.kind != "other" or not states]  # each value is a state, too
     rangers = list(dict.fromkeys(own.sensor for own in said if own.kind in {"echo", "distance"}))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from echocal.observations.hints import is_time_name
-from echocal.observations.in_time import joined, seconds_of, spread
+from echocal.observations.in_time import clock_of, joined, spread
 from echocal.observations.join import Join, told
 from echocal.observations.readers.leads import changes_smoothly, ranger_names
 from echocal.observations.readers.log import Log, numeric
@@ -61,8 +61,10 @@ def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Se
     if not ranger or 2 * sum(bool(event.time) for event in events) <= len(events):
         return rows_by_order(events, ranger, log)
     places, records = _measurements(events, ranger, beside, log)
-    times = pd.Series([next(iter(event.time.values()), None) for event in events], dtype=object)
-    seconds = spread(seconds_of(times))
+    name = next(name for event in events for name in event.time)
+    times = pd.Series([event.time.get(name) for event in events], dtype=object, name=name)
+    clock = clock_of(times)
+    clock = replace(clock, times=spread(clock.times))
     for name in dict.fromkeys(n for event in events for n in event.holds if n not in {*ranger, *beside}):
         if 2 * sum(name in record for record in records) > len(records):
             continue  # written with the measurement itself
@@ -74,7 +76,7 @@ def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Se
             np.arange(len(own), dtype=np.float64) if texts else numbers.to_numpy(np.float64, na_value=np.nan)
         )
         smooth = not texts and changes_smoothly(name, log.units.get(name, ""))
-        found, log.joined[name] = joined(seconds[places], seconds[where], values, smooth=smooth)
+        found, log.joined[name] = joined(clock, places, where, values, smooth=smooth)
         for record, value in zip(records, found.tolist(), strict=True):
             record[name] = own[int(value)] if texts and value == value else value
     log.records = records

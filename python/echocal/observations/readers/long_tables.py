@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.observations.found import Found
-from echocal.observations.in_time import joined, seconds_of
+from echocal.observations.in_time import Clock, clock_of, joined
 from echocal.observations.join import Join, told
 from echocal.observations.readers.leads import changes_smoothly, ranger_names
 
@@ -29,10 +29,12 @@ _NAMES = (
     "topic",
     "quantity",
 )
+_ALSO_SENSORS = ("type", "sensor", "name", "channel", "key", "kind", "sensor_name")
+"""Names of columns that may as well say which sensor a row is of: then all of them are rangers."""
 _VALUES = ("_value", "state", "value", "payload", "wert")
 _TIMES = (
     *("_time", "last_changed", "last_updated", "time", "timestamp", "datetime", "created_at", "ts"),
-    *("time_s", "time_ms", "time_us", "epoch", "zeit", "datum"),
+    *("time_s", "time_ms", "time_us", "time_min", "time_h", "epoch", "zeit", "datum"),
 )
 _UNITS = ("unit", "unit_of_measurement", "units", "einheit")
 _MOST = 50
@@ -44,7 +46,8 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     """One column for each quantity: a row for each value of the ranger, with the others at its time."""
     lower = {str(name).lower(): str(name) for name in table.columns}
     name, value, time = (
-        next((lower[own] for own in known if own in lower), None) for known in (_NAMES, _VALUES, _TIMES)
+        next((lower[own] for own in known if own in lower), None)
+        for known in (_NAMES + _ALSO_SENSORS, _VALUES, _TIMES)
     )
     if name is None or value is None or time is None or pd.api.types.is_numeric_dtype(table[name]):
         return table, found
@@ -53,19 +56,21 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     lead = next(iter(ranger_names(kinds, units)), kinds[0] if len(kinds) == 1 else None)
     if not 1 <= len(kinds) <= _MOST or lead is None:
         return table, found
+    if name.lower() in _ALSO_SENSORS and not any(changes_smoothly(n, units.get(n, "")) for n in kinds):
+        return table, found
     of_kind = table[name].astype(object)
     values = pd.to_numeric(table[value], errors="coerce").to_numpy(dtype=np.float64)
     own = (of_kind == lead).to_numpy()
-    tags = [str(c) for c in table.columns if _is_tag(str(c), lower)]
+    tags = [str(c) for c in table.columns if c != name and _is_tag(str(c), lower)]
     wide = table.loc[own, [c for c in table.columns if c == time or c in tags]].reset_index(drop=True)
     wide.insert(0 if time not in wide.columns else 1, lead, values[own])
-    seconds, sensors = seconds_of(table[time]), _sensors(table[tags])
+    clock, sensors = clock_of(table[time]), _sensors(table[tags])
     joins: dict[str, Join] = {}
     for kind in kinds:
-        where = (of_kind == kind).to_numpy() & np.isfinite(seconds)
+        where = (of_kind == kind).to_numpy() & np.isfinite(clock.times)
         if kind != lead and np.isfinite(values[where]).any():
             smooth = changes_smoothly(kind, units.get(kind, ""))
-            wide[kind], joins[kind] = _of_each(seconds, values, sensors, own, where, smooth=smooth)
+            wide[kind], joins[kind] = _of_each(clock, values, sensors, own, where, smooth=smooth)
     note = (
         f"the log has a row for each value: {len(table)} rows of {len(kinds)} quantities become {len(wide)} "
         f"rows, one for each '{lead}'"
@@ -77,7 +82,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
 
 
 def _of_each(
-    seconds: Column,
+    clock: Clock,
     values: Column,
     sensors: NDArray[np.int64],
     own: NDArray[np.bool_],
@@ -95,9 +100,7 @@ def _of_each(
     for sensor in sorted(apart):
         mine = sensors == sensor
         place = mine[own]
-        taken[place], join = joined(
-            seconds[own & mine], seconds[where & mine], values[where & mine], smooth=smooth
-        )
+        taken[place], join = joined(clock, own & mine, where & mine, values[where & mine], smooth=smooth)
         joins.append(join)
     longest = max(joins, key=lambda join: join.interval_s)
     return taken, replace(longest, without=sum(join.without for join in joins))

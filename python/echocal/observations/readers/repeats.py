@@ -8,9 +8,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.observations.alike import step_of
+from echocal.observations.alike import is_set, resolution
 from echocal.observations.found import Found
-from echocal.observations.hints import hint
+from echocal.observations.hints import hint, role_of
 from echocal.observations.names import EXTRA, by_name
 from echocal.observations.units import NAMES
 
@@ -58,18 +58,23 @@ def _said(name: str, found: Found) -> str:
 
 def _coarser(table: pd.DataFrame, first: tuple[str, str], second: tuple[str, str]) -> tuple[str, str] | None:
     """Which of two columns has fewer digits, if both are the same in each row; None where they are not."""
-    values, steps = [], []
+    if role_of(first[0]) != role_of(second[0]):
+        return None  # a ruler and a ranger
+    values, digits, fixed = [], [], []
     for name, said in (first, second):
         form, unit = NAMES[said]
         numbers = table[name].to_numpy(dtype=np.float64, na_value=np.nan)
         values.append(np.asarray(form.units[unit].to_si(numbers)))
-        steps.append(step_of(values[-1]))
+        digits.append(resolution(numbers) * float(form.units[unit].to_si(1.0) - form.units[unit].to_si(0.0)))
+        fixed.append(is_set(numbers))
     missing = np.isnan(values[0]) != np.isnan(values[1])
     apart = np.abs(values[0] - values[1])
     both = np.isfinite(apart)
-    # a column of whole numbers may be cut, not rounded
-    if not both.any() or missing.any() or apart[both].max() > 1.0001 * max(steps) + 0.5 * min(steps) + 1e-9:
+    fine, coarse = min(digits), max(digits)
+    # one may be made of the other as it is written; else a column of whole numbers may be cut, not rounded
+    open_ = fine if fixed[int(digits[1] > digits[0])] else 2.0 * coarse + fine
+    if not both.any() or missing.any() or apart[both].max() > 0.5001 * open_ + 1e-9:
         return None
-    if np.ptp(values[0][both]) < 4 * max(steps):
+    if np.ptp(values[0][both]) < 4 * coarse:
         return None  # two sensors of one quiet quantity look the same
-    return first if steps[0] > steps[1] else second
+    return first if digits[0] > digits[1] else second

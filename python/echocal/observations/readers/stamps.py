@@ -12,7 +12,7 @@ _ANSI = re.compile(r"\x1b\[[\d;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\x1b[()][A-Z0-9]")
 _DATE = (
     r"(?:\d{4}-\d\d-\d\d[T ]|\d{4}/\d\d/\d\d |\d{1,2}[./]\d{1,2}[./]\d{2,4},? |\d{1,2}-[A-Z][a-z]{2}-\d{4} )"
 )
-_CLOCK = rf"{_DATE}?\d{{1,2}}:\d\d:\d\d(?:[.,:]\d+)?"
+_CLOCK = rf"{_DATE}?\d{{1,2}}:\d\d:\d\d(?:[.,:]\d+)?(?: ?[AaPp]\.?[Mm]\b\.?)?"
 _ZONE = r"(?:Z|[+-]\d\d:?\d\d)?"
 _LEVEL = r"\s*(?:\[[A-Z]{1,5}\])?\s*"
 _TAG = r"\[(?P<tag>[\w.:<>-]+?):(?P<line>\d+)\](?:\[[^\]]*\])?:?\s*"
@@ -48,12 +48,13 @@ _FORMS = tuple(
             "%b %d %H:%M:%S",
         ),  # syslog
         (
-            rf"\s*[\[(]?(?P<time>{_CLOCK}{_ZONE})[\])]?\s*(?P<arrow>->|=>|>|\||;|:|-)?\s+(?P<rest>.*)",
+            rf"\s*[\[(]?(?P<time>{_CLOCK}{_ZONE})[\])]?\s*(?P<arrow>->|=>|>|\||;|:|,|-)?\s+(?P<rest>.*)",
             "time",
         ),
         (rf"\s*[\[(](?P<time>{_CLOCK}{_ZONE})[\])](?P<rest>.*)", "time"),
-        (r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*s?\]\s*(?P<rest>.*)", "time_s"),
-        (r"\s*\[\s*(?P<time>\d+(?:\.\d+)?)\s*ms\]\s*(?P<rest>.*)", "time_ms"),
+        (r"\s*\[\s*(?P<time>\d+\.\d+|\d+(?:\.\d+)?\s*s)\]\s*(?P<rest>.*)", "time_s"),
+        (r"\s*[\[(]?\s*(?P<time>\d+(?:\.\d+)?)\s*ms[\])]?\s*:?\s+(?P<rest>.*)", "time_ms"),
+        (r"\s*[\[(]\s*(?P<time>\d+)\s*[\])]\s*(?P<rest>\S.*)", "timestamp"),  # in a unit that nothing tells
     )
 )
 _SOURCE = re.compile(

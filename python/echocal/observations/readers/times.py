@@ -12,13 +12,12 @@ import pandas as pd
 from echocal.observations.dates import CLOCK, DAY, MONTH, unwrapped_clock
 from echocal.observations.found import Found
 from echocal.observations.hints import is_time_name
+from echocal.observations.in_time import counts_per_second
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.units import NAMES
 
 __all__ = ["step"]
 
-_EPOCH = {1.0: (4e8, 5e9), 1e3: (4e11, 5e12), 1e6: (4e14, 5e15), 1e9: (4e17, 5e18)}
-"""Seconds, ms, us and ns since 1970, from 1982 to 2128."""
 _NAMELESS = re.compile(r"column \d+")
 _UNITS = {1.0: "time_s", 1e3: "time_ms", 1e6: "time_us"}
 _LOOK = 500
@@ -98,12 +97,8 @@ def _share(values: pd.Series[Any], pattern: Any, *, clock: bool | None = None) -
 
 def _epoch(values: pd.Series[Any]) -> float | None:
     """How many make a second since 1970; None for other numbers."""
-    numbers = pd.to_numeric(values, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-    numbers = numbers[np.isfinite(numbers)]
-    if not len(numbers):
-        return None
-    middle = float(np.median(numbers))
-    return next((scale for scale, (low, high) in _EPOCH.items() if low < middle < high), None)
+    numbers = pd.to_numeric(values, errors="coerce")
+    return counts_per_second(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
 
 
 def _filled(value: Any) -> bool:

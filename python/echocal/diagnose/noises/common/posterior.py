@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.innovation import innovation
-from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
@@ -20,6 +20,8 @@ from echocal.diagnose.settings.noises import NoiseSettings
 __all__ = ["NoisePosterior", "Traced", "infer_noises", "sampled"]
 
 Ids = tuple[str, ...]
+
+_NOTHING = 1.0 + 1e-9  # of the smallest variance
 
 
 @dataclass
@@ -262,6 +264,12 @@ class _NuisancePrior:
         concerned = np.array([noise.concerns(each) for each in reduced.noises])
         return cls(noise.facts.id, settings.prior(noise.facts), assumed, concerned)
 
+    def shares(self, fits: Sequence[HypothesisFit]) -> NDArray[np.float64]:
+        """Probability beside each set; as before the data where it leaves less than any noise does."""
+        found = np.array([fit.noise for fit in fits])[:, self.concerned].sum(axis=1)
+        left = np.array([fit.variance for fit in fits])
+        return np.where(left > _NOTHING * VARIANCE_FLOOR**2, found, self.assumed)
+
 
 def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> None:
     """Lower the probabilities of nuisance noises to what their priors as causes allow.
@@ -277,7 +285,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
         id_, before, concerned = nuisance.id, nuisance.assumed, nuisance.concerned
         if not concerned.any() or before >= 1.0:
             continue
-        part = np.array([w.noise for w in shares.fits])[:, concerned].sum(axis=1)
+        part = nuisance.shares(shares.fits)
         with_it = float(total @ part) / before * nuisance.prior
         without = float(total @ (1 - part)) / (1 - before) * (1 - nuisance.prior)
         as_a_cause = with_it / max(with_it + without, 1e-300)
@@ -296,13 +304,12 @@ def _nuisances(
 
     `mixed` is the probability of the fitted noises that compete with them, beside each of `fits`.
     """
-    noise = np.array([fit.noise for fit in fits])
     found = {}
     for nuisance in nuisances:
         before, prior = nuisance.assumed, nuisance.prior
         if before in (0.0, 1.0):
             continue
-        share = noise[:, nuisance.concerned].sum(axis=1)
+        share = nuisance.shares(fits)
         odds = share * (1 - before) / np.maximum((1 - share) * before, 1e-12)
         odds *= prior / (1 - prior)
         found[nuisance.id] = (odds / (1 + odds) * (1 - np.minimum(mixed, 1.0))).tolist()
