@@ -214,7 +214,7 @@ def test_it_is_the_same_from_every_command(random: np.random.Generator, tmp_path
     for at, size in stated:
         assert size == pytest.approx(model.standard_uncertainty(at, temperature=20.0), rel=1e-5)
     header = (tmp_path / "c" / "echocal_correction.h").read_text()
-    assert f"- at 2.0 m: {1e3 * dict(map(tuple, stated))[2.0]:.3f}" in header
+    assert f"- at 2.0 m: {round(1e3 * dict(map(tuple, stated))[2.0], 3)} mm" in header
 
 
 def test_a_model_of_old_says_that_it_states_no_repeatability() -> None:

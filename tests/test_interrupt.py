@@ -65,15 +65,15 @@ def test_a_request_to_terminate_leaves_nothing_unfinished(
     for path in logs.iterdir():
         (tmp_path / path.name).symlink_to(path)
     words = [sys.executable, "-m", "echocal", *COMMANDS[name].split()]
-    run = subprocess.Popen(
-        words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+    number = getattr(signal, request_)
+    heard = lambda: signal.signal(number, signal.SIG_DFL)  # noqa: E731  (under nohup one is ignored)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    run = subprocess.Popen(words, cwd=tmp_path, start_new_session=True, preexec_fn=heard, **pipes)
     begun = time.monotonic()
     while run.poll() is None and not list(tmp_path.rglob(".*.unfinished")):
         assert time.monotonic() - begun < 60
         time.sleep(0.002)
     time.sleep(float(random.uniform(0, 0.1)))
-    number = getattr(signal, request_)
     run.send_signal(number)
     told = run.communicate(timeout=60)[1]
     assert "Traceback" not in told

@@ -18,10 +18,11 @@ from echocal.checksums import CHECKSUMS, list_of
 from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
 from echocal.conditions import columns
 from echocal.domain import describe
-from echocal.errors import BoundError, DataError, DomainWarning, UsageError
+from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.model.origin import diagnosed
+from echocal.model.uncertainty import stated
 from echocal.outputs import replace_all
 from echocal.registry import find_effect
 
@@ -32,8 +33,6 @@ Progress = Callable[[str, int, int], object]
 _ABSOLUTE_ZERO = -273.15  # degC
 _MOST_THREADS = 65_535  # set by hand, far above any machine
 _DS18B20 = TemperatureCodes()
-_STATED_AT = (0.5, 1.0, 2.0, 4.0)  # m: where the files state the uncertainty of a distance
-_REFERENCE_TEMPERATURE = 20.0  # degC; ISO 1:2022
 
 
 @dataclass(frozen=True)
@@ -274,7 +273,7 @@ def generate(
         "assumed": air,
         "model_hash": model.hash,
         "diagnosis": diagnosed(model.provenance),
-        "standard_uncertainty": _uncertainty(model, assume, max_distance),
+        "standard_uncertainty": stated(model, {**model.air, **assume}, max_distance),
         "command": "",
     }
     times = echoes.accepted(model._core, request, echo)
@@ -293,21 +292,6 @@ def generate(
         return made
     found = [silicon.measure(made, name) for name in silicon.cores_of(target)]
     return _firmware(core, [one.to_dict() for one in found if one is not None])
-
-
-def _uncertainty(model: Model, assume: Mapping[str, float], longest: float) -> list[tuple[float, float]]:
-    """Standard uncertainty [m] of corrected distances [m] at 20 degC.
-
-    None where the model states no uncertainty, or asks for a condition that the device does not measure.
-    """
-    at = [distance for distance in _STATED_AT if distance <= longest]
-    given = {**model.air, **assume, "temperature": _REFERENCE_TEMPERATURE}
-    try:
-        with warnings.catch_warnings(action="ignore", category=DomainWarning):  # told of the code ranges
-            sizes = model.standard_uncertainty(at, **given)
-    except DataError:
-        return []
-    return [(a, float(f"{u:.6g}")) for a, u in zip(at, sizes.tolist(), strict=True) if np.isfinite(u)]
 
 
 def _mapped(assume: Mapping[str, float] | None) -> dict[str, float]:

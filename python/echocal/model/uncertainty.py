@@ -1,19 +1,24 @@
 """Standard uncertainty of the distances that a model corrects."""
 
+import warnings
 from collections.abc import Mapping
 from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.errors import DataError, DomainWarning
 from echocal.model import added
 from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape
 from echocal.model.smooth import Smooth
 
-__all__ = ["standard_uncertainty"]
+__all__ = ["standard_uncertainty", "stated"]
 
 Values = NDArray[np.float64]
+
+_STATED_AT = (0.5, 1.0, 2.0, 4.0)  # m: where the files of a device state the uncertainty of a distance
+_REFERENCE_TEMPERATURE = 20.0  # degC; ISO 1:2022
 
 
 class Uncertain(Protocol):
@@ -77,3 +82,17 @@ def standard_uncertainty(
         tangents = jacobian[..., 1:]
         variance = variance + np.einsum("...i,ij,...j->...", tangents, model.covariance, tangents)
     return np.asarray(np.sqrt(residual + variance / jacobian[..., 0] ** 2))
+
+
+def stated(model: Uncertain, air: Mapping[str, float], longest: float) -> list[tuple[float, float]]:
+    """Distances up to the longest [m] and their standard uncertainties [m], at 20 degC.
+
+    None where the model states no uncertainty, or asks for a condition that `air` does not have.
+    """
+    at = [distance for distance in _STATED_AT if distance <= longest]
+    try:
+        with warnings.catch_warnings(action="ignore", category=DomainWarning):  # told of the code ranges
+            sizes = standard_uncertainty(model, at, {**air, "temperature": _REFERENCE_TEMPERATURE})
+    except DataError:
+        return []
+    return [(a, float(f"{u:.6g}")) for a, u in zip(at, sizes.tolist(), strict=True) if np.isfinite(u)]
