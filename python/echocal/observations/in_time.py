@@ -154,8 +154,7 @@ def clock_of(values: pd.Series[Any]) -> Clock:
     numbers = pd.to_numeric(values, errors="coerce") if values.dtype == object else values
     if pd.api.types.is_numeric_dtype(numbers) and not numbers.isna().all():
         counts = numbers.to_numpy(dtype=np.float64, na_value=np.nan)
-        known = numbers.notna().sum() >= values.replace("", None).notna().sum()
-        if known:
+        if numbers.notna().sum() >= (values.notna() & (values != "")).sum():
             second = _counts_of_name(str(values.name), counts) or counts_per_second(counts)
             return Clock(counts / (second or 1.0), bool(second))
     return Clock(_instants(values))
