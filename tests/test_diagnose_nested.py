@@ -196,7 +196,9 @@ def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
     ]
     assert gains[1].rms_before_m == pytest.approx(gains[0].rms_before_m)
     kept = [gain.rms_after_m for gain in gains if gain.rms_after_m != gain.rms_before_m]
-    assert kept == pytest.approx(kept[:1] * len(kept)), "noise is filtered backward: one may keep the base"
+    # white noise gives the same bits; noise with a moving average is filtered from the other end, and its
+    # memory reaches over the border of the rows held out: 3e-4 in one of a hundred tables
+    assert kept == pytest.approx(kept[:1] * len(kept), rel=1e-3), "one may keep the base"
 
 
 def test_a_target_that_is_placed_anew_has_a_new_level(random: np.random.Generator) -> None:
