@@ -20,7 +20,7 @@ LAYERS = (
     {"conditions"},
     {"domain", "air", "registry"},
     {"model"},
-    {"observations"},
+    {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
     {"diagnose", "silicon", "echoes", "verify"},
     {"plots", "report", "firmware", "batch", "correct"},

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from echocal.registry import effects
     from echocal.sweep import sweep
     from echocal.verify import Verification, verify, verify_model
+    from echocal.waveforms import EchoTimes, echo_times, read_waveforms
 
 __all__ = [
     "DEPARTURES",
@@ -41,6 +42,7 @@ __all__ = [
     "Diagnosis",
     "DisagreementWarning",
     "DomainWarning",
+    "EchoTimes",
     "EchocalError",
     "Model",
     "ModelError",
@@ -57,12 +59,14 @@ __all__ = [
     "diagnose_many",
     "distance",
     "domain_violations",
+    "echo_times",
     "effects",
     "error",
     "firmware",
     "gross_faults",
     "noises",
     "read_observations",
+    "read_waveforms",
     "row_faults",
     "speed_of_sound",
     "sweep",
@@ -91,6 +95,7 @@ _HOMES = {
     "registry": ("effects",),
     "sweep": ("sweep",),
     "verify": ("Verification", "verify", "verify_model"),
+    "waveforms": ("EchoTimes", "echo_times", "read_waveforms"),
 }
 """Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
 
