@@ -1,4 +1,4 @@
-"""Progress of a run over files: share done, rows per second, time left."""
+"""Progress bars: a run over files, captures of waveforms."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from echocal.cli._console import Console
 from echocal.correct.driver import Progress as State
 
-__all__ = ["rows_bar"]
+__all__ = ["captures_bar", "rows_bar"]
 
 
 @contextmanager
@@ -42,3 +42,15 @@ def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
             )
 
         yield tell
+
+
+@contextmanager
+def captures_bar(quiet: bool) -> Iterator[Callable[[int, int], None]]:
+    """Progress bar of captures that are timed, on a terminal; none in a log or a pipe."""
+    console = Console(stderr=True)
+    columns = (TextColumn("timing echoes"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=quiet or not console.is_terminal
+    ) as shown:
+        task = shown.add_task("", total=None)
+        yield lambda done, of: shown.update(task, completed=done, total=max(of, 1))

@@ -56,18 +56,25 @@ class Filter:
         Standard deviation of what is filtered, for white noise of 1.
     bandwidth : float
         Bandwidth of the noise [Hz]: independent complex samples per second.
+    spread : float
+        Standard deviation of the angular frequency of the noise [rad/s].
     """
 
     gain: Complex
     noise_gain: float
     bandwidth: float
+    spread: float
 
     @classmethod
     def of(cls, gain: Complex, spacing: float, count: int) -> "Filter":
         """Return the filter of a response at bins of a spacing [Hz], of `count` samples."""
         power = np.abs(gain) ** 2
         noise_gain = np.sqrt(2.0 / count * power.sum())
-        return cls(gain, float(noise_gain), float(spacing * power.sum() ** 2 / (power**2).sum()))
+        bandwidth = spacing * power.sum() ** 2 / (power**2).sum()
+        weights = power / power.sum()
+        bins = np.arange(len(power))
+        spread = 2.0 * np.pi * spacing * np.sqrt(weights @ (bins - weights @ bins) ** 2)
+        return cls(gain, float(noise_gain), float(bandwidth), float(spread))
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,11 @@ class Plan:
     def sample_rate(self) -> float:
         """Samples of a capture per second [Hz]."""
         return self.template.sample_rate
+
+    @property
+    def duration(self) -> float:
+        """Duration of a capture [s]."""
+        return self.samples / self.sample_rate
 
     @property
     def reach(self) -> float:

@@ -44,15 +44,18 @@ class Captures:
         return int(self.rows.shape[-1])
 
     def blocks(self) -> Iterator[tuple[slice, Floats, NDArray[np.bool_]]]:
-        """Yield places, captures with zeros for those that are not finite, and which are finite."""
+        """Yield places, captures less their means with zeros for what is not finite, and which are finite.
+
+        A converter's offset would be a step at the ends of the window, which is heard in any band.
+        """
         size = max(_AT_ONCE // self.count, 1)
         for first in range(0, max(len(self.rows), 1), size):
             place = slice(first, first + size)
             block = np.asarray(self.rows[place], dtype=np.float64)
-            finite: NDArray[np.bool_] = np.isfinite(block).all(axis=-1)
+            finite = np.asarray(np.isfinite(block).all(axis=-1))
             if not finite.all():
                 block = np.where(finite[:, None], block, 0.0)
-            yield place, block, finite
+            yield place, block - block.mean(axis=-1, keepdims=True), finite
 
 
 def captures_of(waveform: ArrayLike, sample_rate: float, start: float, stop: float | None) -> Captures:

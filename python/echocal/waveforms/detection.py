@@ -72,18 +72,24 @@ def detect(plan: Plan, captures: Real, noise: Real | None) -> Detection:
     """
     spectrum = rfft(captures, plan.count)[:, plan.band]
     matched, passed = plan.envelope(spectrum, plan.matched), plan.envelope(spectrum, plan.band_pass)
-    last = plan.samples / plan.sample_rate - plan.template.duration_of(_NEEDED_SHARE)
+    last = plan.duration - plan.template.duration_of(_NEEDED_SHARE)
     time, peak, at_end = envelope_peak(matched, np.zeros(len(captures)), np.full(len(captures), last))
+    looks = last * plan.matched.spread
     if noise is None:
-        noise, freedom = _noise_before(plan, passed, time)
+        noise, freedom = _noise_within(plan, passed, np.zeros(len(time)), time)
+        doubtful = freedom < _LEAST_FREEDOM
+        after = _noise_within(plan, passed, time + plan.template.duration, np.full(len(time), plan.duration))
+        stands_out = np.where(
+            doubtful, _stands_out(peak, *after, looks), _stands_out(peak, noise, freedom, looks)
+        )
     else:
-        freedom = np.full(len(captures), np.inf)
-    status = np.zeros(len(captures), np.uint8)
-    status[~_stands_out(peak, noise, freedom, last * plan.matched.bandwidth)] = code("no_echo")
-    status[freedom < _LEAST_FREEDOM] = code("noise_unknown")
-    status[at_end & (status != code("no_echo"))] = code("cut_off")
-    status[~(peak > 0.0)] = code("no_echo")
-    return Detection(matched, passed, time, peak, noise, freedom, status)
+        freedom = np.full(len(time), np.inf)
+        doubtful = np.zeros(len(time), bool)
+        stands_out = _stands_out(peak, noise, freedom, looks)
+    status = np.select(
+        [~stands_out, at_end, doubtful], [code("no_echo"), code("cut_off"), code("noise_unknown")], 0
+    )
+    return Detection(matched, passed, time, peak, noise, freedom, status.astype(np.uint8))
 
 
 def envelope_peak(band: Baseband, begin: Real, end: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
@@ -102,12 +108,12 @@ def envelope_peak(band: Baseband, begin: Real, end: Real) -> tuple[Real, Real, N
     return time, np.abs(band.at(time)[0]), at_end
 
 
-def _noise_before(plan: Plan, passed: Baseband, time: Real) -> tuple[Real, Real]:
-    """Noise from the power in the band between the start of the window and the echo."""
+def _noise_within(plan: Plan, passed: Baseband, begin: Real, end: Real) -> tuple[Real, Real]:
+    """Noise between two times [s], from the power in the band, and its degrees of freedom."""
     grid = np.arange(passed.values.shape[-1]) / passed.rate
-    before = (grid >= plan.reach) & (grid <= (time - plan.reach)[:, None])
-    power = np.where(before, passed.values.real**2 + passed.values.imag**2, 0.0).sum(axis=-1)
-    count = before.sum(axis=-1)
+    within = (grid >= (begin + plan.reach)[:, None]) & (grid <= (end - plan.reach)[:, None])
+    power = np.where(within, passed.values.real**2 + passed.values.imag**2, 0.0).sum(axis=-1)
+    count = within.sum(axis=-1)
     independent = np.maximum(count / passed.rate * plan.band_pass.bandwidth, count > 0)
     with np.errstate(invalid="ignore", divide="ignore"):
         noise = np.sqrt(power / (2.0 * count)) / plan.band_pass.noise_gain
@@ -115,12 +121,16 @@ def _noise_before(plan: Plan, passed: Baseband, time: Real) -> tuple[Real, Real]
 
 
 def _stands_out(peak: Real, noise: Real, freedom: Real, looks: float) -> NDArray[np.bool_]:
-    """Whether noise alone has such a peak with a small probability only.
+    """Whether the envelope of noise alone rises so high with a small probability only.
 
-    The power of the envelope of Gaussian noise is exponential, and so the ratio to a power that is estimated
-    has an F distribution with 2 and `freedom` degrees of freedom.
+    Gaussian noise of RMS bandwidth b [rad/s] around the carrier has an envelope that rises above u standard
+    deviations ``b u exp(-u^2 / 2) / sqrt(2 pi)`` times a second (Rice 1945, part III,
+    doi:10.1002/j.1538-7305.1945.tb00453.x). With an estimated standard deviation the exponential becomes that
+    of an F distribution with 2 and `freedom` degrees of freedom. `looks` is b times the time. Where no noise
+    is known, the answer is yes for whatever is above 0.
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        ratio = peak**2 / (2.0 * noise**2)
-        tail = np.where(np.isfinite(freedom), -0.5 * freedom * np.log1p(2.0 * ratio / freedom), -ratio)
-    return np.asarray(np.log(max(looks, 1.0)) + tail < np.log(FALSE_ALARM))
+        square = (peak / noise) ** 2
+        tail = np.where(np.isinf(freedom), -0.5 * square, -0.5 * freedom * np.log1p(square / freedom))
+        rare = tail + np.log1p(looks * np.sqrt(square / (2.0 * np.pi))) < np.log(FALSE_ALARM)
+    return np.asarray(np.where(freedom > 0.0, rare, True) & (peak > 0.0))

@@ -1,7 +1,8 @@
 """Captures from files: NumPy's .npy, WAV, and columns of lists in Parquet."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from scipy.io import wavfile
 from echocal.errors import DataError, UsageError
 from echocal.waveforms.captures import positive
 
-__all__ = ["SAMPLE_RATE_COLUMN", "list_column", "read_waveforms"]
+__all__ = ["SAMPLE_RATE_COLUMN", "columns_beside", "full_scale_of", "list_column", "read_waveforms"]
 
 SAMPLE_RATE_COLUMN = "sample_rate_Hz"
 """Column or metadata of a Parquet file that holds the sample rate [Hz]."""
@@ -155,19 +156,48 @@ def _of_full_scale(samples: NDArray[Any]) -> NDArray[Any]:
 
 def _parquet(path: Path, column: str | None) -> Read:
     pa = _arrow()
+    with _readable(path, pa), path.open("rb") as raw:
+        schema = pa.parquet.read_schema(raw)
+        name = list_column(path, schema, column)
+        beside = [SAMPLE_RATE_COLUMN] if SAMPLE_RATE_COLUMN in schema.names else []
+        table = pa.parquet.read_table(raw, columns=[name, *beside])
+    rates = table.column(SAMPLE_RATE_COLUMN).unique().to_pylist() if beside else []
+    told = {**(schema.metadata or {}), **(schema.field(name).metadata or {})}.get(SAMPLE_RATE_COLUMN.encode())
+    return _rows(path, name, table.column(name), pa), _rate(path, [*rates, *([told] if told else [])])
+
+
+def columns_beside(path: str | Path) -> dict[str, NDArray[Any]]:
+    """Return the columns of a Parquet file beside its captures, without lists; none for other files.
+
+    Raises
+    ------
+    DataError
+        If it cannot be read.
+    """
+    path = Path(path)
+    if _reader(path) is not _parquet:
+        return {}
+    pa = _arrow()
+    with _readable(path, pa), path.open("rb") as raw:
+        schema = pa.parquet.read_schema(raw)
+        names = [field.name for field in schema if not pa.types.is_nested(field.type)]
+        table = pa.parquet.read_table(raw, columns=names)
+    return {name: table.column(name).to_numpy() for name in names if name != SAMPLE_RATE_COLUMN}
+
+
+def full_scale_of(path: str | Path) -> float | None:
+    """Return full scale in the unit that a file is read in: 1 for WAV; None for others, which do not say."""
+    return 1.0 if _reader(Path(path)) is _wav else None
+
+
+@contextmanager
+def _readable(path: Path, pa: Any) -> Iterator[None]:
     try:
-        with path.open("rb") as raw:
-            schema = pa.parquet.read_schema(raw)
-            name = list_column(path, schema, column)
-            beside = [SAMPLE_RATE_COLUMN] if SAMPLE_RATE_COLUMN in schema.names else []
-            table = pa.parquet.read_table(raw, columns=[name, *beside])
+        yield
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
         message = f"{path} begins like Parquet and cannot be read: {reason}"
         raise DataError(message) from None
-    rates = table.column(SAMPLE_RATE_COLUMN).unique().to_pylist() if beside else []
-    told = {**(schema.metadata or {}), **(schema.field(name).metadata or {})}.get(SAMPLE_RATE_COLUMN.encode())
-    return _rows(path, name, table.column(name), pa), _rate(path, [*rates, *([told] if told else [])])
 
 
 def _rate(path: Path, stated: list[Any]) -> float | None:

@@ -1,6 +1,6 @@
 """Echo times of captures: arguments in, blocks of captures through an estimator, arrays out."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -36,6 +36,7 @@ def echo_times(
     noise: ArrayLike | None = None,
     start: float = 0.0,
     stop: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> EchoTimes:
     """Time the strongest echo of each capture, to a part of a sample.
 
@@ -69,6 +70,8 @@ def echo_times(
         capture. Default: estimated at the carrier, in the part of each capture before its echo.
     start, stop : float
         Window of each capture [s] that is used. It should begin after the burst's own ringing.
+    progress : callable, optional
+        Called with the number of captures that are done, and of all.
 
     Returns
     -------
@@ -119,7 +122,11 @@ def echo_times(
     plan = Plan(_template(template, captures, carrier, width), carrier, width, captures.count)
     levels = None if threshold is None else per_capture("threshold", threshold, shape)
     noises = None if noise is None else per_capture("noise", noise, shape)
-    parts = list(_parts(captures, replace(Request.of(plan), threshold=levels), noises, method))
+    parts = []
+    for part in _parts(captures, replace(Request.of(plan), threshold=levels), noises, method):
+        parts.append(part)
+        if progress is not None:
+            progress(sum(len(own["status"]) for own in parts), len(captures.rows))
     found = {name: np.concatenate([part[name] for part in parts]).reshape(shape) for name in parts[0]}
     found["time"] += captures.start
     return EchoTimes(**found, method=method, carrier=carrier)
