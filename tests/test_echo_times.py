@@ -8,7 +8,10 @@ from scipy.optimize import minimize_scalar
 
 import echocal
 from echocal.waveforms import cramer_rao_bound, model_burst, ziv_zakai_bound
+from echocal.waveforms.baseband import Plan
+from echocal.waveforms.detection import detect
 from echocal.waveforms.estimators import ESTIMATORS
+from echocal.waveforms.template import Template
 
 RATE, COUNT = 500e3, 3500
 LATE = 3e-3  # s, about when echoes begin
@@ -90,6 +93,21 @@ def test_the_unit_of_the_waveform_does_not_matter(
         assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=1e-6), name
 
 
+def test_crests_are_maxima_also_where_the_echo_grows(echo: Echo, random: np.random.Generator) -> None:
+    samples = echo.samples(RATE)
+    plan = Plan(Template(samples, RATE), 40e3, 5e3, len(samples))
+    band = detect(plan, samples[None], np.ones(1)).passed
+    near = random.uniform(1e-4, 6e-4, (1, 50))
+    time, height = band.crest(near)
+    rate = 40e3 * 2.0 * np.pi
+    value, slope = band.carried(time)
+    assert np.abs(slope.real).max() < 1e-5 * rate * height.min()  # 40 ps
+    assert height == pytest.approx(value.real)
+    assert (height > band.carried(time + 1e-6)[0].real).all()
+    assert (height > band.carried(time - 1e-6)[0].real).all()
+    assert np.abs(time - near).max() < 0.51 / 40e3 + 1e-6
+
+
 @pytest.mark.parametrize("method", ESTIMATORS)
 def test_a_batch_is_a_loop(method: str, echo: Echo, random: np.random.Generator) -> None:
     made = noisy(echo, random, 12).reshape(2, 3, 2, COUNT)
@@ -145,8 +163,12 @@ def test_the_matched_filter_is_the_least_squares_fit(echo: Echo, random: np.rand
         assert fit.x == pytest.approx(time, abs=0.02 * bound)
 
 
-def test_the_mean_of_the_captures_is_a_template(random: np.random.Generator) -> None:
-    odd = Echo((14.0, 26.0), (39.3e3, 40.5e3))
+@pytest.mark.parametrize("quality", [(14.0, 26.0), (20.0, 20.0)])
+@pytest.mark.parametrize("center", [(39.3e3, 40.5e3), (40e3, 40e3)])
+def test_the_mean_of_the_captures_is_a_template(
+    quality: tuple[float, ...], center: tuple[float, ...], random: np.random.Generator
+) -> None:
+    odd = Echo(quality, center)
     delays, strength = random.uniform(LATE, LATE + 1e-3, 200), random.uniform(0.5, 2.0, 200)
     clean = -captures(odd, delays, RATE, COUNT, strength)  # an amplifier that inverts
     made = clean + 0.02 * random.standard_normal(clean.shape)
