@@ -1,0 +1,139 @@
+"""Air of the bench: a second set of laws, so that nothing is tested on the equations that it came from.
+
+The molecules are rigid rotors whose vibrations are Einstein oscillators. The core has Cramer's
+polynomial in its place; the two share no constant but the gas constant.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["absorption", "saturation_pressure", "speed_of_sound"]
+
+Column = NDArray[np.float64]
+
+_R = 8.314462618  # J/(mol K), CODATA 2018
+_KELVIN = 273.15
+_REFERENCE_KELVIN = 293.15  # K, ISO 9613-1:1993, 4.2
+_REFERENCE_PRESSURE = 101325.0  # Pa, ISO 9613-1:1993, 4.2
+_NITROGEN, _OXYGEN, _ARGON = 0.78084, 0.20946, 0.00934  # mole fractions of dry air, US Standard Atmosphere 1976
+_MASS = {"N2": 28.0134e-3, "O2": 31.9988e-3, "Ar": 39.948e-3, "CO2": 44.0095e-3, "H2O": 18.0153e-3}  # kg/mol
+_RIGID = {"N2": 3.5, "O2": 3.5, "Ar": 2.5, "CO2": 3.5, "H2O": 4.0}  # isobaric heat over R without vibration
+_MODES = {  # K, vibrational temperatures: Herzberg's wavenumbers times hc/k
+    "N2": (3374.0,),
+    "O2": (2256.0,),
+    "Ar": (),
+    "CO2": (960.0, 960.0, 1930.0, 3380.0),
+    "H2O": (2294.0, 5261.0, 5403.0),
+}
+
+
+def saturation_pressure(temperature: ArrayLike) -> Column:
+    """Compute the vapor pressure over water [Pa] at a temperature [degC].
+
+    Buck 1981, J. Appl. Meteorol. 20, 1527, eq. (8), with the coefficients fw4
+    (doi:10.1175/1520-0450(1981)020<1527:NEFCVP>2.0.CO;2).
+    """
+    celsius = np.asarray(temperature, dtype=float)
+    return np.asarray(611.21 * np.exp((18.678 - celsius / 234.5) * celsius / (257.14 + celsius)))
+
+
+def _heat(molecule: str, kelvin: Column) -> Column:
+    """Isobaric heat capacity over R of an ideal gas of one molecule."""
+    total = np.full_like(kelvin, _RIGID[molecule])
+    for mode in _MODES[molecule]:
+        x = mode / kelvin
+        total = total + x**2 * np.exp(-x) / (1 - np.exp(-x)) ** 2
+    return total
+
+
+def _water(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: ArrayLike) -> Column:
+    """Mole fraction of the water vapor."""
+    vapor = np.asarray(relative_humidity) * saturation_pressure(temperature)
+    return np.asarray(vapor / np.asarray(pressure, dtype=float))
+
+
+def speed_of_sound(
+    temperature: ArrayLike,
+    relative_humidity: ArrayLike = 0.0,
+    pressure: ArrayLike = 101325.0,
+    co2_mole_fraction: ArrayLike = 4e-4,
+    frequency: float = 0.0,
+) -> Column:
+    """Compute the speed of sound of moist air as a mixture of ideal gases.
+
+    Parameters
+    ----------
+    temperature, relative_humidity, pressure, co2_mole_fraction : array_like
+        Of the air [degC], [0..1], [Pa], [mol/mol]; broadcast together.
+    frequency : float
+        Of the sound [Hz]. Above 0 the vibrations of oxygen and nitrogen lag behind, which makes
+        the sound faster (Morfey & Howell 1980, doi:10.1121/1.385080).
+
+    Returns
+    -------
+    ndarray
+        Speed [m/s].
+
+    Examples
+    --------
+    >>> from echocal.virtual_bench import air
+    >>> round(float(air.speed_of_sound(20.0, 0.5)), 1)
+    344.0
+    """
+    kelvin = np.asarray(temperature, dtype=float) + _KELVIN
+    water = _water(temperature, relative_humidity, pressure)
+    co2, dry = np.asarray(co2_mole_fraction, dtype=float), 1 - water
+    parts = {"N2": _NITROGEN * (1 - co2) * dry, "O2": _OXYGEN * (1 - co2) * dry}
+    parts |= {"Ar": _ARGON * (1 - co2) * dry, "CO2": co2 * dry, "H2O": water}
+    whole = np.asarray(sum(parts.values()))
+    mass = np.asarray(sum(x * _MASS[m] for m, x in parts.items())) / whole
+    heat = np.asarray(sum(x * _heat(m, kelvin) for m, x in parts.items())) / whole
+    slow = np.sqrt(heat / (heat - 1) * _R * kelvin / mass)
+    if not frequency:
+        return np.asarray(slow)
+    relaxing = _relaxations(temperature, relative_humidity, pressure, frequency)
+    return np.asarray(1 / (1 / slow - sum(part / (2 * np.pi * at) for part, at in relaxing)))
+
+
+def _relaxations(
+    temperature: ArrayLike, relative_humidity: ArrayLike, pressure: ArrayLike, frequency: float
+) -> list[tuple[Column, Column]]:
+    """Absorption [Np/m] by oxygen and by nitrogen and their frequencies [Hz]: ISO 9613-1:1993, eq. (3) to (5)."""
+    kelvin = np.asarray(temperature, dtype=float) + _KELVIN
+    ratio = kelvin / _REFERENCE_KELVIN
+    bars = np.asarray(pressure, dtype=float) / _REFERENCE_PRESSURE
+    water = 100 * _water(temperature, relative_humidity, pressure)
+    oxygen = bars * (24 + 4.04e4 * water * (0.02 + water) / (0.391 + water))
+    nitrogen = bars * ratio**-0.5 * (9 + 280 * water * np.exp(-4.170 * (ratio ** (-1 / 3) - 1)))
+    common = frequency**2 * ratio**-2.5
+    return [
+        (common * strength * np.exp(-theta / kelvin) / (at + frequency**2 / at), at)
+        for strength, theta, at in ((0.01275, 2239.1, oxygen), (0.1068, 3352.0, nitrogen))
+    ]
+
+
+def absorption(
+    temperature: ArrayLike,
+    relative_humidity: ArrayLike = 0.0,
+    pressure: ArrayLike = 101325.0,
+    frequency: float = 40e3,
+) -> Column:
+    """Compute the absorption of sound by air: ISO 9613-1:1993, eq. (5).
+
+    Parameters
+    ----------
+    temperature, relative_humidity, pressure : array_like
+        Of the air [degC], [0..1], [Pa]; broadcast together.
+    frequency : float
+        Of the sound [Hz].
+
+    Returns
+    -------
+    ndarray
+        Attenuation [dB/m].
+    """
+    ratio = (np.asarray(temperature, dtype=float) + _KELVIN) / _REFERENCE_KELVIN
+    bars = np.asarray(pressure, dtype=float) / _REFERENCE_PRESSURE
+    classical = 1.84e-11 * frequency**2 * ratio**0.5 / bars
+    relaxing = _relaxations(temperature, relative_humidity, pressure, frequency)
+    return np.asarray(8.686 * (classical + sum(part for part, _ in relaxing)))
