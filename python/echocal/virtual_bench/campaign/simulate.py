@@ -1,0 +1,179 @@
+"""A table of a campaign, with what is true about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from echocal.errors import DataError
+from echocal.virtual_bench.campaign.campaign import Campaign, Random
+from echocal.virtual_bench.campaign.causes import CAUSES
+from echocal.virtual_bench.campaign.designs import lay_down
+from echocal.virtual_bench.waveform.fluctuations import remembering
+from echocal.virtual_bench.waveform.measure import Echoes, measure
+from echocal.virtual_bench.waveform.scene import Scene
+
+__all__ = ["Simulation", "offers", "simulate"]
+
+Column = NDArray[np.float64]
+
+_MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
+_THERMOMETER_NOISE = 0.05  # K, of one reading: DS18B20 datasheet, 12 bits: steps of 0.0625 K
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A table and its truth.
+
+    Attributes
+    ----------
+    table : DataFrame
+        As the user's logger wrote it.
+    campaign : Campaign
+    scene : Scene
+    echoes : Echoes
+        What the sensor said.
+    causes : dict
+        Id and size of what was staged.
+    seed : int
+    detector : str
+    """
+
+    table: pd.DataFrame
+    campaign: Campaign
+    scene: Scene
+    echoes: Echoes
+    causes: dict[str, float]
+    seed: int
+    detector: str
+
+
+def offers(campaign: Campaign) -> frozenset[str]:
+    """List what a cause may need of a design."""
+    found = {"time"} if np.ptp(campaign.seconds) > 0 else set()
+    if np.ptp(campaign.distance) > 0.3:
+        found.add("distances")
+    if np.ptp(campaign.seconds) > 86400.0:
+        found.add("weather")
+    if campaign.radiation.max() > 0:
+        found.add("sun")
+    if campaign.reference is not None:
+        found.add("reference")
+    if campaign.placement.max() >= 4:
+        found.add("visits")
+    return frozenset(found)
+
+
+def simulate(
+    design: str, causes: Mapping[str, float] | None = None, *, seed: int = 0, detector: str = "comparator"
+) -> Simulation:
+    """Run a campaign on the bench.
+
+    Parameters
+    ----------
+    design : str
+        One of `designs()`.
+    causes : mapping of str to float, optional
+        Size of each cause, in its unit.
+    seed : int
+        The same seed gives the same table; with and without a cause it gives the same air and noise.
+    detector : {"comparator", "ideal"}
+        "ideal" tells the front of each echo: no time walk.
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    DataError
+        If a name is not known, or a design has not what a cause needs.
+
+    Examples
+    --------
+    >>> from echocal.virtual_bench import simulate
+    >>> made = simulate("quick", {"fixed_delay": 80e-6}, seed=1)
+    >>> len(made.table)
+    48
+    """
+    random = Random(seed)
+    campaign = lay_down(design, random)
+    if detector not in ("comparator", "ideal"):
+        message = f"detector is 'comparator' or 'ideal', not '{detector}'"
+        raise DataError(message)
+    campaign.sensor = campaign.sensor.but(ideal=detector == "ideal")
+    for name, size in (causes or {}).items():
+        _stage(campaign, name, float(size), random)
+    scene = _scene(campaign, random)
+    echoes = measure(scene, campaign.sensor, random("noise"))
+    table = _written(campaign, echoes, random)
+    return Simulation(table, campaign, scene, echoes, dict(causes or {}), seed, detector)
+
+
+def _stage(campaign: Campaign, name: str, size: float, random: Random) -> None:
+    if name not in CAUSES:
+        message = f"the bench cannot stage '{name}'; it stages {', '.join(sorted(CAUSES))}"
+        raise DataError(message)
+    lacks = CAUSES[name].needs - offers(campaign)
+    if lacks:
+        message = f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
+        raise DataError(message)
+    CAUSES[name].stage(campaign, size, random(f"cause {name}"))
+
+
+def _scene(campaign: Campaign, random: Random) -> Scene:
+    own = random("air")
+    air = campaign.air + campaign.slow_air * remembering(campaign.seconds, 1800.0, own)
+    way, louder = campaign.turbulence.draw(campaign.seconds, campaign.distance, campaign.placement, random("turbulence"))
+    given = {name: value for name, value in campaign.scene.items() if name != "second_thermometer"}
+    return Scene(
+        campaign.distance,
+        temperature=air,
+        relative_humidity=campaign.relative_humidity,
+        pressure=campaign.pressure,
+        co2_mole_fraction=campaign.co2,
+        device_temperature=campaign.device_temperature,
+        wind_along=campaign.wind_along,
+        wind_across=campaign.wind_across,
+        supply=campaign.supply,
+        target=campaign.target,
+        way=way,
+        louder=louder,
+        **given,  # type: ignore[arg-type]
+    )
+
+
+def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame:
+    """What the logger writes."""
+    pulse = echoes.time
+    for stage in campaign.pulse:
+        pulse = stage(pulse)
+    recorded = campaign.temperature
+    for warm in campaign.thermometer:
+        recorded = warm(recorded)
+    recorded = recorded + _THERMOMETER_NOISE * random("thermometer").normal(size=len(campaign))
+    columns = {
+        "time_s": np.round(campaign.seconds, 2),
+        "echo_us": np.round(_MICRO * pulse, 2),
+        "temperature_C": np.round(recorded, 2),
+        "humidity_percent": np.round(_PERCENT * campaign.relative_humidity, 1),
+        "pressure_hPa": np.round(0.01 * campaign.pressure, 1),
+    }
+    further = {
+        "wind_m_s": np.round(np.abs(campaign.wind_along), 2),
+        "radiation_W_m2": np.round(campaign.radiation, 0),
+        "supply_V": np.round(_SUPPLY * campaign.supply, 3),
+        "amplitude": np.round(echoes.amplitude, 4),
+        "temperature_wall_C": campaign.scene.get("second_thermometer"),
+    }
+    columns |= {name: value for name, value in further.items() if name in campaign.shown}
+    if campaign.reference is not None:
+        columns["distance_m"] = campaign.reference
+    if campaign.labeled and campaign.placement.max() > 0:
+        columns["stand"] = 1 + campaign.placement
+    table = pd.DataFrame(columns)
+    for write in campaign.logger:
+        table = write(table)
+    return table
