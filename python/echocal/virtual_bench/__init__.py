@@ -13,4 +13,18 @@ from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Comparator, Sensor
 from echocal.virtual_bench.waveform.target import Target
 
-__all__ = ["CAUSES", "Cause", "DESIGNS", "Simulation", "simulate", "Comparator", "Echoes", "Resonance", "Scene", "Sensor", "Target", "measure", "waveform"]
+__all__ = [
+    "CAUSES",
+    "DESIGNS",
+    "Cause",
+    "Comparator",
+    "Echoes",
+    "Resonance",
+    "Scene",
+    "Sensor",
+    "Simulation",
+    "Target",
+    "measure",
+    "simulate",
+    "waveform",
+]

@@ -15,7 +15,11 @@ _R = 8.314462618  # J/(mol K), CODATA 2018
 _KELVIN = 273.15
 _REFERENCE_KELVIN = 293.15  # K, ISO 9613-1:1993, 4.2
 _REFERENCE_PRESSURE = 101325.0  # Pa, ISO 9613-1:1993, 4.2
-_NITROGEN, _OXYGEN, _ARGON = 0.78084, 0.20946, 0.00934  # mole fractions of dry air, US Standard Atmosphere 1976
+_NITROGEN, _OXYGEN, _ARGON = (
+    0.78084,
+    0.20946,
+    0.00934,
+)  # mole fractions of dry air, US Standard Atmosphere 1976
 _MASS = {"N2": 28.0134e-3, "O2": 31.9988e-3, "Ar": 39.948e-3, "CO2": 44.0095e-3, "H2O": 18.0153e-3}  # kg/mol
 _RIGID = {"N2": 3.5, "O2": 3.5, "Ar": 2.5, "CO2": 3.5, "H2O": 4.0}  # isobaric heat over R without vibration
 _MODES = {  # K, vibrational temperatures: Herzberg's wavenumbers times hc/k
@@ -98,7 +102,7 @@ def speed_of_sound(
 def _relaxations(
     temperature: ArrayLike, relative_humidity: ArrayLike, pressure: ArrayLike, frequency: float
 ) -> list[tuple[Column, Column]]:
-    """Absorption [Np/m] by oxygen and by nitrogen and their frequencies [Hz]: ISO 9613-1:1993, eq. (3) to (5)."""
+    """Absorption [Np/m] by oxygen and nitrogen, and their frequencies [Hz]: ISO 9613-1:1993, (3) to (5)."""
     kelvin = np.asarray(temperature, dtype=float) + _KELVIN
     ratio = kelvin / _REFERENCE_KELVIN
     bars = np.asarray(pressure, dtype=float) / _REFERENCE_PRESSURE

@@ -64,7 +64,8 @@ class Campaign:
     slow_air : float
         Standard deviation of the path's temperature about that at the thermometer [K].
     thermometer, pulse, logger : list of function
-        Stages of causes: of the recorded temperature, of the length of the pulse [s], and of the finished table.
+        Stages of causes: of the recorded temperature, of the length of the pulse [s], and of the finished
+        table.
     shown : set of str
         Columns that the log holds beside the usual ones.
     """

@@ -14,8 +14,8 @@ __all__ = ["DESIGNS", "lay_down"]
 Column = NDArray[np.float64]
 
 _HOUR, _DAY = 3600.0, 86400.0
-_INDOORS = Turbulence(0.15e-3, 0.03, 2.0)
-_OUTDOORS = Turbulence(0.6e-3, 0.10, 3.0)
+_INDOORS = Turbulence(way=0.1e-3, log_amplitude=0.05)
+_OUTDOORS = Turbulence(way=0.8e-3, log_amplitude=0.12)  # a ranger's scatter in sun: 2.4 mm at 2 m
 
 Design = Callable[[Random], Campaign]
 DESIGNS: dict[str, Design] = {}
@@ -72,7 +72,9 @@ def _weather(seconds: Column, random: np.random.Generator, open_air: float = 1.0
     front = remembering(seconds, 1.5 * _DAY, random)
     mean = random.uniform(6, 20)
     temperature = mean + swing + 2.5 * front + 0.5 * remembering(seconds, _HOUR, random)
-    humidity = np.clip(0.65 - 0.022 * swing - 0.06 * front + 0.05 * remembering(seconds, 2 * _HOUR, random), 0.15, 1.0)
+    humidity = np.clip(
+        0.65 - 0.022 * swing - 0.06 * front + 0.05 * remembering(seconds, 2 * _HOUR, random), 0.15, 1.0
+    )
     gusts = np.abs(random.uniform(1.5, 3.5) * (0.5 + 0.5 * remembering(seconds, _HOUR, random)))
     toward = random.uniform(0, 2 * np.pi) + 0.5 * remembering(seconds, 2 * _HOUR, random)
     return {
@@ -141,7 +143,7 @@ def far_and_near(random: Random) -> Campaign:
 
 @_design
 def round_robin(random: Random) -> Campaign:
-    """Six distances, visited in eight rounds of another order, five readings a visit, while the room warms up."""
+    """Six distances in eight rounds of another order, five readings a visit, while the room warms up."""
     own = random("visits")
     places = np.round(own.uniform(0.2, 3.2, 6), 2)
     visits = np.concatenate([own.permutation(places) for _ in range(8)])
@@ -188,7 +190,7 @@ def _log(
 
 @_design
 def outdoor(random: Random) -> Campaign:
-    """One target in the open for five days, a reading every ten minutes; nobody knows its distance exactly."""
+    """One target in the open for five days, a reading every ten minutes; its distance is not known."""
     place = random("visits").uniform(1.2, 3.0)
     made = _log("outdoor", 5, 600.0, lambda s: np.full(len(s), place), random, air="open")
     made.reference, made.unknown_constant = None, True

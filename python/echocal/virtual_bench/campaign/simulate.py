@@ -1,7 +1,7 @@
 """A table of a campaign, with what is true about it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -20,6 +20,10 @@ __all__ = ["Simulation", "offers", "simulate"]
 Column = NDArray[np.float64]
 
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
+_TILT, _INTERFERENCE = (
+    0.02,
+    0.12,
+)  # rad and 1, of a placement: a hand; its own echoes between sensor and target
 _THERMOMETER_NOISE = 0.05  # K, of one reading: DS18B20 datasheet, 12 bits: steps of 0.0625 K
 
 
@@ -39,6 +43,7 @@ class Simulation:
         Id and size of what was staged.
     seed : int
     detector : str
+        The one that measured: some causes act on the comparator and bring it with them.
     """
 
     table: pd.DataFrame
@@ -58,7 +63,7 @@ def offers(campaign: Campaign) -> frozenset[str]:
     if np.ptp(campaign.seconds) > 86400.0:
         found.add("weather")
     if campaign.radiation.max() > 0:
-        found.add("sun")
+        found.add("open air")
     if campaign.reference is not None:
         found.add("reference")
     if campaign.placement.max() >= 4:
@@ -109,7 +114,8 @@ def simulate(
     scene = _scene(campaign, random)
     echoes = measure(scene, campaign.sensor, random("noise"))
     table = _written(campaign, echoes, random)
-    return Simulation(table, campaign, scene, echoes, dict(causes or {}), seed, detector)
+    used = "ideal" if campaign.sensor.comparator.ideal else "comparator"
+    return Simulation(table, campaign, scene, echoes, dict(causes or {}), seed, used)
 
 
 def _stage(campaign: Campaign, name: str, size: float, random: Random) -> None:
@@ -118,7 +124,9 @@ def _stage(campaign: Campaign, name: str, size: float, random: Random) -> None:
         raise DataError(message)
     lacks = CAUSES[name].needs - offers(campaign)
     if lacks:
-        message = f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
+        message = (
+            f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
+        )
         raise DataError(message)
     CAUSES[name].stage(campaign, size, random(f"cause {name}"))
 
@@ -126,7 +134,10 @@ def _stage(campaign: Campaign, name: str, size: float, random: Random) -> None:
 def _scene(campaign: Campaign, random: Random) -> Scene:
     own = random("air")
     air = campaign.air + campaign.slow_air * remembering(campaign.seconds, 1800.0, own)
-    way, louder = campaign.turbulence.draw(campaign.seconds, campaign.distance, campaign.placement, random("turbulence"))
+    hand = random("hand").normal(size=(2, campaign.placement.max() + 1))[:, campaign.placement]
+    way, louder = campaign.turbulence.draw(
+        campaign.seconds, campaign.distance, campaign.placement, random("turbulence")
+    )
     given = {name: value for name, value in campaign.scene.items() if name != "second_thermometer"}
     return Scene(
         campaign.distance,
@@ -138,9 +149,9 @@ def _scene(campaign: Campaign, random: Random) -> Scene:
         wind_along=campaign.wind_along,
         wind_across=campaign.wind_across,
         supply=campaign.supply,
-        target=campaign.target,
+        target=replace(campaign.target, tilt=campaign.target.tilt + _TILT * hand[0]),
         way=way,
-        louder=louder,
+        louder=louder * np.exp(_INTERFERENCE * hand[1]),
         **given,  # type: ignore[arg-type]
     )
 

@@ -13,9 +13,7 @@ Column = NDArray[np.float64]
 _HALVINGS = 13  # of half a period: 1.5 ns at 40 kHz
 
 
-def first_crossing(
-    received: Received, start: Column, cycles: int, comparator: Comparator
-) -> Column:
+def first_crossing(received: Received, start: Column, cycles: int, comparator: Comparator) -> Column:
     """Find the first time at which the voltage rises above the threshold in a window.
 
     Within a period the envelope is nearly a straight line: over half a period of 40 kHz its bend is 1e-3 of
@@ -67,9 +65,7 @@ def _crests(received: Received, start: Column, cycles: int) -> tuple[Column, Col
     return ends[:, :-1] + part / frequency, np.abs(between)
 
 
-def _between(
-    ends: Column, phasors: NDArray[np.complex128], omega: float, comparator: Comparator
-) -> Column:
+def _between(ends: Column, phasors: NDArray[np.complex128], omega: float, comparator: Comparator) -> Column:
     """Halve the time between a trough, or the end of the blanking, and a crest; NaN where that is below."""
     low, high = ends[:, 0].copy(), ends[:, 1].copy()
     origin, slope = low.copy(), (phasors[:, 1] - phasors[:, 0]) / np.maximum(high - low, 1e-12)

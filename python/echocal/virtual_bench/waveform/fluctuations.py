@@ -1,7 +1,9 @@
-"""What changes by itself from one reading to the next: turbulence, slow air, waves of a first-order process."""
+"""What changes by itself from one reading to the next: turbulence, slow air."""
+
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 __all__ = ["Turbulence", "remembering"]
@@ -38,26 +40,27 @@ def remembering(seconds: Column, time_constant: float, random: np.random.Generat
     return np.array(values)
 
 
+@dataclass(frozen=True)
 class Turbulence:
-    """Warm cells that drift through the path: travel time and amplitude fluctuate for seconds.
+    """Warm cells that drift through the path: travel time and amplitude fluctuate.
 
     Cells that know nothing of each other add their variances, so the standard deviation grows with the
     square root of the path (Andreeva & Durgin 2005, doi:10.1080/17455030500284170).
+
+    Attributes
+    ----------
+    way : float
+        Standard deviation of the distance, of a target one meter away [m].
+    log_amplitude : float
+        The same of the logarithm of the amplitude.
+    time_constant, flicker : float
+        How long a cell delays the sound, and how long it focuses it [s].
     """
 
-    def __init__(self, way: float = 0.15e-3, log_amplitude: float = 0.05, time_constant: float = 2.0) -> None:
-        """Take the sizes at a target one meter away.
-
-        Parameters
-        ----------
-        way : float
-            Standard deviation of the distance [m].
-        log_amplitude : float
-            Of the logarithm of the amplitude.
-        time_constant : float
-            How long a cell stays [s].
-        """
-        self.way, self.log_amplitude, self.time_constant = way, log_amplitude, time_constant
+    way: float = 0.15e-3
+    log_amplitude: float = 0.05
+    time_constant: float = 2.0
+    flicker: float = 0.3
 
     def draw(
         self, seconds: Column, distance: Column, path: NDArray[np.int64], random: np.random.Generator
@@ -69,12 +72,5 @@ class Turbulence:
         apart = seconds + 1e9 * path  # a new path is as long ago as anything
         root = np.sqrt(np.maximum(distance, 0.0))
         way = self.way * root * remembering(apart, self.time_constant, random)
-        louder = self.log_amplitude * root * remembering(apart, self.time_constant, random)
+        louder = self.log_amplitude * root * remembering(apart, self.flicker, random)
         return way, np.exp(louder)
-
-
-def walk(
-    seconds: Column, center: ArrayLike, spread: float, time_constant: float, random: np.random.Generator
-) -> Column:
-    """Draw a quantity that wanders slowly about its center."""
-    return np.asarray(np.asarray(center) + spread * remembering(seconds, time_constant, random))

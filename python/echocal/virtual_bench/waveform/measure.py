@@ -41,7 +41,10 @@ class Echoes:
 
 
 def measure(
-    scene: Scene, sensor: Sensor | None = None, random: np.random.Generator | None = None, threads: int | None = None
+    scene: Scene,
+    sensor: Sensor | None = None,
+    random: np.random.Generator | None = None,
+    threads: int | None = None,
 ) -> Echoes:
     """Measure all readings of a scene.
 
@@ -92,9 +95,11 @@ def _some(scene: Scene, sensor: Sensor, random: np.random.Generator) -> tuple[Co
     target = signal.delays[:, 1]
     if sensor.comparator.ideal:
         crossed = target + _jitter(signal, sensor, random)
+        risen = 0.0
     else:
         crossed = _crossed(signal, sensor, random)
-    pulse = np.round((crossed - sensor.zero) / sensor.tick) * sensor.tick
+        risen = sensor.zero
+    pulse = np.round((crossed - risen) / sensor.tick) * sensor.tick
     pulse[crossed > sensor.timeout] = np.nan
     return pulse, crossed - target, np.abs(signal.sizes[:, 1])
 
@@ -143,7 +148,10 @@ def _by_noise(signal: Received, sensor: Sensor, random: np.random.Generator) -> 
 
 
 def waveform(
-    scene: Scene, sensor: Sensor | None = None, random: np.random.Generator | None = None, sample_rate: float = 1e6
+    scene: Scene,
+    sensor: Sensor | None = None,
+    random: np.random.Generator | None = None,
+    sample_rate: float = 1e6,
 ) -> tuple[Column, Column]:
     """Sample the voltage before the comparator, from the burst to the time-out.
 

@@ -99,7 +99,9 @@ class Scene:
         main, way = echo_of(self.target, moved, number, sensor.piston)
         found = [(np.full(len(self), sensor.spacing), np.full(len(self), sensor.coupling + 0j))]
         found.append((np.hypot(way, sensor.spacing), main * self.louder))
-        found.append((2 * found[1][0], 0.3 * main * main * found[1][0] / 2))  # once more, by the sensor's own face
+        found.append(
+            (2 * found[1][0], 0.3 * main * main * found[1][0] / 2)
+        )  # once more, by the sensor's own face
         found += [self._beside(plane, part, moved, number, sensor) for plane, part in self._planes()]
         if np.isfinite(self.object_distance).any():
             found.append(self._object(number, sensor))
@@ -130,7 +132,9 @@ class Scene:
         """The corner of a plane beside the axis and the target: the image of the sensor in both."""
         half = np.hypot(distance, plane)
         aside = directivity(np.arctan2(plane, distance), sensor.piston, number) ** 2
-        corner = replace(self.target, offset=plane, tilt=0.0)  # the plane stands at the target's lower edge or below
+        corner = replace(
+            self.target, offset=plane, tilt=0.0
+        )  # the plane stands at the target's lower edge or below
         reached, _ = echo_of(corner, distance, number, sensor.piston)
         return 2 * half, reached * part * aside * distance / half * self.louder
 
@@ -138,7 +142,9 @@ class Scene:
         """A thing in front that is small beside the wave's zone: it sends to all sides."""
         away = np.hypot(self.object_distance, self.object_aside)
         there = np.isfinite(away)
-        angle = np.where(there, np.arctan2(self.object_aside, np.where(there, self.object_distance, 1.0)), 0.0)
+        angle = np.where(
+            there, np.arctan2(self.object_aside, np.where(there, self.object_distance, 1.0)), 0.0
+        )
         seen = directivity(angle, sensor.piston, number) ** 2
         size = np.where(there, seen * self.object_size / np.where(there, away, 1.0), 0.0)
         return np.broadcast_to(2 * away, number.shape), np.broadcast_to(size + 0j, number.shape)

@@ -23,24 +23,29 @@ class Comparator:
         The last threshold.
     steps : tuple of (float, float)
         Times since the burst began [s], and the factor of the threshold until then; ascending.
+    raised, recovery : float
+        What is added to the threshold at first, over the last one, and the time constant [s] with which that
+        decays: a controller holds the threshold up while its own burst rings.
     blanking : float
         Time since the burst began from which it listens [s].
     ideal : bool
-        Whether it tells the front of the echo itself. No such part exists: it takes the time walk away, to show
-        what else is there.
+        Whether it tells the front of the echo itself, and ECHO rises with the burst. No such part exists: it
+        takes the time walk away, to show what else is there.
     """
 
-    threshold: float = 0.03
+    threshold: float = 0.0127
     steps: tuple[tuple[float, float], ...] = ()
-    blanking: float = 0.4e-3
+    raised: float = 93.0
+    recovery: float = 0.94e-3
+    blanking: float = 0.1e-3
     ideal: bool = False
 
     def at(self, elapsed: np.ndarray) -> np.ndarray:
         """Compute the threshold at times since the burst began [s]."""
-        level = np.full(elapsed.shape, self.threshold)
-        for until, factor in reversed(self.steps):
-            level = np.where(elapsed < until, self.threshold * factor, level)
-        return level
+        factor = 1.0 + self.raised * np.exp(-elapsed / self.recovery)
+        for until, step in reversed(self.steps):
+            factor = np.where(elapsed < until, step, factor)
+        return np.asarray(self.threshold * factor)
 
 
 @dataclass(frozen=True)
@@ -78,16 +83,16 @@ class Sensor:
 
     frequency: float = 40e3
     cycles: int = 8
-    transmitter: Resonance = field(default_factory=lambda: Resonance(40e3, 20.0, -15.0))
-    receiver: Resonance = field(default_factory=lambda: Resonance(40e3, 20.0, -15.0))
-    amplifier: tuple[Resonance, ...] = (Resonance(40e3, 3.0), Resonance(40e3, 3.0))
+    transmitter: Resonance = field(default_factory=lambda: Resonance(40.2e3, 30.0, -40.0))
+    receiver: Resonance = field(default_factory=lambda: Resonance(40.5e3, 30.0, -40.0))
+    amplifier: tuple[Resonance, ...] = (Resonance(32e3, 1.5),)
     piston: float = 8e-3
     spacing: float = 26e-3
-    coupling: float = 0.02
-    noise: float = 2e-3
+    coupling: float = 0.1
+    noise: float = 6e-4
     comparator: Comparator = field(default_factory=Comparator)
     supply_gain: float = 1.0
-    zero: float = 0.15e-3
+    zero: float = 0.2e-3
     tick: float = 1e-6
     timeout: float = 36e-3
 
@@ -98,6 +103,10 @@ class Sensor:
 
     def but(self, **changes: object) -> Self:
         """Return a copy with other numbers; those of the comparator by their names, too."""
-        own = {name: changes.pop(name) for name in ("threshold", "steps", "blanking", "ideal") if name in changes}
+        own = {
+            name: changes.pop(name)
+            for name in ("threshold", "steps", "raised", "recovery", "blanking", "ideal")
+            if name in changes
+        }
         comparator = replace(self.comparator, **own)  # type: ignore[arg-type]
         return replace(self, comparator=changes.pop("comparator", comparator), **changes)  # type: ignore[arg-type]

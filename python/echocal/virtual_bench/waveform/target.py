@@ -1,4 +1,4 @@
-"""What the sensor sends to a target, and what comes back: beam pattern, spreading, diffraction at the edges."""
+"""What a target returns: beam pattern, spreading, diffraction at the edges."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -50,7 +50,8 @@ class Target:
 def directivity(angle: ArrayLike, radius: float, wave_number: ArrayLike) -> Column:
     """Compute the pressure of a piston in a wall off its axis, over that on the axis.
 
-    Its side lobes are negative. Kinsler, Frey, Coppens & Sanders 2000, Fundamentals of Acoustics, 4th ed., eq. (7.4.17).
+    Its side lobes are negative. Kinsler, Frey, Coppens & Sanders 2000, Fundamentals of Acoustics,
+    4th ed., eq. (7.4.17).
 
     Parameters
     ----------
@@ -81,9 +82,7 @@ def _aperture(half: ArrayLike, center: ArrayLike, distance: Column, wave_number:
     return np.asarray(wave / (1 - 1j))
 
 
-def echo_of(
-    target: Target, distance: Column, wave_number: Column, piston: float
-) -> tuple[Phasor, Column]:
+def echo_of(target: Target, distance: Column, wave_number: Column, piston: float) -> tuple[Phasor, Column]:
     """Compute the echo of a target over that of an endless hard wall at one meter on the axis.
 
     Parameters
@@ -115,7 +114,9 @@ def echo_of(
     along = np.sqrt(curved)
     wide = _aperture(np.asarray(target.half_width) / along, aside / along, foot, wave_number)
     high = _aperture(target.half_height, 0.0, foot, wave_number)
-    further = outside**2 / foot / curved  # to the edge and back, beyond the way to the foot: its phase is a delay
+    further = (
+        outside**2 / foot / curved
+    )  # to the edge and back, beyond the way to the foot: its phase is a delay
     seen = np.abs(tilt) - np.arctan2(outside, foot)
     beam = directivity(seen, piston, wave_number) ** 2
     rough = np.exp(-2 * (wave_number * np.asarray(target.roughness)) ** 2)

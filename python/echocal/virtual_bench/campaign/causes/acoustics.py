@@ -6,7 +6,6 @@ import numpy as np
 
 from echocal.virtual_bench.campaign.campaign import Campaign
 from echocal.virtual_bench.campaign.causes.registry import cause
-from echocal.virtual_bench.waveform.fluctuations import Turbulence
 
 __all__: list[str] = []
 
@@ -25,7 +24,7 @@ def temperature_gradient(campaign: Campaign, size: float, random: np.random.Gene
     campaign.air += 0.5 * size * campaign.distance
 
 
-@cause("1", 0.7, 1.3, "weather")
+@cause("1", 0.7, 1.3, "open air")
 def wind(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """Wind blows along the path; its log is there."""
     gusts = 6.0 * size / max(np.abs(campaign.wind_along).mean(), 1e-9)
@@ -49,6 +48,7 @@ def target_geometry(campaign: Campaign, size: float, random: np.random.Generator
 @cause("m", 0.15, 0.5, "distances")
 def multipath(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """A floor below the axis returns the sound together with a narrow target."""
+    campaign.sensor = campaign.sensor.but(ideal=False)
     campaign.scene |= {"floor": size, "floor_reflectivity": 0.8}
     campaign.target = replace(campaign.target, half_width=0.04, half_height=0.6)
 
@@ -56,6 +56,7 @@ def multipath(campaign: Campaign, size: float, random: np.random.Generator) -> N
 @cause("m", 0.02, 0.12, "distances")
 def beam_edge(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """A small thing stands beside the axis, nearer than the far targets."""
+    campaign.sensor = campaign.sensor.but(ideal=False)
     place = np.quantile(campaign.distance, 0.6)
     campaign.scene |= {"object_distance": place, "object_aside": size, "object_size": 0.15}
 
@@ -63,6 +64,7 @@ def beam_edge(campaign: Campaign, size: float, random: np.random.Generator) -> N
 @cause("1", 0.02, 0.1)
 def crosstalk(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """Another sensor's burst arrives in some of the readings."""
+    campaign.sensor = campaign.sensor.but(ideal=False)
     heard = random.uniform(size=len(campaign)) < size
     arrives = random.uniform(1.5e-3, 25e-3, len(campaign))
     campaign.scene |= {"other_time": np.where(heard, arrives, np.inf), "other_size": 0.4}
@@ -72,7 +74,7 @@ def crosstalk(campaign: Campaign, size: float, random: np.random.Generator) -> N
 def noise_growth(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The air is turbulent: readings scatter more the longer the path."""
     own = campaign.turbulence
-    campaign.turbulence = Turbulence(size * own.way, min(0.3, 2 * own.log_amplitude), 0.05)
+    campaign.turbulence = replace(own, way=size * own.way, time_constant=0.1)
 
 
 @cause("K", 0.25, 0.8, "time")
@@ -81,7 +83,7 @@ def correlated_noise(campaign: Campaign, size: float, random: np.random.Generato
     campaign.slow_air = size
 
 
-@cause("m", 3e-3, 2e-2, "time", in_catalogue=True)
+@cause("m", 3e-3, 2e-2, "time")
 def slow_level(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The target itself moves slowly: nobody tells the reference."""
     phase = 2 * np.pi * (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)
@@ -91,6 +93,7 @@ def slow_level(campaign: Campaign, size: float, random: np.random.Generator) -> 
 @cause("m", 5e-4, 1.2e-3, "weather")
 def echo_quality(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The surface becomes rough and smooth again, so its echo weakens; the amplitude is logged."""
+    campaign.sensor = campaign.sensor.but(ideal=False)
     phase = 2 * np.pi * (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)
     rough = size * np.sin(random.uniform(1.0, 2.0) * phase + random.uniform(0, 6)) ** 2
     campaign.target = replace(campaign.target, roughness=rough)

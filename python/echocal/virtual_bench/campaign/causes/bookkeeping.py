@@ -66,7 +66,10 @@ def mistyped_rows(campaign: Campaign, size: float, random: np.random.Generator) 
         return float(digits[1] + digits[0] + digits[2:]) if len(digits) > 3 else number
 
     def write(table: pd.DataFrame) -> pd.DataFrame:
-        typed = [swapped(echo) if w and np.isfinite(echo) else echo for echo, w in zip(table["echo_us"], wrong, strict=True)]
+        typed = [
+            swapped(echo) if w and np.isfinite(echo) else echo
+            for echo, w in zip(table["echo_us"], wrong, strict=True)
+        ]
         return table.assign(echo_us=typed)
 
     campaign.logger.append(write)

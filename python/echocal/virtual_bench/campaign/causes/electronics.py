@@ -54,10 +54,13 @@ def polling_jitter(campaign: Campaign, size: float, random: np.random.Generator)
     campaign.pulse.append(lambda seconds: seconds + late)
 
 
-@cause("threshold", 0.2, 0.6, "distances")
+@cause("1", 0.5, 2.0, "distances")
 def amplitude_walk(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """A comparator waits for its threshold: a weaker echo crosses it cycles later."""
-    campaign.sensor = campaign.sensor.but(ideal=False, threshold=size * 0.1)
+    """A comparator has one threshold at all times: a weaker echo crosses it cycles later. 1: an HC-SR04's."""
+    own = campaign.sensor.comparator
+    campaign.sensor = campaign.sensor.but(
+        ideal=False, threshold=size * own.threshold, raised=0.0, blanking=1.2e-3
+    )
 
 
 @cause("Hz/K", 20.0, 60.0, "weather")
@@ -96,15 +99,8 @@ def blanking_distance(campaign: Campaign, size: float, random: np.random.Generat
     campaign.sensor = campaign.sensor.but(ideal=False, blanking=size)
 
 
-@cause("1", 0.02, 0.06, "distances")
+@cause("1", 0.1, 0.3, "distances")
 def cycle_slip(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The echo's amplitude flickers, so the comparator takes another cycle now and then."""
     campaign.sensor = campaign.sensor.but(ideal=False)
-    campaign.turbulence = replace_amplitude(campaign, 10 * size)
-
-
-def replace_amplitude(campaign: Campaign, log_amplitude: float) -> "object":
-    """Return turbulence whose amplitude flickers from reading to reading."""
-    from echocal.virtual_bench.waveform.fluctuations import Turbulence
-
-    return Turbulence(campaign.turbulence.way, log_amplitude, 0.05)
+    campaign.turbulence = replace(campaign.turbulence, log_amplitude=size)

@@ -44,7 +44,9 @@ class Cause:
     def draw(self, random: np.random.Generator) -> float:
         """Draw a usual size, log-uniform."""
         if self.low < 0:
-            return float(random.choice([-1, 1]) * np.exp(random.uniform(np.log(-self.low / 4), np.log(self.high))))
+            return float(
+                random.choice([-1, 1]) * np.exp(random.uniform(np.log(-self.low / 4), np.log(self.high)))
+            )
         return float(np.exp(random.uniform(np.log(self.low), np.log(self.high))))
 
 

@@ -57,7 +57,7 @@ def temperature_self_heating(campaign: Campaign, size: float, random: np.random.
     campaign.thermometer.append(lambda recorded: recorded + size * (1 - np.exp(-since / warms)))
 
 
-@cause("K per kW/m2", 2.0, 8.0, "weather", "sun")
+@cause("K per kW/m2", 2.0, 8.0, "open air")
 def temperature_radiation(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The sun warms the thermometer; the radiation is logged."""
     campaign.thermometer.append(lambda recorded: recorded + size * 1e-3 * campaign.radiation)
