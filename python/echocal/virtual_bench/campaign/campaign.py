@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ from echocal.virtual_bench.waveform.fluctuations import Turbulence
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target
 
-__all__ = ["Campaign", "Random"]
+__all__ = ["Campaign", "Random", "Surroundings"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -30,6 +31,31 @@ class Random:
 
 
 @dataclass
+class Surroundings:
+    """What a log may record of the air and the supply, as it truly is.
+
+    Attributes
+    ----------
+    temperature, relative_humidity, pressure : ndarray, shape (n,)
+        Of the air at the thermometer [degC], [0..1], [Pa].
+    wind_along, wind_across : ndarray, shape (n,)
+        [m/s].
+    radiation : ndarray, shape (n,)
+        Of the sun [W/m2].
+    supply : ndarray, shape (n,)
+        Over its nominal voltage.
+    """
+
+    temperature: Column
+    relative_humidity: Column
+    pressure: Column
+    wind_along: Column
+    wind_across: Column
+    radiation: Column
+    supply: Column
+
+
+@dataclass
 class Campaign:
     """What a design lays down, and a cause changes.
 
@@ -44,10 +70,7 @@ class Campaign:
         Counts on whenever the target or the sensor is moved.
     order : ndarray of int, shape (n,)
         Of a reading in its burst, from 0.
-    temperature, relative_humidity, pressure : ndarray, shape (n,)
-        Of the air at the thermometer [degC], [0..1], [Pa].
-    wind_along, wind_across, radiation, supply : ndarray, shape (n,)
-        [m/s], [m/s], [W/m2], and the supply over its nominal voltage.
+    around : Surroundings
     reference : ndarray, shape (n,), or None
         Distance that is written down [m]; None where nobody knows it.
     unknown_constant : bool
@@ -58,6 +81,8 @@ class Campaign:
         Mole fraction.
     sensor : Sensor
     target : Target
+    second_thermometer : ndarray, shape (n,), or None
+        What a thermometer at another place says [degC].
     scene : dict
         Further arguments of `Scene`.
     turbulence : Turbulence
@@ -75,20 +100,15 @@ class Campaign:
     distance: Column
     placement: Labels
     order: Labels
-    temperature: Column
-    relative_humidity: Column
-    pressure: Column
-    wind_along: Column
-    wind_across: Column
-    radiation: Column
-    supply: Column
+    around: Surroundings
     reference: Column | None
     unknown_constant: bool = False
     labeled: bool = True
     co2: float | Column = 4.2e-4
     sensor: Sensor = field(default_factory=Sensor)
     target: Target = field(default_factory=Target)
-    scene: dict[str, object] = field(default_factory=dict)
+    second_thermometer: Column | None = None
+    scene: dict[str, Any] = field(default_factory=dict)
     turbulence: Turbulence = field(default_factory=Turbulence)
     slow_air: float = 0.05
     air: Column = field(init=False)
@@ -99,8 +119,8 @@ class Campaign:
     shown: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        self.air = self.temperature.copy()
-        self.device_temperature = self.temperature.copy()
+        self.air = self.around.temperature.copy()
+        self.device_temperature = self.around.temperature.copy()
 
     def __len__(self) -> int:
         return len(self.seconds)

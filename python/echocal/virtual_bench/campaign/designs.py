@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.virtual_bench.campaign.campaign import Campaign, Random
+from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
 from echocal.virtual_bench.waveform.fluctuations import Turbulence, remembering
 
 __all__ = ["DESIGNS", "lay_down"]
@@ -46,24 +46,24 @@ def _tape(distance: Column, placement: NDArray[np.int64], step: float, random: n
     return np.asarray(np.round((distance + errors[placement]) / step) * step)
 
 
-def _room(seconds: Column, mean: Column | float, random: np.random.Generator) -> dict[str, Column]:
+def _room(seconds: Column, mean: Column | float, random: np.random.Generator) -> Surroundings:
     """Air of a room."""
     n = len(seconds)
     temperature = mean + 0.25 * remembering(seconds, 900.0, random)
     humidity = np.clip(random.uniform(0.3, 0.6) + 0.02 * remembering(seconds, 1800.0, random), 0.1, 0.95)
     zeros = np.zeros(n)
-    return {
-        "temperature": np.asarray(temperature),
-        "relative_humidity": humidity,
-        "pressure": np.full(n, random.uniform(96e3, 102.5e3)) + 30 * remembering(seconds, 6 * _HOUR, random),
-        "wind_along": zeros,
-        "wind_across": zeros.copy(),
-        "radiation": zeros.copy(),
-        "supply": np.ones(n) + 0.004 * remembering(seconds, 60.0, random),
-    }
+    return Surroundings(
+        temperature=np.asarray(temperature),
+        relative_humidity=humidity,
+        pressure=np.full(n, random.uniform(96e3, 102.5e3)) + 30 * remembering(seconds, 6 * _HOUR, random),
+        wind_along=zeros,
+        wind_across=zeros.copy(),
+        radiation=zeros.copy(),
+        supply=np.ones(n) + 0.004 * remembering(seconds, 60.0, random),
+    )
 
 
-def _weather(seconds: Column, random: np.random.Generator, open_air: float = 1.0) -> dict[str, Column]:
+def _weather(seconds: Column, random: np.random.Generator, open_air: float = 1.0) -> Surroundings:
     """Air outdoors, or behind a thin wall: days, weather, sun, wind."""
     n, hours = len(seconds), seconds / _HOUR % 24
     sun = np.maximum(0.0, np.sin(2 * np.pi * (hours - 6) / 24))
@@ -77,15 +77,15 @@ def _weather(seconds: Column, random: np.random.Generator, open_air: float = 1.0
     )
     gusts = np.abs(random.uniform(1.5, 3.5) * (0.5 + 0.5 * remembering(seconds, _HOUR, random)))
     toward = random.uniform(0, 2 * np.pi) + 0.5 * remembering(seconds, 2 * _HOUR, random)
-    return {
-        "temperature": temperature,
-        "relative_humidity": humidity,
-        "pressure": random.uniform(96e3, 102e3) + 700 * remembering(seconds, 2 * _DAY, random),
-        "wind_along": open_air * gusts * np.cos(toward),
-        "wind_across": open_air * gusts * np.sin(toward),
-        "radiation": open_air * 900.0 * sun * clouds,
-        "supply": np.ones(n) + 0.005 * remembering(seconds, 600.0, random),
-    }
+    return Surroundings(
+        temperature=temperature,
+        relative_humidity=humidity,
+        pressure=random.uniform(96e3, 102e3) + 700 * remembering(seconds, 2 * _DAY, random),
+        wind_along=open_air * gusts * np.cos(toward),
+        wind_across=open_air * gusts * np.sin(toward),
+        radiation=open_air * 900.0 * sun * clouds,
+        supply=np.ones(n) + 0.005 * remembering(seconds, 600.0, random),
+    )
 
 
 def _placements(
@@ -106,7 +106,7 @@ def _placements(
         distance + own.normal(0.0, 0.2e-3, len(visits))[placement],
         placement,
         order,
-        **_room(seconds, np.asarray(means)[placement], own),
+        _room(seconds, np.asarray(means)[placement], own),
         reference=_tape(distance, placement, step, own) if n else None,
         turbulence=_INDOORS,
     )
@@ -181,7 +181,7 @@ def _log(
         true,
         moved.astype(np.int64),
         np.zeros(len(seconds), dtype=np.int64),
-        **around,
+        around,
         reference=true.copy(),
         turbulence=_OUTDOORS if air == "open" else _INDOORS,
         slow_air=0.15 if air == "open" else 0.1,
@@ -201,7 +201,14 @@ def outdoor(random: Random) -> Campaign:
 def warehouse(random: Random) -> Campaign:
     """Three shelves at known distances, read in turn for ten days behind a thin wall."""
     places = np.round(np.sort(random("visits").uniform(0.4, 3.6, 3)), 3)
-    return _log("warehouse", 10, 900.0, lambda s: places[np.arange(len(s)) % 3], random, air="hall")
+    return _log(
+        "warehouse",
+        10,
+        900.0,
+        lambda s: np.asarray(places[np.arange(len(s)) % 3], dtype=float),
+        random,
+        air="hall",
+    )
 
 
 @_design
@@ -209,7 +216,14 @@ def daily(random: Random) -> Campaign:
     """A target that is moved once a day for twelve days, a reading every 20 minutes."""
     own = random("visits")
     places = np.round(own.uniform(0.3, 3.2, 13), 2)
-    made = _log("daily", 12, 1200.0, lambda s: places[(s // _DAY).astype(int)], random, air="hall")
+    made = _log(
+        "daily",
+        12,
+        1200.0,
+        lambda s: np.asarray(places[(s // _DAY).astype(int)], dtype=float),
+        random,
+        air="hall",
+    )
     assert made.reference is not None
     made.reference = _tape(made.distance, made.placement, 1e-3, own)
     return made
@@ -237,8 +251,8 @@ def snow(random: Random) -> Campaign:
         return np.asarray(own.uniform(1.6, 2.4) - 0.8 * np.asarray(depth))
 
     made = _log("snow", 30, _HOUR, surface, random, air="open")
-    made.temperature -= 12.0
-    made.air, made.device_temperature = made.temperature.copy(), made.temperature.copy()
+    made.around.temperature -= 12.0
+    made.air, made.device_temperature = made.around.temperature.copy(), made.around.temperature.copy()
     made.placement[:] = 0
     made.reference = np.round(made.distance, 2)
     return made

@@ -62,7 +62,7 @@ def offers(campaign: Campaign) -> frozenset[str]:
         found.add("distances")
     if np.ptp(campaign.seconds) > 86400.0:
         found.add("weather")
-    if campaign.radiation.max() > 0:
+    if campaign.around.radiation.max() > 0:
         found.add("open air")
     if campaign.reference is not None:
         found.add("reference")
@@ -138,21 +138,20 @@ def _scene(campaign: Campaign, random: Random) -> Scene:
     way, louder = campaign.turbulence.draw(
         campaign.seconds, campaign.distance, campaign.placement, random("turbulence")
     )
-    given = {name: value for name, value in campaign.scene.items() if name != "second_thermometer"}
     return Scene(
         campaign.distance,
         temperature=air,
-        relative_humidity=campaign.relative_humidity,
-        pressure=campaign.pressure,
+        relative_humidity=campaign.around.relative_humidity,
+        pressure=campaign.around.pressure,
         co2_mole_fraction=campaign.co2,
         device_temperature=campaign.device_temperature,
-        wind_along=campaign.wind_along,
-        wind_across=campaign.wind_across,
-        supply=campaign.supply,
+        wind_along=campaign.around.wind_along,
+        wind_across=campaign.around.wind_across,
+        supply=campaign.around.supply,
         target=replace(campaign.target, tilt=campaign.target.tilt + _TILT * hand[0]),
         way=way,
         louder=louder * np.exp(_INTERFERENCE * hand[1]),
-        **given,  # type: ignore[arg-type]
+        **campaign.scene,
     )
 
 
@@ -161,25 +160,25 @@ def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame
     pulse = echoes.time
     for stage in campaign.pulse:
         pulse = stage(pulse)
-    recorded = campaign.temperature
+    recorded = campaign.around.temperature
     for warm in campaign.thermometer:
         recorded = warm(recorded)
     recorded = recorded + _THERMOMETER_NOISE * random("thermometer").normal(size=len(campaign))
-    columns = {
+    columns: dict[str, NDArray[np.generic] | None] = {
         "time_s": np.round(campaign.seconds, 2),
         "echo_us": np.round(_MICRO * pulse, 2),
         "temperature_C": np.round(recorded, 2),
-        "humidity_percent": np.round(_PERCENT * campaign.relative_humidity, 1),
-        "pressure_hPa": np.round(0.01 * campaign.pressure, 1),
+        "humidity_percent": np.round(_PERCENT * campaign.around.relative_humidity, 1),
+        "pressure_hPa": np.round(0.01 * campaign.around.pressure, 1),
     }
-    further = {
-        "wind_m_s": np.round(np.abs(campaign.wind_along), 2),
-        "radiation_W_m2": np.round(campaign.radiation, 0),
-        "supply_V": np.round(_SUPPLY * campaign.supply, 3),
+    further: dict[str, NDArray[np.generic] | None] = {
+        "wind_m_s": np.round(np.abs(campaign.around.wind_along), 2),
+        "radiation_W_m2": np.round(campaign.around.radiation, 0),
+        "supply_V": np.round(_SUPPLY * campaign.around.supply, 3),
         "amplitude": np.round(echoes.amplitude, 4),
-        "temperature_wall_C": campaign.scene.get("second_thermometer"),
+        "temperature_wall_C": campaign.second_thermometer,
     }
-    columns |= {name: value for name, value in further.items() if name in campaign.shown}
+    columns |= {name: further[name] for name in further if name in campaign.shown}
     if campaign.reference is not None:
         columns["distance_m"] = campaign.reference
     if campaign.labeled and campaign.placement.max() > 0:

@@ -102,7 +102,7 @@ class BurstResponse:
                 value = value / (at - found[:, place].conj())
                 if place != own:
                     value = value / (at - found[:, place])
-            return value / (at + 1j * omega if own is None else at**2 + omega**2)
+            return np.asarray(value / (at + 1j * omega if own is None else at**2 + omega**2))
 
         # Twice: the conjugate poles give the other half of the real answer; -i is the phase of a sine.
         carrier = 2 * residue(np.full(len(celsius), 1j * omega), None)

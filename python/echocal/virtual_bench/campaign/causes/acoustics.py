@@ -27,8 +27,8 @@ def temperature_gradient(campaign: Campaign, size: float, random: np.random.Gene
 @cause("1", 0.7, 1.3, "open air")
 def wind(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """Wind blows along the path; its log is there."""
-    gusts = 6.0 * size / max(np.abs(campaign.wind_along).mean(), 1e-9)
-    campaign.wind_along *= min(gusts, 8.0)
+    gusts = 6.0 * size / max(np.abs(campaign.around.wind_along).mean(), 1e-9)
+    campaign.around.wind_along *= min(gusts, 8.0)
     campaign.shown.add("wind_m_s")
 
 

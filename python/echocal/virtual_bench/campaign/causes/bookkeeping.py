@@ -120,7 +120,7 @@ def reference_error(campaign: Campaign, size: float, random: np.random.Generator
 @cause("1", 1.0, 1.0, "weather")
 def unrecorded_humidity(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """Nobody measures the humidity of warm and damp air."""
-    campaign.temperature += 12.0
+    campaign.around.temperature += 12.0
     campaign.air += 12.0
-    campaign.relative_humidity = np.clip(campaign.relative_humidity + 0.2, 0.0, 1.0)
+    campaign.around.relative_humidity = np.clip(campaign.around.relative_humidity + 0.2, 0.0, 1.0)
     campaign.logger.append(lambda table: table.drop(columns="humidity_percent"))

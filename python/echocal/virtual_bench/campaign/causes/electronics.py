@@ -75,7 +75,7 @@ def resonance_drift(campaign: Campaign, size: float, random: np.random.Generator
 def supply_voltage(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The battery empties, so the burst weakens while the threshold stays; the supply is logged."""
     part = (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)
-    campaign.supply -= size * part
+    campaign.around.supply -= size * part
     campaign.sensor = campaign.sensor.but(ideal=False, supply_gain=2.0)
     campaign.shown.add("supply_V")
 

@@ -60,16 +60,18 @@ def temperature_self_heating(campaign: Campaign, size: float, random: np.random.
 @cause("K per kW/m2", 2.0, 8.0, "open air")
 def temperature_radiation(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The sun warms the thermometer; the radiation is logged."""
-    campaign.thermometer.append(lambda recorded: recorded + size * 1e-3 * campaign.radiation)
+    campaign.thermometer.append(lambda recorded: recorded + size * 1e-3 * campaign.around.radiation)
     campaign.shown.add("radiation_W_m2")
 
 
 @cause("1", 0.25, 0.8, "weather")
 def thermometer_mix(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The path is partly as warm as another place, whose thermometer is logged, too."""
-    wall = lagged(campaign.temperature, campaign.seconds, 4 * 3600.0) + 0.004 * campaign.radiation
-    campaign.air += size * (wall - campaign.temperature)
-    campaign.scene["second_thermometer"] = wall
+    wall = (
+        lagged(campaign.around.temperature, campaign.seconds, 4 * 3600.0) + 0.004 * campaign.around.radiation
+    )
+    campaign.air += size * (wall - campaign.around.temperature)
+    campaign.second_thermometer = wall
     campaign.shown.add("temperature_wall_C")
 
 
