@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -54,6 +55,24 @@ class Simulation:
     seed: int
     detector: str
 
+    def truth(self) -> dict[str, Any]:
+        """What is true, as a document of JSON."""
+        staged = [
+            {"id": name, "size": size, "unit": CAUSES[name].unit, "sentence": CAUSES[name].sentence}
+            for name, size in self.causes.items()
+        ]
+        known = "--constant-distance" if self.campaign.unknown_constant else ""
+        words = f"echocal diagnose TABLE {'--base cramer' if 'echo_us' in self.table else ''} {known}"
+        return {
+            "schema": "echocal.simulation/1",
+            "design": self.campaign.design,
+            "seed": self.seed,
+            "detector": self.detector,
+            "rows": len(self.table),
+            "causes": staged,
+            "diagnose": " ".join(words.split()),
+        }
+
 
 def offers(campaign: Campaign) -> frozenset[str]:
     """List what a cause may need of a design."""
@@ -72,7 +91,11 @@ def offers(campaign: Campaign) -> frozenset[str]:
 
 
 def simulate(
-    design: str, causes: Mapping[str, float] | None = None, *, seed: int = 0, detector: str = "comparator"
+    design: str,
+    causes: Mapping[str, float | None] | None = None,
+    *,
+    seed: int = 0,
+    detector: str = "comparator",
 ) -> Simulation:
     """Run a campaign on the bench.
 
@@ -80,8 +103,8 @@ def simulate(
     ----------
     design : str
         One of `designs()`.
-    causes : mapping of str to float, optional
-        Size of each cause, in its unit.
+    causes : mapping of str to float or None, optional
+        Size of each cause, in its unit; None: a usual size is drawn.
     seed : int
         The same seed gives the same table; with and without a cause it gives the same air and noise.
     detector : {"comparator", "ideal"}
@@ -109,16 +132,16 @@ def simulate(
         message = f"detector is 'comparator' or 'ideal', not '{detector}'"
         raise DataError(message)
     campaign.sensor = campaign.sensor.but(ideal=detector == "ideal")
-    for name, size in (causes or {}).items():
-        _stage(campaign, name, float(size), random)
+    sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
     scene = _scene(campaign, random)
     echoes = measure(scene, campaign.sensor, random("noise"))
     table = _written(campaign, echoes, random)
     used = "ideal" if campaign.sensor.comparator.ideal else "comparator"
-    return Simulation(table, campaign, scene, echoes, dict(causes or {}), seed, used)
+    return Simulation(table, campaign, scene, echoes, sizes, seed, used)
 
 
-def _stage(campaign: Campaign, name: str, size: float, random: Random) -> None:
+def _stage(campaign: Campaign, name: str, size: float | None, random: Random) -> float:
+    """Stage a cause, and return its size."""
     if name not in CAUSES:
         message = f"the bench cannot stage '{name}'; it stages {', '.join(sorted(CAUSES))}"
         raise DataError(message)
@@ -128,7 +151,9 @@ def _stage(campaign: Campaign, name: str, size: float, random: Random) -> None:
             f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
         )
         raise DataError(message)
-    CAUSES[name].stage(campaign, size, random(f"cause {name}"))
+    drawn = CAUSES[name].draw(random(f"size {name}")) if size is None else float(size)
+    CAUSES[name].stage(campaign, drawn, random(f"cause {name}"))
+    return drawn
 
 
 def _scene(campaign: Campaign, random: Random) -> Scene:
@@ -166,7 +191,7 @@ def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame
     recorded = recorded + _THERMOMETER_NOISE * random("thermometer").normal(size=len(campaign))
     columns: dict[str, NDArray[np.generic] | None] = {
         "time_s": np.round(campaign.seconds, 2),
-        "echo_us": np.round(_MICRO * pulse, 2),
+        "echo_us": np.round(_MICRO * pulse),
         "temperature_C": np.round(recorded, 2),
         "humidity_percent": np.round(_PERCENT * campaign.around.relative_humidity, 1),
         "pressure_hPa": np.round(0.01 * campaign.around.pressure, 1),

@@ -41,6 +41,10 @@ class Cause:
     in_catalogue: bool
     stage: Stage
 
+    def usual(self) -> str:
+        """Write the usual sizes."""
+        return f"+-{-self.low / 4:g} to {self.high:g}" if self.low < 0 else f"{self.low:g} to {self.high:g}"
+
     def draw(self, random: np.random.Generator) -> float:
         """Draw a usual size, log-uniform."""
         if self.low < 0:
