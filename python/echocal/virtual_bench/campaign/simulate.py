@@ -85,7 +85,7 @@ def offers(campaign: Campaign) -> frozenset[str]:
         found.add("open air")
     if campaign.reference is not None:
         found.add("reference")
-    if campaign.placement.max() >= 4:
+    if campaign.by_hand:
         found.add("visits")
     return frozenset(found)
 
@@ -205,8 +205,8 @@ def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame
     }
     columns |= {name: further[name] for name in further if name in campaign.shown}
     if campaign.reference is not None:
-        columns["distance_m"] = campaign.reference
-    if campaign.labeled and campaign.placement.max() > 0:
+        columns["distance_m"] = np.round(campaign.reference, 4)
+    if campaign.by_hand:
         columns["stand"] = 1 + campaign.placement
     table = pd.DataFrame(columns)
     for write in campaign.logger:
