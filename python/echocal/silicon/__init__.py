@@ -8,11 +8,11 @@ avr-gcc, libsimavr and a C compiler for an ATmega328P, the Arduino core for sket
 riscv64-unknown-elf-gcc and QEMU for the others.
 """
 
-from echocal.silicon.arduino import SKETCHES, Sketch, compile_sketch, missing_for_sketches
+from echocal.silicon.arduino import SKETCHES, Sketch, compile_sketch, missing_for_sketches, refuse_missing
 from echocal.silicon.board import Generated
 from echocal.silicon.cores import CORES, cores_of
 from echocal.silicon.measurement import Measurement, measure, missing, output_hash
 from echocal.silicon.uno import TIME_OUT, Played, play
 
 __all__ = ["CORES", "SKETCHES", "TIME_OUT", "Generated", "Measurement", "Played", "Sketch", "compile_sketch"]
-__all__ += ["cores_of", "measure", "missing", "missing_for_sketches", "output_hash", "play"]
+__all__ += ["cores_of", "measure", "missing", "missing_for_sketches", "output_hash", "play", "refuse_missing"]

@@ -23,15 +23,22 @@ __all__ = ["SKETCHES", "Sketch", "compile_sketch", "missing_for_sketches", "refu
 
 HARDWARE = Path("/usr/share/arduino/hardware/arduino/avr")
 SHIPPED = HERE / "sketches"
-SKETCHES = tuple(sorted(path.stem for path in SHIPPED.glob("*.ino") if path.stem != "codes"))
+SKETCHES = tuple(sorted(path.stem for path in SHIPPED.glob("*.ino")))
 """Sketches that come with this package, by name."""
 
 FLASH_BYTES, RAM_BYTES = 32_256, 2_048  # boards.txt of the core: what the boot loader leaves, and SRAM
 
 _PLACES = (f"-I{HARDWARE / 'cores' / 'arduino'}", f"-I{HARDWARE / 'variants' / 'standard'}")
 _UNO = ("-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10807", "-DARDUINO_AVR_UNO", "-DARDUINO_ARCH_AVR")
-# The C++ of avr-gcc 5.4 lacks the macro that the core takes from float.h. -g: so that the linker knows lines.
-_FLAGS = (*_UNO, "-Os", "-g", "-ffunction-sections", "-fdata-sections", "-DDECIMAL_DIG=__DECIMAL_DIG__")
+# The C++ of avr-gcc 5.4 lacks the macro that the core takes from float.h. The linker knows lines by DWARF 2.
+_FLAGS = (
+    *_UNO,
+    "-Os",
+    "-gdwarf-2",
+    "-ffunction-sections",
+    "-fdata-sections",
+    "-DDECIMAL_DIG=__DECIMAL_DIG__",
+)
 _CXX = ("avr-g++", "-std=gnu++11", "-fpermissive", "-fno-exceptions", "-fno-threadsafe-statics")
 _LANGUAGES = {
     ".c": ("avr-gcc", "-std=gnu11"),
@@ -226,15 +233,20 @@ def _compiled(source: Path, out: Path, flags: Sequence[str]) -> Path:
         read = source
     code, _, said = attempt(*_LANGUAGES[source.suffix], *_FLAGS, *_PLACES, *flags, "-c", read, "-o", out)
     if code != 0:
-        _refuse(said, _ERROR)
+        _refuse(said, _ERROR, source)
     return out
 
 
 def _link(out: Path, objects: Sequence[Path]) -> None:
     options = ("-mmcu=atmega328p", "-Wl,--gc-sections")
     code, _, said = attempt("avr-gcc", *options, *objects, _core(), "-lm", "-o", out)
+    if "is not within region `data'" in said or "overflowed" in said:
+        message = (
+            f"the sketch needs more than the {RAM_BYTES} bytes of memory or {FLASH_BYTES} of flash of an UNO"
+        )
+        raise DataError(message)
     if code != 0:
-        _refuse(said, _LINKED)
+        _refuse(said, _LINKED, None)
     text, data, bss = map(int, run("avr-size", out).splitlines()[1].split()[:3])
     for what, needed, there in (("flash", text + data, FLASH_BYTES), ("memory", data + bss, RAM_BYTES)):
         if needed > there:
@@ -242,10 +254,13 @@ def _link(out: Path, objects: Sequence[Path]) -> None:
             raise DataError(message)
 
 
-def _refuse(said: str, pattern: re.Pattern[str]) -> None:
+def _refuse(said: str, pattern: re.Pattern[str], source: Path | None) -> None:
+    """Raise the first error; one within a header with the place in the sketch that it comes from."""
     match = pattern.search(said)
-    told = (
-        f"{match['where']}: {match['what']}" if match else next(iter(said.strip().splitlines()), "no reason")
-    )
+    told = next(iter(said.strip().splitlines()), "no reason is told")
+    if match:
+        told = f"{match['where']}: {match['what']}"
+        own = re.search(rf"{re.escape(str(source))}:\d+", said[match.end() :])
+        told += f" (from {own[0]})" if own and not told.startswith(str(source)) else ""
     message = f"the sketch does not compile: {told}"
     raise DataError(message)

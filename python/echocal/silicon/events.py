@@ -10,13 +10,17 @@ __all__ = ["CLOCK", "Habit", "Line", "Log", "codes_of", "habit_of", "rows_of"]
 CLOCK = 16_000_000
 """Cycles in a second."""
 
+_NO_WAIT = CLOCK // 500
+"""Shorter gaps are none that a sketch makes on purpose [cycles]."""
+
 
 @dataclass(frozen=True)
 class Line:
-    """A line that the sketch sent: when its first byte was sent, its number among all bytes, and its text."""
+    """A line that the sketch sent: when it began, the numbers of its first and last byte, and its text."""
 
     cycle: int
-    index: int
+    first: int
+    last: int
     text: str
 
 
@@ -53,8 +57,8 @@ class Log:
             case "w":
                 self.written.append(_two(rest))
             case "l":
-                begun, index, text = rest.split(" ", 2)
-                self.lines.append(Line(int(begun), int(index), text))
+                begun, first, last, text = rest.split(" ", 3)
+                self.lines.append(Line(int(begun), int(first), int(last), text))
             case "a":
                 self.asked_again = int(rest)
             case "p":
@@ -67,10 +71,17 @@ class Log:
                 self.end = int(end)
         return kind == "t"
 
-    def written_at(self, line: Line) -> int:
-        """Return the cycle in which the sketch wrote the first byte of a line, to 250 us."""
-        place = int(np.searchsorted([count for _, count in self.written], line.index, side="right"))
-        return min(line.cycle, self.written[place][0] if place < len(self.written) else line.cycle)
+    def written_at(self, line: Line) -> tuple[int, int]:
+        """Return the cycles in which the sketch wrote the first and the last byte of a line, to 250 us."""
+        counts = [count for _, count in self.written]
+        first, last = (int(place) for place in np.searchsorted(counts, [line.first, line.last], side="right"))
+        begun = min(line.cycle, self.written[first][0] if first < len(counts) else line.cycle)
+        return begun, self.written[last][0] if last < len(counts) else self.end
+
+    @property
+    def ends(self) -> list[int]:
+        """Cycles of the triggers, the one after the last row included."""
+        return [*self.triggers, *([] if self.asked_again is None else [self.asked_again])]
 
 
 @dataclass(frozen=True)
@@ -81,51 +92,65 @@ class Habit:
     ----------
     early : bool
         Whether it reads the analog pins before it triggers.
-    lines : int
-        Lines that it prints in a loop.
     lines_before : int
-        Those of them that it prints before it triggers.
+        Lines that it prints before it triggers.
     """
 
     early: bool = False
-    lines: int = 1
     lines_before: int = 0
 
 
 def habit_of(log: Log) -> Habit:
     """Return the habit that the last whole loop of a run shows.
 
-    A loop goes from trigger to trigger. A sketch waits somewhere in it, mostly by ``delay``. What it does
-    between this longest wait and the next trigger belongs to the next row.
+    A loop goes from trigger to trigger. A sketch waits somewhere in it, mostly by ``delay``, and not within a
+    line. What it does between this longest wait and the next trigger belongs to the next row. Where it does
+    not wait, the first loop tells.
     """
-    ends = [*log.triggers, *([log.asked_again] if log.asked_again is not None else [])]
-    if len(ends) < 2:
+    if len(log.ends) < 2:
         return Habit()
-    begin, end = ends[-2:]
+    begin, end = log.ends[-2:]
     start = max((fall for fall in log.falls if begin < fall < end), default=begin)
-    prints = [at for at in map(log.written_at, log.lines) if begin <= at < end]
+    prints = [log.written_at(line) for line in log.lines]
     converts = [at for *_, at in log.conversions if begin <= at < end]
-    times = sorted([start, *(at for at in (*prints, *converts) if at > start), end])
-    waits = np.diff(times)
-    resumed = times[int(np.argmax(waits)) + 1]
-    later = sum(at >= resumed for at in prints)
-    return Habit(any(at >= resumed for at in converts), len(prints), later)
+    spans = [(at, at) for at in converts] + prints
+    inside = [(max(first, start), min(last, end)) for first, last in spans if last >= start and first < end]
+    wait, resumed = _longest_wait(sorted([(start, start), *inside, (end, end)]))
+    if wait < _NO_WAIT:
+        return _habit_of_the_first_loop(log)
+    ended = [last for _, last in prints if begin < last <= end]
+    return Habit(any(at >= resumed for at in converts), sum(last >= resumed for last in ended))
+
+
+def _longest_wait(spans: list[tuple[int, int]]) -> tuple[int, int]:
+    """Return the longest gap between spans, which are sorted, and where the next one begins."""
+    longest, resumed, reached = -1, spans[0][0], spans[0][1]
+    for first, last in spans[1:]:
+        if first - reached > longest:
+            longest, resumed = first - reached, first
+        reached = max(reached, last)
+    return longest, resumed
+
+
+def _habit_of_the_first_loop(log: Log) -> Habit:
+    """Return the habit of a sketch that never waits: what it converts before the first trigger is early."""
+    begin = log.ends[0]
+    early = [at for *_, at in log.conversions if at < begin]
+    ended = [log.written_at(line)[1] for line in log.lines]
+    return Habit(bool(early), sum(max(early, default=begin) < last <= begin for last in ended))
 
 
 def rows_of(log: Log, habit: Habit, count: int) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return what was printed before the first row, and the lines of each row."""
-    ends = [*log.triggers, *([log.asked_again] if log.asked_again is not None else [])]
-    places = np.searchsorted(ends, [log.written_at(line) for line in log.lines], side="right") - 1
+    ended = [log.written_at(line)[1] for line in log.lines]
+    places = np.searchsorted(log.ends, ended, side="left") - 1  # what is seen at a trigger was before it
     between: list[list[str]] = [[] for _ in range(count + 1)]
     for line, place in zip(log.lines, places, strict=True):
         if place < count:
             between[place + 1].append(line.text)
-    kept = [len(lines) - habit.lines_before for lines in between]
-    rows = [
-        (*between[row][max(0, kept[row]) :], *between[row + 1][: max(0, kept[row + 1])])
-        for row in range(count)
-    ]
-    return tuple(between[0][: max(0, kept[0])]), rows
+    kept = [max(0, len(lines) - habit.lines_before) for lines in between]
+    rows = [(*between[row][kept[row] :], *between[row + 1][: kept[row + 1]]) for row in range(count)]
+    return tuple(between[0][: kept[0]]), rows
 
 
 def codes_of(log: Log, count: int, pins: int) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@
  *     f CYCLE            ECHO falls
  *     c ROW PIN CODE CYCLE   the analog converter starts, for which row, and what it will give
  *     w CYCLE COUNT      bytes that the sketch has written to Serial so far, sent or waiting in its buffer
- *     l CYCLE COUNT TEXT a line that was sent; cycle and number of its first byte
+ *     l CYCLE FIRST LAST TEXT   a line that was sent: cycle and number of its first byte, number of its last
  *     a CYCLE            a trigger after the last row
  *     p PIN COUNT CYCLES pulses of another pin that could be a trigger, and the length of the longest
  *     s COUNT CYCLES     pulses of the trigger pin that are too short, and the length of the longest
@@ -66,9 +66,32 @@ static avr_cycle_count_t cycles(double microseconds)
     return (avr_cycle_count_t)llround(microseconds * (CLOCK / 1e6));
 }
 
+static int waiting(void)
+{
+    return serial == 0 ? 0 : (avr->data[serial + HEAD] - avr->data[serial + TAIL]) & (RING - 1);
+}
+
+/* Called at every event that could be between two lines, and by the clock. */
+static void note_written(void)
+{
+    const unsigned long total = sent + (unsigned long)waiting();
+    if (total > written) {
+        written = total;
+        printf("w %llu %lu\n", now(), written);
+    }
+}
+
+static avr_cycle_count_t watch(avr_t *chip, avr_cycle_count_t when, void *unused)
+{
+    (void)chip, (void)unused;
+    note_written();
+    return when + cycles(WATCH_US);
+}
+
 static avr_cycle_count_t fall(avr_t *chip, avr_cycle_count_t when, void *unused)
 {
     (void)chip, (void)unused;
+    note_written();
     avr_raise_irq(echo, 0);
     printf("f %llu\n", (unsigned long long)when);
     listening = 0;
@@ -101,11 +124,13 @@ static void pulse(avr_cycle_count_t length)
     } else if (heard < count && !listening) {
         last_event = avr->cycle;
         listening = 1;
+        note_written();
         printf("t %llu\n", now());
         fflush(stdout);
         avr_cycle_timer_register(avr, cycles(rows[heard++].silence), rise, NULL);
     } else if (heard == count && !listening && asked_again == 0) {
         asked_again = avr->cycle;
+        note_written();
         printf("a %llu\n", now());
     }
 }
@@ -149,18 +174,20 @@ static void converts(avr_irq_t *irq, uint32_t value, void *unused)
     if (selected.mux.kind != ADC_MUX_SINGLE || pin >= CHANNELS || count == 0) {
         return;
     }
+    note_written();
     const long row = heard - 1 + (early && !listening);
     const double volts = rows[row < 0 ? 0 : row < count ? row : count - 1].millivolts[pin];
     const double top = (avr->data[ADMUX] >> 6) == 3 ? INTERNAL_MILLIVOLTS : reference;
     const double code = fmin(fmax(floor(volts * 1024.0 / top), 0.0), 1023.0);
-    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, (int)(ADC_IRQ_ADC0 + pin)), (uint32_t)ceil(code * top / 1023.0));
+    avr_irq_t *input = avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, (int)(ADC_IRQ_ADC0 + pin));
+    avr_raise_irq(input, (uint32_t)ceil(code * round(top) / 1023.0)); /* its reference is in whole millivolts, too */
     printf("c %ld %u %d %llu\n", row, pin, (int)code, now());
 }
 
 static void end_line(void)
 {
     line[length_of_line] = 0;
-    printf("l %llu %lu %s\n", (unsigned long long)begun, first_byte, line);
+    printf("l %llu %lu %lu %s\n", (unsigned long long)begun, first_byte, sent, line);
     length_of_line = 0;
 }
 
@@ -178,22 +205,6 @@ static void byte_sent(avr_irq_t *irq, uint32_t value, void *unused)
         line[length_of_line++] = (char)(value == 0 ? '?' : value);
     }
     sent++;
-}
-
-static int waiting(void)
-{
-    return serial == 0 ? 0 : (avr->data[serial + HEAD] - avr->data[serial + TAIL]) & (RING - 1);
-}
-
-static avr_cycle_count_t watch(avr_t *chip, avr_cycle_count_t when, void *unused)
-{
-    (void)chip, (void)unused;
-    const unsigned long total = sent + (unsigned long)waiting();
-    if (total > written) {
-        written = total;
-        printf("w %llu %lu\n", (unsigned long long)when, written);
-    }
-    return when + cycles(WATCH_US);
 }
 
 /* All rows are answered, the sketch has begun anew, and what it wrote has been sent. */

@@ -11,6 +11,7 @@ inline void start() {
   pinMode(ECHO_PIN, INPUT);
   Serial.begin(9600);
   Serial.println("echo_us,reading_m,temperature_C");
+  delay(100);  // what is sent during the first echo would delay pulseIn()
 }
 
 inline void trigger() {

@@ -10,6 +10,7 @@ void setup() {
   pinMode(echoPin, INPUT);
   Serial.begin(9600);
   Serial.println("echo_us,reading_m,temperature_C");
+  delay(100);
 }
 
 void loop() {
