@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
     from echocal.diagnose.noises import noises
     from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
-    from echocal.emulation import Emulation, emulate
+    from echocal.emulation import Emulation, emulate, error_parts
     from echocal.errors import (
         BoundError,
         DataError,
@@ -62,6 +62,7 @@ __all__ = [
     "effects",
     "emulate",
     "error",
+    "error_parts",
     "firmware",
     "gross_faults",
     "noises",
@@ -79,7 +80,7 @@ _HOMES = {
     "correct": ("correct_files",),
     "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
     "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
-    "emulation": ("Emulation", "emulate"),
+    "emulation": ("Emulation", "emulate", "error_parts"),
     "errors": (
         "BoundError",
         "DataError",

@@ -15,7 +15,7 @@ from echocal.cli._options import from_stdin
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Columns, Json, Quiet, column_requests, noted, notes, toml_files, write_json
-from echocal.emulation import TRUTH, Emulation, emulate
+from echocal.emulation import TRUTH, Emulation, emulate, error_parts
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text
@@ -81,19 +81,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Run a sketch on an emulated Arduino UNO with an HC-SR04 and a thermometer."""
-    inputs = [data, model, sketch, *toml_files(columns), *(library or ())]
-    check_outputs(
-        Output("--out", out, _made_by.table("emulate")),
-        Output("--json", json, _made_by.result("echocal.emulation")),
-        inputs=[path for path in inputs if path is not None and Path(path).exists()],
-        force=force,
-    )
-    if out is not None and out.suffix.lower() != ".csv":
-        message = f"--out {out}: the table is written as .csv"
-        raise UsageError(message)
-    if model is not None and sketch is not None:
-        message = "give --sketch or --model, not both"
-        raise UsageError(message)
+    _refuse(data, out, sketch, model, columns, library, json, force=force)
     texts = {
         "temperature": temperature,
         "distance": distance,
@@ -101,9 +89,10 @@ def command(
         "pressure": pressure,
     }
     ranges: dict[str, Any] = {name: parse(name, text) for name, text in texts.items() if text is not None}
+    followed = None if model is None else Model.load(model)
     with noted(quiet), counted_bar(quiet, "measuring") as tell:
         found = emulate(
-            Model.load(model) if model is not None else sketch or "study",
+            followed or sketch or "study",
             None if data is None else from_stdin(data),
             **ranges,
             columns=column_requests(columns),
@@ -120,13 +109,49 @@ def command(
         )
     if out is not None:
         replace_text(out, csv_text(found.table))
-    write_json(_document(found), json)
+    parts = _parts(found, followed)
+    write_json(_document(found, parts), json)
     if not quiet and json != "-":
-        Console().print(_summary(found))
+        Console().print(_summary(found, parts))
         notes(_notes(found, out), quiet)
 
 
-def _document(found: Emulation) -> dict[str, Any]:
+def _refuse(
+    data: Path | None,
+    out: Path | None,
+    sketch: str | None,
+    model: Path | None,
+    columns: Sequence[str] | None,
+    library: Sequence[Path] | None,
+    json: str | None,
+    *,
+    force: bool,
+) -> None:
+    """Refuse what cannot be, before anything is compiled."""
+    inputs = [data, model, sketch, *toml_files(columns), *(library or ())]
+    check_outputs(
+        Output("--out", out, _made_by.table("emulate")),
+        Output("--json", json, _made_by.result("echocal.emulation")),
+        inputs=[path for path in inputs if path is not None and Path(path).exists()],
+        force=force,
+    )
+    if out is not None and out.suffix.lower() != ".csv":
+        message = f"--out {out}: the table is written as .csv"
+        raise UsageError(message)
+    if model is not None and sketch is not None:
+        message = "give --sketch or --model, not both"
+        raise UsageError(message)
+
+
+def _parts(found: Emulation, model: Model | None) -> dict[str, dict[str, float]]:
+    """Return the figures of the parts of the error [m], for the C of a model where distances are known."""
+    if model is None or found.inputs.distance is None:
+        return {}
+    parts = error_parts(found, model)
+    return {str(name): _figures(parts[name].to_numpy()) for name in parts}
+
+
+def _document(found: Emulation, parts: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "schema": "echocal.emulation/1",
         "sketch": found.name,
@@ -134,6 +159,7 @@ def _document(found: Emulation) -> dict[str, Any]:
         "board_seconds": found.played.seconds,
         "rows": len(found.table),
         "errors": {name: _figures(values) for name, values in found.errors().items()},
+        "parts_of_error_m": dict(parts),
         "echo_bias": _bias(found),
         "table": {str(name): found.table[name].tolist() for name in found.table},
         "true_echo_us": (found.echo * 1e6).tolist(),
@@ -158,19 +184,24 @@ def _bias(found: Emulation) -> float | None:
     return float(error[heard].sum() / (found.echo[heard] * 1e6).sum())
 
 
-def _summary(found: Emulation) -> Table:
+_SHOWN = {
+    "echo_us": ("echo time", 1.0, "us"),
+    "temperature_C": ("temperature", 1.0, "degC"),
+    "reading_m": ("reading", 1e3, "mm"),
+}
+"""Names, factors and units of what a sketch measures."""
+
+
+def _summary(found: Emulation, parts: Mapping[str, dict[str, float]]) -> Table:
     title = f"{escape(Path(found.name).name)}: {len(found.table)} rows"
     table = Table("measured less true", "rows", "mean", "RMS", "unit", title=title)
-    shown: Mapping[str, tuple[str, float, str]] = {
-        "echo_us": ("echo time", 1.0, "us"),
-        "reading_m": ("reading", 1e3, "mm"),
-        "temperature_C": ("temperature", 1.0, "degC"),
-    }
-    for name, values in found.errors().items():
-        what, factor, unit = shown[name]
-        figures = _figures(values * factor)
-        ends = [f"{figures[key]:+.2f}" if key in figures else "" for key in ("mean",)]
-        table.add_row(what, str(figures["rows"]), *ends, f"{figures.get('rms', float('nan')):.2f}", unit)
+    errors = found.errors()
+    lines = [(*_SHOWN[name], _figures(errors[name])) for name in _SHOWN if name in errors]
+    lines += [(f"  of it {name}", 1e3, "mm", figures) for name, figures in parts.items()]
+    for what, factor, unit, figures in lines:
+        if figures["rows"]:
+            numbers = (f"{figures['mean'] * factor:+.2f}", f"{figures['rms'] * factor:.2f}")
+            table.add_row(what, str(figures["rows"]), *numbers, unit)
     return table
 
 

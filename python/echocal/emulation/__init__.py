@@ -15,6 +15,7 @@ from echocal import silicon
 from echocal.emulation.inputs import Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
 from echocal.emulation.package import columns_of_package, compile_package, package_of
+from echocal.emulation.parts import PARTS_OF_ERROR, error_parts
 from echocal.errors import UsageError
 from echocal.firmware import Firmware
 from echocal.model import Model
@@ -22,7 +23,7 @@ from echocal.sweep.grid import Range
 from echocal.virtual_bench.hygrometers import HIH4030
 from echocal.virtual_bench.thermometers import PARTS, AnalogThermometer
 
-__all__ = ["TRUTH", "Emulation", "emulate"]
+__all__ = ["PARTS_OF_ERROR", "TRUTH", "Emulation", "emulate", "error_parts"]
 
 TRUTH = "true_air_degC"
 """Column with the true temperature of the air. It is named like none of a table's quantities."""
@@ -44,8 +45,8 @@ class Emulation:
     table : DataFrame
         What the sketch printed (``echo_us``, ``reading_m``, ``temperature_C``, as far as it does), the true
         ``distance_m``, the true temperature as `TRUTH`, and further columns of the input.
-    echo : ndarray, shape (n,)
-        True length of ECHO [s].
+    inputs : Inputs
+        What the board was given: echo times, air, distances.
     played : echocal.silicon.Played
         Lines of the sketch, and codes of the converter.
     name : str
@@ -55,10 +56,15 @@ class Emulation:
     """
 
     table: pd.DataFrame
-    echo: Column
+    inputs: Inputs
     played: silicon.Played
     name: str
     firmware: Firmware | None = None
+
+    @property
+    def echo(self) -> Column:
+        """True length of ECHO [s], NaN for a missed echo."""
+        return self.inputs.echo
 
     def errors(self) -> dict[str, Column]:
         """Return what the sketch measured less what is true, for what it printed: [us], [m], [degC].
@@ -190,7 +196,7 @@ def emulate(
     else:
         told = understood(played, asked) if own else columns_of(played)
     name = "C of the model" if made is not None else str(sketch)
-    return Emulation(_joined(told, inputs), inputs.echo, played, name, made)
+    return Emulation(_joined(told, inputs), inputs, played, name, made)
 
 
 def _inputs(table: Any, columns: Mapping[str, str], *ranges: Range | None) -> Inputs:

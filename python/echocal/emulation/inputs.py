@@ -25,6 +25,8 @@ _ASIDE = {"echo_time", "reading", "reference_distance", "temperature"}
 """Quantities of a table that the board, or the truth, states itself."""
 
 _STANDARD = 101_325.0  # Pa
+_AIR = (("temperature", None), ("relative_humidity", 0.0), ("pressure", _STANDARD))
+"""Quantities of the air, and what holds where a table has none."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,8 @@ class Inputs:
         Of the air [degC], [1].
     distance : ndarray, shape (n,), or None
         Of the target [m], if it is known.
+    ideal : ndarray, shape (n,), or None
+        Echo time of this distance in this air, 2 d / c [s].
     seconds : ndarray, shape (n,), or None
         Times of the rows [s], if there are any.
     radiation : ndarray, shape (n,)
@@ -53,6 +57,7 @@ class Inputs:
     temperature: Column
     relative_humidity: Column
     distance: Column | None
+    ideal: Column | None = None
     seconds: Column | None = None
     radiation: Column = field(default_factory=lambda: np.zeros(1))
     kept: pd.DataFrame = field(default_factory=pd.DataFrame)
@@ -79,7 +84,8 @@ def from_ranges(
         kept["humidity_percent"] = 100.0 * damp
     if pressure is not None:
         kept["pressure_hPa"] = dense / 100.0
-    return Inputs(echo_time(far, warm, damp, dense), warm, damp, far, kept=kept)
+    ideal = echo_time(far, warm, damp, dense)
+    return Inputs(ideal, warm, damp, far, ideal, kept=kept)
 
 
 def from_table(source: Any, columns: Mapping[str, str]) -> Inputs:
@@ -95,46 +101,42 @@ def from_table(source: Any, columns: Mapping[str, str]) -> Inputs:
     table = load(source)
     names = tuple(map(str, table.columns))
     columns = {name: request for name, request in columns.items() if name in names}
-    planned = plan.make(list(table.columns), columns)
-    timed = any(
-        column.form.quantity == "echo_time" and column.form.role != "reading"
-        for column in planned.assignments.values()
-    )
+    held = {one.form.quantity: one.column for one in plan.make(list(names), columns).assignments.values()}
+    timed = "echo_time" in held
+    kept = table.drop(columns=[column for quantity, column in held.items() if quantity in _ASIDE])
     if not timed:
-        readings = [one.column for one in planned.assignments.values() if one.form.quantity == "reading"]
-        table = table.drop(columns=readings).assign(echo_us=10_000.0)
+        # a table of measurements has echo times or readings
+        table = table.drop(columns=[held["reading"]] if "reading" in held else []).assign(echo_us=10_000.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)  # a row without echo is a missed echo here
         found = read_observations(table, columns, trust=[plan.EVERYTHING])
-    if "temperature" not in found.conditions:
-        message = (
-            "the table has no temperature of the air, which the thermometer of the board needs: temperature_C"
-        )
-        raise DataError(message)
-    air = {
-        name: found.conditions[name] for name in ("relative_humidity", "pressure") if name in found.conditions
-    }
-    warm, far = found.conditions["temperature"], found.reference_distance
-    _refuse_gaps("temperature", warm)
-    if timed:
-        echo = np.where(found.echo_time > 0.0, found.echo_time, np.nan)
-    elif far is not None:
-        _refuse_gaps("distance", far)
-        echo = echo_time(far, warm, **air)
-    else:
-        message = "the table has neither echo times (echo_us) nor distances of the target (distance_m)"
-        raise DataError(message)
-    aside = [one.column for one in planned.assignments.values() if one.form.quantity in _ASIDE]
+    warm, damp, dense = (_air(found, *one) for one in _AIR)
+    far = found.reference_distance
+    ideal = None if far is None else echo_time(far, warm, damp, dense)
+    if not timed:
+        if ideal is None:
+            message = "the table has neither echo times (echo_us) nor distances of the target (distance_m)"
+            raise DataError(message)
+        _refuse_gaps("distance", ideal)
+    echo = np.where(found.echo_time > 0.0, found.echo_time, np.nan) if timed else ideal
+    sun = found.conditions.get("radiation", np.zeros(len(warm)))
     return Inputs(
-        echo,
-        warm,
-        found.conditions.get("relative_humidity", np.zeros(len(warm))),
-        far,
-        _seconds(found),
-        found.conditions.get("radiation", np.zeros(len(warm))),
-        table.drop(columns=[*aside, *([] if timed else ["echo_us"])]).reset_index(drop=True),
-        names,
+        np.asarray(echo), warm, damp, far, ideal, _seconds(found), sun, kept.reset_index(drop=True), names
     )
+
+
+def _air(found: Observations, name: str, otherwise: float | None) -> Column:
+    """Return a quantity of the air in each row."""
+    values = found.conditions.get(name)
+    if values is None:
+        if otherwise is None:
+            message = (
+                f"the table has no {name} of the air, which the thermometer of the board needs: {name}_C"
+            )
+            raise DataError(message)
+        return np.full(len(found), otherwise)
+    _refuse_gaps(name.replace("_", " "), values)
+    return values
 
 
 def _seconds(found: Observations) -> Column | None:

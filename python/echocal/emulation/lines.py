@@ -50,7 +50,8 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
         try:
             found = read_observations(path, columns, reading_speed=343.0)  # only what is printed is taken
         except DataError as error:
-            message = f"the lines of the sketch are not understood, as '{rows[0]}': {error}"
+            reason = str(error).partition("; echocal inspect")[0]
+            message = f"the lines of the sketch are not understood, as '{rows[0]}': {reason}"
             raise DataError(message) from None
     if len(found) != len(rows):
         message = (
