@@ -225,6 +225,11 @@ def test_only_a_library_for_arduino_runs_there() -> None:
         echocal.emulate(made, temperature=20.0)
 
 
+def test_a_part_of_ones_own_needs_a_sketch_of_ones_own() -> None:
+    with pytest.raises(UsageError, match="read TMP36, LM35, potentiometer, not a NTC"):
+        echocal.emulate("study", temperature=20.0, part=replace(TMP36, name="NTC"))
+
+
 def test_rows_are_counted_while_it_runs() -> None:
     told: list[tuple[int, int]] = []
     echocal.emulate("timer_capture", temperature=(0.0, 9.0, 1.0), progress=lambda *state: told.append(state))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,6 +15,7 @@ from echocal.emulation.inputs import Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
 from echocal.emulation.package import columns_of_package, compile_package, package_of
 from echocal.emulation.parts import PARTS_OF_ERROR, error_parts
+from echocal.emulation.result import TRUTH, Emulation
 from echocal.errors import UsageError
 from echocal.firmware import Firmware
 from echocal.model import Model
@@ -25,60 +25,12 @@ from echocal.virtual_bench.thermometers import PARTS, AnalogThermometer
 
 __all__ = ["PARTS_OF_ERROR", "TRUTH", "Emulation", "emulate", "error_parts"]
 
-TRUTH = "true_air_degC"
-"""Column with the true temperature of the air. It is named like none of a table's quantities."""
-
 _BITS = 10
 _OPTIONS = {"TMP36": (), "LM35": ("-DLM35",), "potentiometer": ("-DPOTENTIOMETER",)}
 """Options of the compiler with which the sketches of this package read a part."""
 
 Progress = Callable[[int, int], object]
 Column = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Emulation:
-    """What a sketch measured on the emulated board.
-
-    Attributes
-    ----------
-    table : DataFrame
-        What the sketch printed (``echo_us``, ``reading_m``, ``temperature_C``, as far as it does), the true
-        ``distance_m``, the true temperature as `TRUTH`, and further columns of the input.
-    inputs : Inputs
-        What the board was given: echo times, air, distances.
-    played : echocal.silicon.Played
-        Lines of the sketch, and codes of the converter.
-    name : str
-        Name of the sketch.
-    firmware : Firmware or None
-        What was generated, if the sketch is that of a model.
-    """
-
-    table: pd.DataFrame
-    inputs: Inputs
-    played: silicon.Played
-    name: str
-    firmware: Firmware | None = None
-
-    @property
-    def echo(self) -> Column:
-        """True length of ECHO [s], NaN for a missed echo."""
-        return self.inputs.echo
-
-    def errors(self) -> dict[str, Column]:
-        """Return what the sketch measured less what is true, for what it printed: [us], [m], [degC].
-
-        Returns
-        -------
-        dict of str to ndarray, shape (n,)
-            ``echo_us``, ``reading_m``, ``temperature_C``; NaN where a row has no value.
-        """
-        true = {"echo_us": self.echo * 1e6, "temperature_C": self.table[TRUTH].to_numpy(dtype=np.float64)}
-        if "distance_m" in self.table:
-            true["reading_m"] = self.table["distance_m"].to_numpy(dtype=np.float64)
-        measured = {name: self.table[name].to_numpy(dtype=np.float64) for name in true if name in self.table}
-        return {name: values - true[name] for name, values in measured.items()}
 
 
 def emulate(
@@ -178,7 +130,7 @@ def emulate(
     if made is not None:
         program = compile_package(made)
     else:
-        options = () if own else _OPTIONS[thermometer.name]
+        options = () if own else _options(thermometer.name)
         program = silicon.compile_sketch(cast("str | Path", sketch), libraries=libraries, options=options)
     played = silicon.play(
         program,
@@ -222,6 +174,15 @@ def _thermometer(
             raise UsageError(message)
         return (found.ideal() if random is None else found.drawn(random)), random
     return part, random
+
+
+def _options(part: str) -> tuple[str, ...]:
+    if part not in _OPTIONS:
+        message = (
+            f"the sketches of this package read {', '.join(_OPTIONS)}, not a {part}: give a sketch that does"
+        )
+        raise UsageError(message)
+    return _OPTIONS[part]
 
 
 def _voltages(

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.emulation.result import Emulation
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.registry import find_effect
-
-if TYPE_CHECKING:
-    from echocal.emulation import Emulation
 
 __all__ = ["PARTS_OF_ERROR", "error_parts"]
 

@@ -115,18 +115,7 @@ def play(
     (['0.995', '2.000'], [143, 143])
     """
     rows = _rows(echo, silence, voltages, time_out)
-    if not _LEAST_REFERENCE <= reference_voltage <= 5.5:
-        message = (
-            f"reference_voltage is {reference_voltage:g} V; an ATmega328P takes {_LEAST_REFERENCE} to 5.5 V"
-        )
-        raise UsageError(message)
-    for name, pin in (("trigger_pin", trigger_pin), ("echo_pin", echo_pin)):
-        if pin not in range(2, _PINS):
-            message = f"{name} is {pin}; an UNO has 2 to 13, and 14 to 19 for A0 to A5 (0 and 1 are Serial)"
-            raise UsageError(message)
-    if trigger_pin == echo_pin:
-        message = f"trigger_pin and echo_pin are both {trigger_pin}; a module with one pin is not emulated"
-        raise UsageError(message)
+    _refuse_impossible(reference_voltage, trigger_pin, echo_pin)
     board = _Board(sketch, trigger_pin, echo_pin, reference_voltage * 1e3, patience)
     if not len(rows):
         log = board.run(rows, Habit(), None)
@@ -211,6 +200,21 @@ def _rows(echo: ArrayLike, silence: ArrayLike, voltages: ArrayLike, time_out: fl
         message = "voltages and silence must be finite numbers, and silence must not be negative"
         raise UsageError(message)
     return np.column_stack([first * 1e6, lengths * 1e6, both * 1e3])
+
+
+def _refuse_impossible(reference_voltage: float, trigger_pin: int, echo_pin: int) -> None:
+    if not _LEAST_REFERENCE <= reference_voltage <= 5.5:
+        message = (
+            f"reference_voltage is {reference_voltage:g} V; an ATmega328P takes {_LEAST_REFERENCE} to 5.5 V"
+        )
+        raise UsageError(message)
+    for name, pin in (("trigger_pin", trigger_pin), ("echo_pin", echo_pin)):
+        if pin not in range(2, _PINS):
+            message = f"{name} is {pin}; an UNO has 2 to 13, and 14 to 19 for A0 to A5 (0 and 1 are Serial)"
+            raise UsageError(message)
+    if trigger_pin == echo_pin:
+        message = f"trigger_pin and echo_pin are both {trigger_pin}; a module with one pin is not emulated"
+        raise UsageError(message)
 
 
 def _refuse_silent(log: Log, board: _Board, count: int) -> None:
