@@ -20,7 +20,7 @@ LAYERS = (
     {"conditions"},
     {"domain", "air", "registry"},
     {"model"},
-    {"observations"},
+    {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
     {"virtual_bench"},
     {"diagnose", "silicon", "echoes", "verify"},

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from echocal.registry import effects
     from echocal.sweep import sweep
     from echocal.verify import Verification, verify, verify_model
+    from echocal.waveforms import EchoTimes, echo_times, read_waveforms
 
 __all__ = [
     "DEPARTURES",
@@ -42,6 +43,7 @@ __all__ = [
     "Diagnosis",
     "DisagreementWarning",
     "DomainWarning",
+    "EchoTimes",
     "EchocalError",
     "Emulation",
     "Model",
@@ -59,6 +61,7 @@ __all__ = [
     "diagnose_many",
     "distance",
     "domain_violations",
+    "echo_times",
     "effects",
     "emulate",
     "error",
@@ -67,6 +70,7 @@ __all__ = [
     "gross_faults",
     "noises",
     "read_observations",
+    "read_waveforms",
     "row_faults",
     "speed_of_sound",
     "sweep",
@@ -96,6 +100,7 @@ _HOMES = {
     "registry": ("effects",),
     "sweep": ("sweep",),
     "verify": ("Verification", "verify", "verify_model"),
+    "waveforms": ("EchoTimes", "echo_times", "read_waveforms"),
 }
 """Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
 

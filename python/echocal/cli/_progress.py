@@ -53,4 +53,4 @@ def counted_bar(quiet: bool, what: str) -> Iterator[Callable[[int, int], None]]:
         *columns, console=console, transient=True, disable=quiet or not console.is_terminal
     ) as shown:
         task = shown.add_task(what, total=None)
-        yield lambda done, total: shown.update(task, total=total, completed=done)
+        yield lambda done, total: shown.update(task, total=max(total, 1), completed=done)
