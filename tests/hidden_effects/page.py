@@ -9,6 +9,8 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure as Plot
 
+from hidden_effects.bench.page import beside
+
 Summary = dict[str, Any]
 
 _HEAD = """# Benchmark of the diagnosis
@@ -110,9 +112,10 @@ same number of false alarms. The engine does not have this knowledge, and it all
 """
 
 
-def page(summary: Summary) -> str:
-    """Markdown of a summary."""
-    return "\n".join([_HEAD, *_facts(summary), *_targets(summary), *_tables(summary)]) + "\n"
+def page(summary: Summary, bench: Summary | None = None) -> str:
+    """Markdown of a summary, and of one of the bench to stand beside it."""
+    made = [_HEAD, *_facts(summary), *_targets(summary), *_tables(summary)]
+    return "\n".join([*made, *(beside(bench) if bench else ())]) + "\n"
 
 
 def _facts(s: Summary) -> Iterator[str]:

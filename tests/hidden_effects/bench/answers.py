@@ -75,6 +75,7 @@ def judged(case: Case, answer: Mapping[str, Any]) -> Record:
         "verdict": answer["verdict"],
         "named": judged_names,
         "says_unknown": says_unknown,
+        "against": answer["unexplained"] and answer["unexplained"]["against"],
         "alarm": any(n["status"] == "wrong" and n["kind"] == "effect" for n in judged_names),
         "false_noise_or_fault": any(n["status"] == "wrong" and n["kind"] != "effect" for n in judged_names),
         "confident_wrong": [n["id"] for n in wrong],
