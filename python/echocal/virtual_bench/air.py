@@ -1,7 +1,8 @@
 """Air of the bench: a second set of laws, so that nothing is tested on the equations that it came from.
 
-The molecules are rigid rotors whose vibrations are Einstein oscillators. The core has Cramer's
-polynomial in its place; the two share no constant but the gas constant.
+The molecules are rigid rotors whose vibrations are Einstein oscillators, and they attract each other a
+little. The core has Cramer's polynomial in its place; of the speed the two share no constant but the gas
+constant. Both take the absorption from ISO 9613-1, for no second law of it is known.
 """
 
 import numpy as np
@@ -15,27 +16,30 @@ _R = 8.314462618  # J/(mol K), CODATA 2018
 _KELVIN = 273.15
 _REFERENCE_KELVIN = 293.15  # K, ISO 9613-1:1993, 4.2
 _REFERENCE_PRESSURE = 101325.0  # Pa, ISO 9613-1:1993, 4.2
-_NITROGEN, _OXYGEN, _ARGON = (
-    0.78084,
-    0.20946,
-    0.00934,
-)  # mole fractions of dry air, US Standard Atmosphere 1976
+_DRY = {"N2": 0.78084, "O2": 0.20946, "Ar": 0.00934}  # mole fractions, US Standard Atmosphere 1976
 _MASS = {"N2": 28.0134e-3, "O2": 31.9988e-3, "Ar": 39.948e-3, "CO2": 44.0095e-3, "H2O": 18.0153e-3}  # kg/mol
 _RIGID = {"N2": 3.5, "O2": 3.5, "Ar": 2.5, "CO2": 3.5, "H2O": 4.0}  # isobaric heat over R without vibration
-_MODES = {  # K, vibrational temperatures: Herzberg's wavenumbers times hc/k
-    "N2": (3374.0,),
-    "O2": (2256.0,),
+_CENTIMETER_KELVIN = 1.438776877  # cm K, hc/k, CODATA 2018
+_WAVENUMBERS = {  # 1/cm, of the vibrations
+    "N2": (2329.9,),  # Huber & Herzberg 1979, Constants of diatomic molecules: we - 2 wexe
+    "O2": (1556.2,),
     "Ar": (),
-    "CO2": (960.0, 960.0, 1930.0, 3380.0),
-    "H2O": (2294.0, 5261.0, 5403.0),
+    "CO2": (667.0, 667.0, 1333.0, 2349.0),  # Shimanouchi 1972, NSRDS-NBS 39
+    "H2O": (1595.0, 3657.0, 3756.0),
+}
+_VIRIAL = {  # cm3/mol, cm3/mol, K: B = a - b exp(c / T), Kaye & Laby 1995, 16th ed., table 3.5
+    "N2": (185.4, 141.8, 88.7),
+    "O2": (152.8, 117.0, 108.8),
+    "Ar": (154.2, 119.3, 105.1),
 }
 
 
 def saturation_pressure(temperature: ArrayLike) -> Column:
     """Compute the vapor pressure over water [Pa] at a temperature [degC].
 
-    Buck 1981, J. Appl. Meteorol. 20, 1527, eq. (8), with the coefficients fw4
-    (doi:10.1175/1520-0450(1981)020<1527:NEFCVP>2.0.CO;2).
+    Buck 1996, CR-1A User's Manual, appendix 1, without the enhancement factor (0.4 % of the vapor); the form
+    is that of Buck 1981, doi:10.1175/1520-0450(1981)020<1527:NEFCVP>2.0.CO;2. Below 0 degC the humidity is
+    over water, too.
     """
     celsius = np.asarray(temperature, dtype=float)
     return np.asarray(611.21 * np.exp((18.678 - celsius / 234.5) * celsius / (257.14 + celsius)))
@@ -44,8 +48,8 @@ def saturation_pressure(temperature: ArrayLike) -> Column:
 def _heat(molecule: str, kelvin: Column) -> Column:
     """Isobaric heat capacity over R of an ideal gas of one molecule."""
     total = np.full_like(kelvin, _RIGID[molecule])
-    for mode in _MODES[molecule]:
-        x = mode / kelvin
+    for wavenumber in _WAVENUMBERS[molecule]:
+        x = _CENTIMETER_KELVIN * wavenumber / kelvin
         total = total + x**2 * np.exp(-x) / (1 - np.exp(-x)) ** 2
     return total
 
@@ -56,14 +60,30 @@ def _water(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: Array
     return np.asarray(vapor / np.asarray(pressure, dtype=float))
 
 
+def _attraction(kelvin: Column, ratio: Column) -> Column:
+    """The acoustic second virial coefficient of dry air [m3/mol], `ratio` that of the heats.
+
+    Trusler 1991, Physical Acoustics and Metrology of Fluids, chapter 1. Pairs of unlike molecules count
+    as the mean of the like ones; those with water, a thousandth of all, are left out.
+    """
+    total = np.zeros_like(kelvin)
+    for gas, (a, b, c) in _VIRIAL.items():
+        first = b * np.exp(c / kelvin)  # B = a - first, and its derivatives times T and T^2
+        slope, bend = first * c / kelvin, -first * c / kelvin * (c / kelvin + 2)
+        total += _DRY[gas] * (2 * (a - first) + 2 * (ratio - 1) * slope + (ratio - 1) ** 2 / ratio * bend)
+    return np.asarray(1e-6 * total)
+
+
 def speed_of_sound(
     temperature: ArrayLike,
     relative_humidity: ArrayLike = 0.0,
     pressure: ArrayLike = 101325.0,
     co2_mole_fraction: ArrayLike = 4e-4,
     frequency: float = 0.0,
+    *,
+    group: bool = False,
 ) -> Column:
-    """Compute the speed of sound of moist air as a mixture of ideal gases.
+    """Compute the speed of sound of moist air as a mixture of nearly ideal gases.
 
     Parameters
     ----------
@@ -72,6 +92,8 @@ def speed_of_sound(
     frequency : float
         Of the sound [Hz]. Above 0 the vibrations of oxygen and nitrogen lag behind, which makes
         the sound faster (Morfey & Howell 1980, doi:10.1121/1.385080).
+    group : bool
+        Whether to tell the speed of an envelope instead of the one of a phase.
 
     Returns
     -------
@@ -87,16 +109,19 @@ def speed_of_sound(
     kelvin = np.asarray(temperature, dtype=float) + _KELVIN
     water = _water(temperature, relative_humidity, pressure)
     co2, dry = np.asarray(co2_mole_fraction, dtype=float), 1 - water
-    parts = {"N2": _NITROGEN * (1 - co2) * dry, "O2": _OXYGEN * (1 - co2) * dry}
-    parts |= {"Ar": _ARGON * (1 - co2) * dry, "CO2": co2 * dry, "H2O": water}
+    parts = {gas: part * (1 - co2) * dry for gas, part in _DRY.items()} | {"CO2": co2 * dry, "H2O": water}
     whole = np.asarray(sum(parts.values()))
     mass = np.asarray(sum(x * _MASS[m] for m, x in parts.items())) / whole
     heat = np.asarray(sum(x * _heat(m, kelvin) for m, x in parts.items())) / whole
-    slow = np.sqrt(heat / (heat - 1) * _R * kelvin / mass)
-    if not frequency:
-        return np.asarray(slow)
-    relaxing = _relaxations(temperature, relative_humidity, pressure, frequency)
-    return np.asarray(1 / (1 / slow - sum(part / (2 * np.pi * at) for part, at in relaxing)))
+    ratio, ideal = heat / (heat - 1), _R * kelvin / mass
+    real = 1 + np.asarray(pressure, dtype=float) / (_R * kelvin) * _attraction(kelvin, ratio)
+    slowness = 1 / np.sqrt(ratio * ideal * real)
+    if frequency:
+        for part, at in _relaxations(temperature, relative_humidity, pressure, frequency):
+            # The slowness of a group is d(omega slowness) / d omega.
+            steeper = 2 / (1 + (frequency / at) ** 2) if group else 0.0
+            slowness = slowness - part / (2 * np.pi * at) * (1 + steeper)
+    return np.asarray(1 / slowness)
 
 
 def _relaxations(

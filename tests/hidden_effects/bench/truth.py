@@ -34,7 +34,6 @@ FAULTS = frozenset({"crosstalk", "mistyped_rows", "stuck_reading", "timeout", "b
 NAMES: dict[str, frozenset[str]] = {
     "correlated_noise": frozenset({"correlated_noise", "slow_air"}),
     "divisor": frozenset({"fixed_speed"}),  # cm = us / 58 is a device with 344.8 m/s
-    "echo_quality": frozenset({"recorded_amplitude"}),  # the log has the amplitude, and no quality
     "wind": frozenset({"wind_along", "wind_across"}),
 }
 """Names of the catalogue for causes that the bench calls otherwise, or that two names tell."""
@@ -46,7 +45,6 @@ _DEVICE = {
     "reading_quantization": frozenset({"fixed_speed"})
 }  # who cuts off to centimeters reckons with 343 m/s
 _DRY_LAW = frozenset({"humidity", "unrecorded_humidity", "linear_speed_law", "pressure"})
-_EXACT_REFERENCE = frozenset({"warehouse"})
 
 Value = Callable[[Simulation, float], float]
 
@@ -60,12 +58,12 @@ def companions(case: Case) -> frozenset[str]:
     """Causes that are truly there beside the planted ones.
 
     Sound of 40 kHz is faster than the laws of frequency zero say, the transducers stand apart, the air is
-    slow and turbulent, the timer ticks, and whoever reads a tape errs. A comparator brings its time walk, a
+    slow and turbulent, the timer ticks, whoever reads a tape errs, and no target stands quite straight. A comparator brings its time walk, a
     constant delay, and missed periods, single or of a whole placement.
     """
     made = case.made
     found = _AIR | _SHAPE
-    if "distance_m" in made.table and case.spec.design not in _EXACT_REFERENCE:
+    if "distance_m" in made.table:
         found |= {"reference_error"}
     if made.detector == "comparator":
         found |= _WALK

@@ -71,7 +71,7 @@ class Campaign:
     distance : ndarray, shape (n,)
         True distance of the target [m].
     placement : ndarray of int, shape (n,)
-        Counts on whenever the target or the sensor is moved.
+        Number of the place of the target, from 0: as it was put up once, whenever it is looked at.
     order : ndarray of int, shape (n,)
         Of a reading in its burst, from 0.
     around : Surroundings
@@ -81,6 +81,8 @@ class Campaign:
         Whether the user says that the distance is constant instead.
     air : ndarray, shape (n,)
         Temperature of the path [degC]: that of the air at the thermometer, and what causes add.
+    by_hand : bool
+        Whether somebody puts up each placement, and numbers them.
     co2 : float or ndarray, shape (n,)
         Mole fraction.
     sensor : Sensor
@@ -107,7 +109,7 @@ class Campaign:
     around: Surroundings
     reference: Column | None
     unknown_constant: bool = False
-    labeled: bool = True
+    by_hand: bool = False
     co2: float | Column = 4.2e-4
     sensor: Sensor = field(default_factory=Sensor)
     target: Target = field(default_factory=Target)

@@ -109,6 +109,7 @@ def _placements(
         _room(seconds, np.asarray(means)[placement], own),
         reference=_tape(distance, placement, step, own) if n else None,
         turbulence=_INDOORS,
+        by_hand=True,
     )
 
 
@@ -200,15 +201,15 @@ def outdoor(random: Random) -> Campaign:
 @_design
 def warehouse(random: Random) -> Campaign:
     """Three shelves at known distances, read in turn for ten days behind a thin wall."""
-    places = np.round(np.sort(random("visits", kept=True).uniform(0.4, 3.6, 3)), 3)
-    return _log(
-        "warehouse",
-        10,
-        900.0,
-        lambda s: np.asarray(places[np.arange(len(s)) % 3], dtype=float),
-        random,
-        air="hall",
-    )
+    own = random("visits", kept=True)
+    places = np.round([own.uniform(0.4, 1.0), own.uniform(1.3, 2.2), own.uniform(2.5, 3.5)], 3)
+
+    def shelf(seconds: Column) -> Column:
+        return np.asarray(places[np.arange(len(seconds)) % 3], dtype=float)
+
+    made = _log("warehouse", 10, 900.0, shelf, random, air="hall")
+    made.placement = np.arange(len(made)) % 3
+    return made
 
 
 @_design
@@ -224,7 +225,7 @@ def daily(random: Random) -> Campaign:
         random,
         air="hall",
     )
-    assert made.reference is not None
+    made.by_hand = True
     made.reference = _tape(made.distance, made.placement, 1e-3, random("reference"))
     return made
 

@@ -85,7 +85,7 @@ def offers(campaign: Campaign) -> frozenset[str]:
         found.add("open air")
     if campaign.reference is not None:
         found.add("reference")
-    if campaign.placement.max() >= 4:
+    if campaign.by_hand:
         found.add("visits")
     return frozenset(found)
 
@@ -163,8 +163,8 @@ def _stage(campaign: Campaign, name: str, size: float | None, random: Random) ->
 def _scene(campaign: Campaign, random: Random) -> Scene:
     own = random("air")
     air = campaign.air + campaign.slow_air * remembering(campaign.seconds, 1800.0, own)
-    moved = campaign.placement.max() > 0  # what was mounted once stays as it is in a replicate
-    hands = random("hand", kept=not moved).normal(size=(2, campaign.placement.max() + 1))
+    mounted = not campaign.by_hand  # once, and in a replicate it still is
+    hands = random("hand", kept=mounted).normal(size=(2, campaign.placement.max() + 1))
     hand = hands[:, campaign.placement]
     way, louder = campaign.turbulence.draw(
         campaign.seconds, campaign.distance, campaign.placement, random("turbulence")
@@ -211,8 +211,8 @@ def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame
     }
     columns |= {name: further[name] for name in further if name in campaign.shown}
     if campaign.reference is not None:
-        columns["distance_m"] = campaign.reference
-    if campaign.labeled and campaign.placement.max() > 0:
+        columns["distance_m"] = np.round(campaign.reference, 4)
+    if campaign.by_hand:
         columns["stand"] = 1 + campaign.placement
     table = pd.DataFrame(columns)
     for write in campaign.logger:

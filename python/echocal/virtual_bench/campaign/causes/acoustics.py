@@ -91,7 +91,7 @@ def slow_level(campaign: Campaign, size: float, random: np.random.Generator) -> 
 
 
 @cause("m", 5e-4, 1.2e-3, "weather")
-def echo_quality(campaign: Campaign, size: float, random: np.random.Generator) -> None:
+def recorded_amplitude(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The surface becomes rough and smooth again, so its echo weakens; the amplitude is logged."""
     campaign.sensor = campaign.sensor.but(ideal=False)
     phase = 2 * np.pi * (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)

@@ -122,5 +122,6 @@ def unrecorded_humidity(campaign: Campaign, size: float, random: np.random.Gener
     """Nobody measures the humidity of warm and damp air."""
     campaign.around.temperature += 12.0
     campaign.air += 12.0
+    campaign.device_temperature += 12.0
     campaign.around.relative_humidity = np.clip(campaign.around.relative_humidity + 0.2, 0.0, 1.0)
     campaign.logger.append(lambda table: table.drop(columns="humidity_percent"))

@@ -63,15 +63,16 @@ def amplitude_walk(campaign: Campaign, size: float, random: np.random.Generator)
     )
 
 
-@cause("Hz/K", 20.0, 60.0, "weather")
+@cause("Hz/K", 40.0, 120.0, "weather")
 def resonance_drift(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The transducers' resonance leaves the frequency of the burst when it is cold or hot."""
     own = campaign.sensor
-    drifting = {name: replace(getattr(own, name), drift=-size) for name in ("transmitter", "receiver")}
+    chain = {"transmitter": own.transmitter, "receiver": own.receiver}
+    drifting = {name: replace(one, drift=one.drift - size) for name, one in chain.items()}
     campaign.sensor = own.but(ideal=False, **drifting)
 
 
-@cause("1/s", 0.1, 0.4, "time")
+@cause("1", 0.1, 0.4, "time")
 def supply_voltage(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The battery empties, so the burst weakens while the threshold stays; the supply is logged."""
     part = (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)

@@ -23,7 +23,7 @@ def standing_wave(campaign: Campaign, size: float, random: np.random.Generator) 
 
 
 @cause("m", 2e-3, 8e-3, "time", "weather", in_catalogue=False)
-def weekly_pump(campaign: Campaign, size: float, random: np.random.Generator) -> None:
+def morning_pump(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """A machine next door runs in the morning and shifts the target."""
     hours = campaign.seconds / 3600.0 % 24
     campaign.distance += size * ((hours > 6.0) & (hours < 10.5))
