@@ -12,7 +12,7 @@ from hidden_effects.answers import NAMED
 from hidden_effects.bench import gains
 from hidden_effects.bench.influence import accompanies, same_class
 from hidden_effects.bench.strength import DETECTABLE, strengths
-from hidden_effects.bench.world import Case, Spec, build
+from hidden_effects.bench.world import Case, Column, Spec, build, error
 
 Record = dict[str, Any]
 
@@ -87,19 +87,29 @@ def judged(case: Case, answer: Mapping[str, Any]) -> Record:
 
 def _judged_name(case: Case, cause: Mapping[str, Any]) -> Record:
     """A name with its status: a planted cause, a true companion, one whose rivals are true, or wrong."""
+    claimed = _claimed(case, cause)
     planted = [id_ for id_ in case.spec.causes if same_class(case, id_, cause["id"])]
     others = [r for r in cause["indistinguishable_from"] if r != "unknown"]
     held = [id_ for id_ in case.spec.causes if any(same_class(case, id_, rival) for rival in others)]
     if planted:
         status = "planted"
-    elif accompanies(case, cause["id"]):
+    elif accompanies(case, cause["id"], claimed):
         status = "companion"
-    elif held or any(accompanies(case, rival) for rival in others):
+    elif held or any(accompanies(case, rival, claimed) for rival in others):
         status = "rival"
     else:
         status = "wrong"
     keys = ("id", "kind", "probability")
     return {**{key: cause[key] for key in keys}, "status": status, "planted": planted, "held": held}
+
+
+def _claimed(case: Case, cause: Mapping[str, Any]) -> Column | None:
+    """What a named effect takes away from the readings of the base [m]."""
+    parameters = {one["name"]: one["value"] for one in cause["parameters"]}
+    if cause["kind"] != "effect" or any(value is None for value in parameters.values()):
+        return None
+    model = echocal.Model(case.options["base"], {cause["id"]: parameters})
+    return error(case.made, model) - error(case.made)
 
 
 def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:

@@ -12,6 +12,7 @@ from hidden_effects.bench.world import Case, Column, bare, error, signal_of
 _NOT_SHAPES = NOISES | FAULTS | UNFORESEEN | {"fixed_speed", "divisor", "round_trip_factor"}
 _EITHER_SIGN = EITHER_SIGN | {"reference_scale", "gas_composition", "temperature_self_heating"}
 _OTHER_NAMES = {"wind_along": "wind", "wind_across": "wind"}
+_ITS_SIZE = 3.0  # dispersion, with the targets' tilt and what noise adds, is not larger
 _SPEED = 343.0  # m/s, of changes that are small beside it
 
 
@@ -108,12 +109,24 @@ def _one_sign(named: str) -> bool:
     return (positive or named in _ONE_SIGN) and named not in _EITHER_SIGN
 
 
-def accompanies(case: Case, named: str) -> bool:
-    """Whether a name is of what is always there, or, with a comparator, acts like its constant delay."""
+def accompanies(case: Case, named: str, claimed: Column | None = None) -> bool:
+    """Whether a name is of what is always there, or acts like it.
+
+    Like the constant delay of a comparator at any size, like dispersion only at its own: a scale of half a
+    percent is not what makes sound of 40 kHz faster by 0.03 %. `claimed` is what the name takes away [m].
+    """
     if named in companions(case):
         return True
-    if case.made.detector != "comparator" or named in _NOT_SHAPES:
+    other = None if named in _NOT_SHAPES else influence(case, named)
+    if other is None:
         return False
-    other = influence(case, named)
-    delay = influence(case, "fixed_delay")
-    return other is not None and delay is not None and abs(cosine(case, delay, other)) >= SAME_DIRECTION
+    delay = influence(case, "fixed_delay") if case.made.detector == "comparator" else None
+    if delay is not None and abs(cosine(case, delay, other)) >= SAME_DIRECTION:
+        return True
+    faster = UNSTAGED["dispersion"](case.without)
+    alike = abs(cosine(case, faster, other)) >= SAME_DIRECTION
+    return alike and (claimed is None or _rms(claimed) < _ITS_SIZE * _rms(faster))
+
+
+def _rms(values: Column) -> float:
+    return float(np.sqrt(np.nanmean(values**2)))

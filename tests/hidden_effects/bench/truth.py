@@ -58,8 +58,8 @@ def companions(case: Case) -> frozenset[str]:
     """Causes that are truly there beside the planted ones.
 
     Sound of 40 kHz is faster than the laws of frequency zero say, the transducers stand apart, the air is
-    slow and turbulent, the timer ticks, whoever reads a tape errs, and no target stands quite straight. A comparator brings its time walk, a
-    constant delay, and missed periods, single or of a whole placement.
+    slow and turbulent, the timer ticks, whoever reads a tape errs, and no target stands quite straight. A
+    comparator brings its time walk, a constant delay, and missed periods, single or of a whole placement.
     """
     made = case.made
     found = _AIR | _SHAPE
