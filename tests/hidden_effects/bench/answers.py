@@ -108,8 +108,12 @@ def _claimed(case: Case, cause: Mapping[str, Any]) -> Column | None:
     parameters = {one["name"]: one["value"] for one in cause["parameters"]}
     if cause["kind"] != "effect" or any(value is None for value in parameters.values()):
         return None
-    model = echocal.Model(case.options["base"], {cause["id"]: parameters})
-    return error(case.made, model) - error(case.made)
+    try:
+        return error(case.made, echocal.Model(case.options["base"], {cause["id"]: parameters})) - error(
+            case.made
+        )
+    except EchocalError:  # it needs a column that only the whole model can name
+        return None
 
 
 def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:

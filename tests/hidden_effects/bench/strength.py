@@ -92,5 +92,6 @@ def _within(values: Column, groups: np.ndarray) -> float:
 
 def _successive(values: Column, groups: np.ndarray) -> float:
     """Scatter of readings from successive differences inside groups [m]: what a trend does not enlarge."""
-    steps = np.diff(values)[np.diff(groups) == 0]
+    order = np.argsort(groups, kind="stable")
+    steps = np.diff(values[order])[np.diff(groups[order]) == 0]
     return float(np.sqrt(np.nanmean(steps**2) / 2))
