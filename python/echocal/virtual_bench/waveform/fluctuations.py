@@ -44,8 +44,11 @@ def remembering(seconds: Column, time_constant: float, random: np.random.Generat
 class Turbulence:
     """Warm cells that drift through the path: travel time and amplitude fluctuate.
 
-    Cells that know nothing of each other add their variances, so the standard deviation grows with the
-    square root of the path (Andreeva & Durgin 2005, doi:10.1080/17455030500284170).
+    Over a way that is short beside the cells the delays add up, so their standard deviation grows with the
+    way; over a long one with its square root (Chernov 1960, Wave Propagation in a Random Medium, chapter 5;
+    measured by Andreeva & Durgin 2005, doi:10.1080/17455030500284170). That of the logarithm of the
+    amplitude grows with its power 11/12 (Tatarskii 1971, The Effects of the Turbulent Atmosphere on Wave
+    Propagation, section 47).
 
     Attributes
     ----------
@@ -55,12 +58,16 @@ class Turbulence:
         The same of the logarithm of the amplitude.
     time_constant, flicker : float
         How long a cell delays the sound, and how long it focuses it [s].
+    cell : float
+        How far the temperatures of two points know of each other [m]; assumed to be about the height above
+        the ground.
     """
 
     way: float = 0.15e-3
     log_amplitude: float = 0.05
     time_constant: float = 2.0
     flicker: float = 0.3
+    cell: float = 1.0
 
     def draw(
         self, seconds: Column, distance: Column, path: NDArray[np.int64], random: np.random.Generator
@@ -70,7 +77,12 @@ class Turbulence:
         `path`, shape (n,), numbers the paths: what blows through one tells nothing of the next.
         """
         apart = seconds + 1e9 * path  # a new path is as long ago as anything
-        root = np.sqrt(np.maximum(distance, 0.0))
-        way = self.way * root * remembering(apart, self.time_constant, random)
-        louder = self.log_amplitude * root * remembering(apart, self.flicker, random)
-        return way, np.exp(louder)
+        far = np.maximum(distance, 0.0)
+        way = self.way * np.sqrt(self._variance(far) / self._variance(np.ones(1)))
+        louder = self.log_amplitude * far ** (11 / 12) * remembering(apart, self.flicker, random)
+        return way * remembering(apart, self.time_constant, random), np.exp(louder)
+
+    def _variance(self, distance: Column) -> Column:
+        """Of the sum over a way whose points are correlated by exp(-distance / cell), up to a factor."""
+        cells = distance / self.cell
+        return np.asarray(cells + np.expm1(-cells))

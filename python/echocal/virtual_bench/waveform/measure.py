@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.crossing import first_crossing
-from echocal.virtual_bench.waveform.received import Noise, Received, noise_rate
+from echocal.virtual_bench.waveform.received import Noise, Received
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
@@ -18,7 +18,10 @@ __all__ = ["Echoes", "measure", "waveform"]
 Column = NDArray[np.float64]
 
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache
-_WINDOWS = ((0, 8), (8, 20))  # periods after the front of an echo: most cross in the first window
+_WINDOWS = ((0, 8), (8, 16))  # first period after a beginning, and how many: most cross in the first window
+_HEARD = 6e-3  # s, after which a burst has died away
+_SIGMAS = 6.0  # of the noise: what is rarer is in the crossings by noise alone
+_EDGES = 200  # of the stretches in which the threshold counts as constant, 3 % of the time each
 
 
 @dataclass(frozen=True)
@@ -99,28 +102,39 @@ def _some(scene: Scene, sensor: Sensor, random: np.random.Generator) -> tuple[Co
     else:
         crossed = _crossed(signal, sensor, random)
         risen = sensor.zero
-    pulse = np.round((crossed - risen) / sensor.tick) * sensor.tick
+    pulse = np.round(np.maximum(crossed - risen, 0.0) / sensor.tick) * sensor.tick
     pulse[crossed > sensor.timeout] = np.nan
     return pulse, crossed - target, np.abs(signal.sizes[:, 1])
 
 
 def _crossed(signal: Received, sensor: Sensor, random: np.random.Generator) -> Column:
-    """Search path after path, in the order of their arrival."""
+    """Search from where something begins on: an echo, the listening, a step of the threshold."""
+    comparator, period = sensor.comparator, 1 / sensor.frequency
+    steps = [until for until, _ in comparator.steps if until > comparator.blanking]
+    fixed = np.broadcast_to([comparator.blanking, *steps], (len(signal.delays), 1 + len(steps)))
+    begins = np.sort(np.hstack([fixed, np.maximum(signal.delays, comparator.blanking)]), axis=1)
     found = _by_noise(signal, sensor, random)
-    order = np.argsort(signal.delays, axis=1)
-    for place in range(order.shape[1]):
-        start = np.take_along_axis(signal.delays, order[:, place, None], axis=1)[:, 0]
-        start = np.maximum(start, sensor.comparator.blanking)
+    peak, searched = signal.response.peak, np.zeros(len(found))
+    for start in begins.T:
         for first, cycles in _WINDOWS:
-            begin = start + first / sensor.frequency
+            begin = np.maximum(start, searched) if first == 0 else searched
             # What noise brings after this time is no longer the first thing that crosses.
-            rows = np.flatnonzero((begin < sensor.timeout) & ~(found < begin))
+            wanted = (begin < sensor.timeout) & ~(found < begin)
+            rows = np.flatnonzero(wanted & _loud(signal, peak, begin, begin + cycles * period, sensor))
+            searched = np.where(wanted, begin + cycles * period, searched)
             if len(rows):
-                noise = Noise.draw(sensor, begin[rows], cycles, random)
+                noise = Noise.draw(sensor, begin[rows], 2 * cycles + 1, random)
                 here = replace(signal.at(rows), noise=noise)
-                crossed = first_crossing(here, begin[rows], cycles, sensor.comparator)
+                crossed = first_crossing(here, begin[rows], cycles, comparator)
                 found[rows] = np.fmin(found[rows], crossed)
     return found
+
+
+def _loud(signal: Received, peak: float, begin: Column, end: Column, sensor: Sensor) -> NDArray[np.bool_]:
+    """Whether what is heard in a window may reach the threshold: seldom does the burst on the board."""
+    heard = (signal.delays < end[:, None]) & (signal.delays > begin[:, None] - _HEARD)
+    most = peak * (np.abs(signal.sizes) * heard).sum(axis=1) + _SIGMAS * sensor.noise
+    return np.asarray(most > np.minimum(sensor.comparator.at(begin), sensor.comparator.at(end)))
 
 
 def _jitter(signal: Received, sensor: Sensor, random: np.random.Generator) -> Column:
@@ -132,15 +146,13 @@ def _jitter(signal: Received, sensor: Sensor, random: np.random.Generator) -> Co
 def _by_noise(signal: Received, sensor: Sensor, random: np.random.Generator) -> Column:
     """When noise alone crosses the threshold, NaN where it does not before the time-out.
 
-    The envelope rises through u standard deviations `sqrt(2 pi) b u exp(-u^2 / 2)` times a second, b the
-    effective bandwidth [Hz]: Rice 1945, doi:10.1002/j.1538-7305.1945.tb00453.x, eq. (4.1).
+    Its crossings are so rare that they know nothing of each other.
     """
     comparator = sensor.comparator
-    edges = np.unique([comparator.blanking, *[until for until, _ in comparator.steps], sensor.timeout])
-    edges = edges[(edges >= comparator.blanking) & (edges <= sensor.timeout)]
+    edges = np.geomspace(max(comparator.blanking, 1e-6), sensor.timeout, _EDGES)
+    edges = np.union1d(edges, [until for until, _ in comparator.steps if edges[0] < until < sensor.timeout])
     height = comparator.at(0.5 * (edges[1:] + edges[:-1])) / max(sensor.noise, 1e-30)
-    band = noise_rate(sensor) / (2 * np.pi)
-    rate = np.sqrt(2 * np.pi) * band * height * np.exp(-0.5 * np.minimum(height, 30.0) ** 2)
+    rate = Noise.rate(sensor) * np.exp(-0.5 * np.minimum(height, 38.0) ** 2)
     expected = np.concatenate([[0.0], np.cumsum(rate * np.diff(edges))])
     drawn = random.exponential(size=len(signal.delays))
     reached = np.interp(drawn, expected, edges)
@@ -177,6 +189,6 @@ def waveform(
     elapsed = np.arange(0.0, sensor.timeout, 1 / sample_rate)
     signal = received(scene, sensor)
     if random is not None:
-        cycles = int(np.ceil(sensor.timeout * sensor.frequency)) + 1
-        signal = replace(signal, noise=Noise.draw(sensor, np.zeros(len(scene)), cycles, random))
+        count = 2 * int(np.ceil(sensor.timeout * sensor.frequency)) + 1
+        signal = replace(signal, noise=Noise.draw(sensor, np.zeros(len(scene)), count, random))
     return elapsed, signal.voltage(np.broadcast_to(elapsed, (len(scene), len(elapsed))))

@@ -10,24 +10,19 @@ from scipy.signal import lfilter
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Noise", "Received", "noise_rate"]
+__all__ = ["Noise", "Received"]
 
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
-_SETTLING = 12  # steps, until filtered noise has forgotten its beginning
-_OVER = 6e-3  # s, after which a burst has died away: exp(-pi f t / Q) is 1e-16 at 40 kHz and a quality of 20
-
-
-def noise_rate(sensor: Sensor) -> float:
-    """Return the rate [1/s] of the two poles that shape the noise: the last stage of the amplifier, twice."""
-    stage = sensor.amplifier[-1]
-    return float(np.pi * sensor.frequency / stage.quality)
+_OVER = 6e-3  # s, after which a burst has died away: exp(-pi f t / Q) is 1e-11 at 40 kHz and a quality of 30
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Band-limited noise on a grid of half periods, straight lines between.
+    """Band-limited noise: random phasors every half period, turned into each other between.
+
+    The last resonance of the chain, taken twice and tuned to the carrier, shapes it.
 
     Attributes
     ----------
@@ -37,34 +32,63 @@ class Noise:
         [s].
     values : ndarray of complex, shape (n, k)
         Envelope beside the carrier.
+    angle : float
+        Its cosine is the correlation of a value with the next one [rad].
     """
 
     start: Column
     step: float
     values: Phasor
+    angle: float
 
     @classmethod
-    def draw(cls, sensor: Sensor, start: Column, cycles: int, random: np.random.Generator) -> Self:
-        """Draw noise from a time on, for so many periods."""
+    def draw(cls, sensor: Sensor, start: Column, count: int, random: np.random.Generator) -> Self:
+        """Draw so many values from a time on."""
+        step, keep, angle = cls._kept(sensor)
+        white = random.normal(size=(2, len(start), count))
+        before = random.normal(size=(2, len(start), 2))
+        scale = sensor.noise * np.sqrt((1 - keep**2) ** 3 / (1 + keep**2))
+        # The two values before the first one, as correlated as any: the noise is stationary at once.
+        last = sensor.noise * before[..., :1]
+        second = np.cos(angle) * last + np.sin(angle) * sensor.noise * before[..., 1:]
+        state = np.concatenate([2 * keep * last - keep**2 * second, -(keep**2) * last], axis=-1)
+        colored, _ = lfilter([1.0], [1.0, -2 * keep, keep**2], scale * white, zi=state)
+        return cls(start, step, colored[0] + 1j * colored[1], angle)
+
+    @staticmethod
+    def _kept(sensor: Sensor) -> tuple[float, float, float]:
+        """Step [s], what a pole keeps of a value to the next, and the angle between the two."""
         step = 0.5 / sensor.frequency
-        keep = np.exp(-noise_rate(sensor) * step)
-        shape = (2, len(start), 2 * cycles + 1 + _SETTLING)
-        white = random.normal(size=shape)
-        colored = lfilter([1.0], [1.0, -2 * keep, keep * keep], white)[..., _SETTLING:]
-        colored *= sensor.noise * np.sqrt((1 - keep**2) ** 3 / (1 + keep**2))
-        return cls(start, step, colored[0] + 1j * colored[1])
+        keep = float(np.exp(-np.pi * sensor.frequency / sensor.chain[-1].quality * step))
+        return step, keep, float(np.arccos(2 * keep / (1 + keep**2)))
+
+    @classmethod
+    def rate(cls, sensor: Sensor) -> float:
+        """How often a second the noise rises through zero: its rate through `u` is that times exp(-u^2 / 2).
+
+        `u` is in standard deviations. Rice 1945, doi:10.1002/j.1538-7305.1945.tb00453.x, eq. (3.3-11): the
+        carrier turns, and so do the phasors.
+        """
+        step, _, angle = cls._kept(sensor)
+        return float(np.hypot(sensor.frequency, angle / (2 * np.pi * step)))
 
     def at(self, rows: NDArray[np.int64]) -> Self:
         """Return that of some rows."""
         return replace(self, start=self.start[rows], values=self.values[rows])
 
     def envelope(self, elapsed: Column) -> Phasor:
-        """Interpolate at times since the burst began, shape (n, ...)."""
+        """Compute it at times since the burst began, shape (n, ...).
+
+        The weights are those of a turn, not of a straight line, so that the variance is the same everywhere.
+        """
         shape = (slice(None), *(None,) * (elapsed.ndim - 1))
         place = np.clip((elapsed - self.start[shape]) / self.step, 0.0, self.values.shape[1] - 1.000001)
         left = place.astype(np.int64)
-        part, rows = place - left, np.arange(len(elapsed))[shape]
-        return np.asarray(self.values[rows, left] * (1 - part) + self.values[rows, left + 1] * part)
+        part, rows = (place - left) * self.angle, np.arange(len(elapsed))[shape]
+        here, there = np.sin(self.angle - part), np.sin(part)
+        return np.asarray(
+            (self.values[rows, left] * here + self.values[rows, left + 1] * there) / np.sin(self.angle)
+        )
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from echocal.virtual_bench import air
 from echocal.virtual_bench.waveform.sensor import Sensor
-from echocal.virtual_bench.waveform.target import Target, directivity, echo_of
+from echocal.virtual_bench.waveform.target import Target, aperture, directivity, echo_of
 
 __all__ = ["Scene"]
 
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 Value = float | Column
+Path = tuple[Column, Phasor]  # length [m] and size of what arrives by a path, without the air
 
 _DECIBELS = 20.0
 
@@ -83,34 +84,34 @@ class Scene:
         given = {name: value[rows] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         return replace(self, target=self.target.at(rows), **given)  # type: ignore[arg-type]
 
-    def speed(self, frequency: float) -> Column:
-        """Compute the speed of sound on the path, without wind [m/s]."""
+    def speed(self, frequency: float, *, group: bool = False) -> Column:
+        """Compute the speed of sound on the path, without wind [m/s]: of its phase, or of its envelope."""
         here = (self.temperature, self.relative_humidity, self.pressure, self.co2_mole_fraction)
-        return np.broadcast_to(air.speed_of_sound(*here, frequency), self.distance.shape)
+        return np.broadcast_to(air.speed_of_sound(*here, frequency, group=group), self.distance.shape)
 
     def paths(self, sensor: Sensor) -> tuple[Column, Phasor]:
-        """List what arrives: delays [s] and complex sizes, shape (n, p).
+        """List what arrives: delays of the envelope [s] and complex sizes, shape (n, p).
 
-        The first path leads along the board, the second to the target and back.
+        The first path leads along the board, the second to the target and back, the next ones to it again.
         """
-        speed = self.speed(sensor.frequency)
-        number = 2 * np.pi * sensor.frequency / speed
-        moved = self.distance + self.way
-        main, way = echo_of(self.target, moved, number, sensor.piston)
-        found = [(np.full(len(self), sensor.spacing), np.full(len(self), sensor.coupling + 0j))]
-        found.append((np.hypot(way, sensor.spacing), main * self.louder))
-        found.append(
-            (2 * found[1][0], 0.3 * main * main * found[1][0] / 2)
-        )  # once more, by the sensor's own face
-        found += [self._beside(plane, part, moved, number, sensor) for plane, part in self._planes()]
+        speed, group = (self.speed(sensor.frequency, group=flag) for flag in (False, True))
+        omega = 2 * np.pi * sensor.frequency
+        number, moved = omega / speed, self.distance + self.way
+        main, way = echo_of(self.target, moved, number, sensor.piston, sensor.spacing)
+        found: list[Path] = [(np.full(len(self), sensor.spacing), np.full(len(self), sensor.coupling + 0j))]
+        found.append((way, main * self.louder))
+        found += self._again(main * self.louder, way, moved, number, sensor)
+        found += [self._beside(plane, moved, number, sensor) for plane in self._planes()]
         if np.isfinite(self.object_distance).any():
             found.append(self._object(number, sensor))
         lost = air.absorption(self.temperature, self.relative_humidity, self.pressure, sensor.frequency)
         pumped = 1 + sensor.supply_gain * (np.asarray(self.supply) - 1)
         delays, sizes = [], []
         for length, size in found:
-            delays.append(self._travel(length, speed))
-            sizes.append(size * pumped * 10 ** (-lost * length / _DECIBELS))
+            delay = self._travel(length, group)
+            ahead = np.exp(1j * omega * (delay - self._travel(length, speed)))  # of the phase
+            delays.append(delay)
+            sizes.append(size * ahead * pumped * 10 ** (-lost * length / _DECIBELS))
         if np.isfinite(self.other_time).any():
             delays.append(np.broadcast_to(self.other_time, moved.shape))
             sizes.append(np.broadcast_to(np.asarray(self.other_size) + 0j, moved.shape))
@@ -122,23 +123,52 @@ class Scene:
         slowed = np.sqrt(speed**2 - across**2)
         return np.asarray(0.5 * length * (1 / (slowed + along) + 1 / (slowed - along)))
 
-    def _planes(self) -> list[tuple[float, float]]:
-        given = ((self.floor, self.floor_reflectivity), (self.wall, self.wall_reflectivity))
-        return [(plane, part) for plane, part in given if np.isfinite(plane)]
+    def _again(self, main: Phasor, way: Column, moved: Column, number: Column, sensor: Sensor) -> list[Path]:
+        """By the sensor's own face to the target again, and once more."""
+        plain, _ = echo_of(self.target, moved, number, 0.0)
+        wide, high = (aperture(half, 0.0, 2 * moved, number) for half in sensor.face)
+        # A wall and a face without end: the echo is m times as far, so 1/m as loud.
+        step = plain * moved * wide * high
+        return [(times * way, main * step ** (times - 1) / times) for times in (2, 3)]
+
+    def _planes(self) -> list[tuple[float, float, Value, Value, Value]]:
+        """Of floor and wall: distance, reflectivity, half of the target toward and across, radius across."""
+        own = self.target
+        floor = (self.floor, self.floor_reflectivity, own.half_height, own.half_width, own.radius)
+        wall = (self.wall, self.wall_reflectivity, own.half_width, own.half_height, np.inf)
+        return [plane for plane in (floor, wall) if np.isfinite(plane[0])]
 
     def _beside(
-        self, plane: float, part: float, distance: Column, number: Column, sensor: Sensor
-    ) -> tuple[Column, Phasor]:
-        """The corner of a plane beside the axis and the target: the image of the sensor in both."""
-        half = np.hypot(distance, plane)
-        aside = directivity(np.arctan2(plane, distance), sensor.piston, number) ** 2
-        corner = replace(
-            self.target, offset=plane, tilt=0.0
-        )  # the plane stands at the target's lower edge or below
-        reached, _ = echo_of(corner, distance, number, sensor.piston)
-        return 2 * half, reached * part * aside * distance / half * self.louder
+        self,
+        plane: tuple[float, float, Value, Value, Value],
+        moved: Column,
+        number: Column,
+        sensor: Sensor,
+    ) -> Path:
+        """By a plane beside the axis and the target, and the same way round: two echoes at once.
 
-    def _object(self, number: Column, sensor: Sensor) -> tuple[Column, Phasor]:
+        The plane mirrors the receiver, and the way to the mirrored one is shortest by the corner of plane and
+        target. Where the target ends before the corner, its edge scatters; it never reaches beyond the plane.
+        """
+        away, part, toward, across, radius = plane
+        half = np.hypot(moved, away)
+        bent = half**3 / moved**2  # the distance at which a plate would be as large beside the wave's zones
+        edge = np.maximum(away - np.asarray(toward), 0.0)  # from the corner to the target
+        further = np.hypot(moved, away - edge) + np.hypot(moved, away + edge) - 2 * half
+        curved = np.sqrt(1 / (1 + half / np.asarray(radius)))
+        far = away + np.asarray(toward)
+        seen = aperture(0.5 * (far - edge), 0.5 * (far + edge), bent, number) * curved
+        seen = seen * aperture(across / curved, 0.0, half, number)
+        leaves, returns = (
+            directivity(np.hypot(np.arctan2(side, moved), self.target.tilt), sensor.piston, number)
+            for side in (away - edge, away + edge)
+        )
+        rough = np.exp(-2 * (number * np.asarray(self.target.roughness) * moved / half) ** 2)
+        size = 2 * part * np.asarray(self.target.reflectivity) * leaves * returns * rough / half
+        turned = np.exp(1j * number * edge**2 / bent)  # as at the edge of a plate, see `echo_of`
+        return 2 * half + further, size * seen * turned * self.louder
+
+    def _object(self, number: Column, sensor: Sensor) -> Path:
         """A thing in front that is small beside the wave's zone: it sends to all sides."""
         away = np.hypot(self.object_distance, self.object_aside)
         there = np.isfinite(away)

@@ -66,6 +66,8 @@ class Sensor:
         Radius of the transducers [m].
     spacing : float
         Between their axes [m].
+    face : tuple of float
+        Half of the width and of the height of the board [m], which returns an echo to the target.
     coupling : float
         Amplitude of the burst that reaches the receiver along the board.
     noise : float
@@ -88,6 +90,7 @@ class Sensor:
     amplifier: tuple[Resonance, ...] = (Resonance(32e3, 1.5),)
     piston: float = 8e-3
     spacing: float = 26e-3
+    face: tuple[float, float] = (22.5e-3, 10e-3)
     coupling: float = 0.1
     noise: float = 6e-4
     comparator: Comparator = field(default_factory=Comparator)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import fresnel, j1
 
-__all__ = ["Target", "directivity", "echo_of"]
+__all__ = ["Target", "aperture", "directivity", "echo_of"]
 
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
@@ -50,8 +50,8 @@ class Target:
 def directivity(angle: ArrayLike, radius: float, wave_number: ArrayLike) -> Column:
     """Compute the pressure of a piston in a wall off its axis, over that on the axis.
 
-    Its side lobes are negative. Kinsler, Frey, Coppens & Sanders 2000, Fundamentals of Acoustics,
-    4th ed., eq. (7.4.17).
+    Every second lobe is negative. Kinsler, Frey, Coppens & Sanders 2000, Fundamentals of Acoustics,
+    4th ed., section 7.4.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ def directivity(angle: ArrayLike, radius: float, wave_number: ArrayLike) -> Colu
     return np.where(near, 1.0, 2 * j1(safe) / safe)
 
 
-def _aperture(half: ArrayLike, center: ArrayLike, distance: Column, wave_number: Column) -> Phasor:
-    """Part of the wave that a strip returns, over an endless wall: 1 inside, 1/2 at its edge.
+def aperture(half: ArrayLike, center: ArrayLike, distance: Column, wave_number: Column) -> Phasor:
+    """Compute the part of the wave that a strip returns, over an endless wall: 1 inside, 1/2 at its edge.
 
     The strip reaches from `center - half` to `center + half` beside the foot of the perpendicular. The
     way to a point at x and back is 2 d + x^2 / d: Fresnel's integral of exp(-i k x^2 / d), Goodman 2005,
@@ -82,7 +82,9 @@ def _aperture(half: ArrayLike, center: ArrayLike, distance: Column, wave_number:
     return np.asarray(wave / (1 - 1j))
 
 
-def echo_of(target: Target, distance: Column, wave_number: Column, piston: float) -> tuple[Phasor, Column]:
+def echo_of(
+    target: Target, distance: Column, wave_number: Column, piston: float, spacing: float = 0.0
+) -> tuple[Phasor, Column]:
     """Compute the echo of a target over that of an endless hard wall at one meter on the axis.
 
     Parameters
@@ -94,32 +96,40 @@ def echo_of(target: Target, distance: Column, wave_number: Column, piston: float
         Of the sound [rad/m].
     piston : float
         Radius of the transducers [m].
+    spacing : float
+        Between their axes [m], which lie in the plane in which the target tilts.
 
     Returns
     -------
     phasor : ndarray of complex, shape (n,)
         Spreading, beam, edges, curvature and roughness; without the absorption of the air.
     path : ndarray, shape (n,)
-        Out and back to its nearest point [m].
+        Out and back by its nearest point [m].
 
     Notes
     -----
-    A rough surface returns the coherent part `exp(-2 (k s)^2)`: Eckart 1953, doi:10.1121/1.1907123.
+    The foot is the point of the surface where its normal leads to the sensor. Where it lies beyond an edge,
+    the edge is the nearest point. Both edges are taken together from the beginning, as in a steady wave.
+    A rough surface returns the coherent part `exp(-2 (k s)^2)` (Eckart 1953, doi:10.1121/1.1907123); what it
+    scatters to the sides is left out.
     """
-    tilt, offset = np.asarray(target.tilt), np.asarray(target.offset)
-    foot = distance * np.cos(tilt) - offset * np.sin(tilt)
-    aside = distance * np.sin(tilt) + offset * np.cos(tilt)  # of the middle, from the foot
-    outside = np.maximum(np.abs(aside) - np.asarray(target.half_width), 0.0)  # of the nearest edge
-    curved = 1 / (1 + foot / np.asarray(target.radius))
+    tilt, offset, bend = np.asarray(target.tilt), np.asarray(target.offset), 1 / np.asarray(target.radius)
+    flat = distance * np.cos(tilt) - offset * np.sin(tilt)  # to the plane that touches the middle
+    aside = distance * np.sin(tilt) + offset * np.cos(tilt)  # of the middle, from the foot in that plane
+    curved = 1 / (1 + flat * bend)
+    foot = flat + 0.5 * aside**2 * bend * curved  # of a curved surface: its foot moves toward the middle
+    aside = aside * curved
+    edge = np.sign(aside) * np.maximum(np.abs(aside) - np.asarray(target.half_width), 0.0)
     along = np.sqrt(curved)
-    wide = _aperture(np.asarray(target.half_width) / along, aside / along, foot, wave_number)
-    high = _aperture(target.half_height, 0.0, foot, wave_number)
-    further = (
-        outside**2 / foot / curved
-    )  # to the edge and back, beyond the way to the foot: its phase is a delay
-    seen = np.abs(tilt) - np.arctan2(outside, foot)
-    beam = directivity(seen, piston, wave_number) ** 2
+    further = 2 * (np.hypot(foot, edge / along) - foot)  # to the edge and back, beyond the way to the foot
+    wide = aperture(np.asarray(target.half_width) / along, aside / along, foot, wave_number)
+    high = aperture(target.half_height, 0.0, foot, wave_number)
+    seen = np.arctan2(aside / curved - aside + edge, foot) - tilt  # of the nearest point, off the axis
+    half = np.arctan2(0.5 * spacing, foot)  # between the axes and the two ways
+    beam = directivity(seen + half, piston, wave_number) * directivity(seen - half, piston, wave_number)
     rough = np.exp(-2 * (wave_number * np.asarray(target.roughness)) ** 2)
-    size = np.asarray(target.reflectivity) * beam * along * rough / np.maximum(foot, 1e-3)
-    turned = np.exp(1j * wave_number * further)
-    return np.asarray(size * wide * high * turned), np.asarray(2 * foot + further)
+    path = np.hypot(2 * np.maximum(foot, 1e-3), spacing) + further
+    size = 2 * np.asarray(target.reflectivity) * beam * along * rough / path
+    # The way to the edge has its phase in the aperture; as it is in the path too, it is taken out here.
+    turned = np.exp(1j * wave_number * edge**2 / (foot * curved))
+    return np.asarray(size * wide * high * turned), np.asarray(path)
