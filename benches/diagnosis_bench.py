@@ -42,7 +42,10 @@ def _key(record: Record) -> tuple[Any, ...]:
 
 
 def run(specs: list[Spec], seed: int, processes: int, path: Path, console: Console) -> None:
-    """Ask about each spec that the file of records does not have yet, and add a line each."""
+    """Ask about each spec that the file of records does not have yet, and add a line each.
+
+    In an order of chance, so that a run that is stopped has some of all.
+    """
     done = {_key(record) for record in read(path)} if path.exists() else set()
     left = [spec for spec in specs if _key(asdict(spec)) not in done]
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -52,7 +55,8 @@ def run(specs: list[Spec], seed: int, processes: int, path: Path, console: Conso
         path.open("a", encoding="utf-8") as lines,
     ):
         task = progress.add_task("tables of the bench", total=len(specs), completed=len(specs) - len(left))
-        waiting = [pool.submit(ask, spec) for spec in left]
+        order = np.random.default_rng(seed).permutation(len(left))
+        waiting = [pool.submit(ask, left[i]) for i in order]
         for answered in as_completed(waiting):
             lines.write(json.dumps({"run": seed, **answered.result()}) + "\n")
             lines.flush()

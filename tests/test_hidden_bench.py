@@ -271,8 +271,8 @@ def test_the_summary_counts() -> None:
     assert value["one cause: a confident wrong name, ideal detector"] == pytest.approx(1 / 8)
     assert value["false alarms, ideal detector"] == pytest.approx(1 / 2)
     assert value["names above 0.9 that are right"] == pytest.approx(6 / 8)
-    assert value["share removed, as told"] == pytest.approx(1 - 0.25)
-    assert value["share removed, another campaign"] == pytest.approx(1 - 0.75**2)
+    assert value["share removed as told, ideal detector"] == pytest.approx(1 - 0.25)
+    assert value["share removed in another campaign, ideal detector"] == pytest.approx(1 - 0.75**2)
     assert value["sizes: rms of z"] == pytest.approx(1.0)
     assert value["one cause: named, comparator"] is None
     assert summary["by_cause"]["zero_error"]["wrong"] == {"temperature_gain": 1}
@@ -300,7 +300,9 @@ def test_equations_are_counted_alike() -> None:
     faint = {**missed, "snr": 0.1}
     found = equations({"seed": 1, "records": [made, made, made, missed, faint]})["figures"]
     assert found["one cause: named, ideal detector"]["b"]["value"] == pytest.approx(0.75)
-    assert found["share removed, another campaign"]["b"]["value"] == pytest.approx(4 / (4 + 1.5**2), abs=1e-4)
+    assert found["share removed in another campaign, ideal detector"]["b"]["value"] == pytest.approx(
+        4 / (4 + 1.5**2), abs=1e-4
+    )
     assert set(found) <= set(ROWS)
 
 

@@ -50,8 +50,8 @@ def _figures(records: Sequence[Record]) -> dict[str, Figure]:
         ),
         "names above 0.9 that are right": part(names, lambda n: n["right"]),
         "ECE of the first set": beyond_chance(_of(records, "null", "prior", "wild")),
-        "share removed, as told": _mean(corrected, lambda r: removed(r["reported"])),
-        "share removed, another campaign": _mean(corrected, _fresh),
+        "share removed as told, ideal detector": _mean(corrected, lambda r: removed(r["reported"])),
+        "share removed in another campaign, ideal detector": _mean(corrected, _fresh),
         "worse on another campaign": part(corrected, lambda r: _fresh(r) < 0),
     }
 

@@ -102,7 +102,7 @@ _ROWS = {
     "one cause: named, comparator": _found,
     "one cause: a confident wrong name, comparator": _wrong,
     "names above 0.9 that are right": _right,
-    "share removed, as told": _told,
+    "share removed as told, comparator": _told,
 }
 
 

@@ -60,9 +60,9 @@ def removed(pair: Sequence[float]) -> float:
     return 1 - (after / before) ** 2
 
 
-def _gained(which: str) -> Measure:
+def _gained(which: str, detector: str) -> Measure:
     def measure(records: Sequence[Record]) -> Figure:
-        cases = [r for r in _corrected(records) if r[which][0] > 0]
+        cases = [r for r in _corrected(records) if r[which][0] > 0 and r["measured_by"] == detector]
         return resampled(cases, lambda rs: float(np.mean([removed(r[which]) for r in rs]))) if cases else NONE
 
     return measure
@@ -112,8 +112,10 @@ ROWS: dict[str, Measure] = {
     ),
     "names above 0.9 that are right": lambda rs: part(sure_names(rs), lambda n: n["status"] != "wrong"),
     "ECE of the first set": lambda rs: beyond_chance(visible(rs, "null", "single")),
-    "share removed, as told": _gained("told"),
-    "share removed, another campaign": _gained("fresh"),
+    "share removed as told, ideal detector": _gained("told", "ideal"),
+    "share removed in another campaign, ideal detector": _gained("fresh", "ideal"),
+    "share removed as told, comparator": _gained("told", "comparator"),
+    "share removed in another campaign, comparator": _gained("fresh", "comparator"),
     "worse on another campaign": _worse,
     "sizes: rms of z": _z,
 }

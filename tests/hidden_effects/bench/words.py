@@ -53,14 +53,15 @@ Each cell has the value, its 95 % interval and the number of tables (of names, o
 AFTER = """\
 How far it is: with the ideal detector the planted cause is named in {named_ideal} of the tables, with a
 comparator in {named_comparator}; false alarms {alarms_ideal} and {alarms_comparator}. Of the names above 0.9
-a part of {right} is right. The models remove {told} of the mean square as told, and {fresh} in another
-campaign. The root mean square of z is {z}.
+a part of {right} is right. Models with an effect remove {told} of the mean square as told and {fresh} in
+another campaign, with a comparator {told_comparator} and {fresh_comparator}: most of that is the constant
+delay of the comparator. The root mean square of z is {z}.
 
 Wrong names without a cause, ideal detector: {null_names}. Answers to marginal causes: {marginal}. Real logs:
 models with a name remove {transfer_told} as told and {transfer_fresh} in other windows of the record;
 {transfer_again} of {transfer_asked} names were given again by another window.
 
-Median time of a diagnosis: {seconds}.
+Median time of a diagnosis on a shared machine: {seconds}.
 """
 
 WHY: dict[str, str] = {}
