@@ -8,6 +8,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Plot
+from matplotlib.lines import Line2D
 
 from hidden_effects.bench.page import LOGS, PLACEMENTS
 
@@ -42,10 +43,10 @@ def beside_plot(s: Summary) -> Plot:
         ax.grid(axis="x", color="0.9")
     axes[0].set_yticks(list(places.values()), list(places))
     handles = [
-        plt.Line2D([], [], color=color, marker=marker, linestyle="-", label=world)
+        Line2D([], [], color=color, marker=marker, linestyle="-", label=world)
         for world, (color, marker) in _WORLDS.items()
     ]
-    told = plt.Line2D(
+    told = Line2D(
         [], [], color="0.4", marker="|", markersize=11, linestyle="", label="share removed as told"
     )
     plot.legend(handles=[*handles, told], loc="lower center", ncols=5, frameon=False)

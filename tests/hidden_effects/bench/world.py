@@ -114,7 +114,7 @@ def indicated(table: pd.DataFrame, model: echocal.Model) -> Column:
     """Distance by a model [m]."""
     with warnings.catch_warnings(action="ignore"):
         outcome = correct_table(table, model, mark_rows=False)
-    return outcome.table["corrected_distance_m"].to_numpy(dtype=float)
+    return np.asarray(outcome.table["corrected_distance_m"], dtype=float)
 
 
 def error(made: Simulation, model: echocal.Model | None = None) -> Column:
@@ -124,8 +124,8 @@ def error(made: Simulation, model: echocal.Model | None = None) -> Column:
     """
     found = indicated(made.table, model or echocal.Model(options(made)["base"]))
     if "distance_m" in made.table:
-        return found - made.table["distance_m"].to_numpy(dtype=float)
-    return found - np.nanmean(found)
+        return np.asarray(found - made.table["distance_m"].to_numpy(dtype=float))
+    return np.asarray(found - np.nanmean(found))
 
 
 def signal(case: Case) -> Column:
