@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hidden_effects.bench.answers import judged
+from hidden_effects.bench.answers import facts, judged
 from hidden_effects.bench.equations import equations
 from hidden_effects.bench.influence import UNSTAGED, accompanies, cosine, influence, same_class, usual
 from hidden_effects.bench.menu import SHARES, choices, fits, forces, has, menu
@@ -155,6 +155,14 @@ def test_a_comparator_has_company() -> None:
     assert not accompanies(hidden(design="outdoor"), "reference_error")
 
 
+def test_what_is_always_there_is_no_finding() -> None:
+    assert facts(hidden("fixed_delay", detector="comparator"))["always"] == ["fixed_delay"]
+    assert facts(hidden("zero_error", detector="comparator"))["always"] == ["zero_error"]
+    assert facts(hidden("noise_growth"))["always"] == ["noise_growth"]
+    for id_ in ("fixed_delay", "zero_error", "interrupt_loss", "temperature_gain"):
+        assert facts(hidden(id_))["always"] == []
+
+
 def test_a_scale_is_true_only_at_the_size_of_dispersion() -> None:
     small, large = (answer(cause("clock_error", frequency_error=-size)) for size in (3e-4, 4e-3))
     case = hidden(design="round_robin")
@@ -241,6 +249,7 @@ def record(outcome: str, named: Sequence[dict[str, Any]] = (), **more: Any) -> d
         "seed": 1,
         "seconds": 1.0,
         "marginal": False,
+        "always": [],
         "named": list(named),
         "confident_wrong": [n["id"] for n in named if n["status"] == "wrong"],
         "says_unknown": False,
@@ -262,6 +271,7 @@ def test_the_summary_counts() -> None:
         record("wrong", [wrong]),
         record("silent"),
         record("wrong", [wrong], marginal=True),
+        record("named", [right], always=["zero_error"], told=None),
         record("wrong", [wrong], stratum="null", causes=[], alarm=True),
         record("silent", stratum="null", causes=[]),
     ]
@@ -270,7 +280,7 @@ def test_the_summary_counts() -> None:
     assert value["one cause: named, ideal detector"] == pytest.approx(6 / 8)
     assert value["one cause: a confident wrong name, ideal detector"] == pytest.approx(1 / 8)
     assert value["false alarms, ideal detector"] == pytest.approx(1 / 2)
-    assert value["names above 0.9 that are right"] == pytest.approx(6 / 8)
+    assert value["names above 0.9 that are right"] == pytest.approx(7 / 9, abs=1e-4)
     assert value["share removed as told, ideal detector"] == pytest.approx(1 - 0.25)
     assert value["share removed in another campaign, ideal detector"] == pytest.approx(1 - 0.75**2)
     assert value["sizes: rms of z"] == pytest.approx(1.0)

@@ -10,7 +10,7 @@ import echocal
 from echocal.errors import EchocalError
 from hidden_effects.answers import NAMED
 from hidden_effects.bench import gains
-from hidden_effects.bench.influence import accompanies, same_class
+from hidden_effects.bench.influence import accompanies, direction, same_class
 from hidden_effects.bench.strength import DETECTABLE, strengths
 from hidden_effects.bench.world import Case, Column, Spec, build, error
 
@@ -62,6 +62,7 @@ def facts(case: Case) -> Record:
         "rows": len(case.made.table),
         "visible": {id_: {**asdict(v), "snr": v.snr} for id_, v in visible.items()},
         "marginal": any(v.strength < DETECTABLE for v in visible.values()),
+        "always": [id_ for id_ in case.spec.causes if accompanies(case, id_, direction(case, id_))],
     }
 
 

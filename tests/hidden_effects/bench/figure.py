@@ -46,9 +46,7 @@ def beside_plot(s: Summary) -> Plot:
         Line2D([], [], color=color, marker=marker, linestyle="-", label=world)
         for world, (color, marker) in _WORLDS.items()
     ]
-    told = Line2D(
-        [], [], color="0.4", marker="|", markersize=11, linestyle="", label="share removed as told"
-    )
+    told = Line2D([], [], color="0.4", marker="|", markersize=11, linestyle="", label="share removed as told")
     plot.legend(handles=[*handles, told], loc="lower center", ncols=5, frameon=False)
     plot.tight_layout(rect=(0, 0.06, 1, 1))
     return plot

@@ -122,16 +122,24 @@ def _causes(s: Summary) -> Iterator[str]:
     yield (
         "Tables with this cause alone, without the marginal ones. Right: `named`, with or without a wrong\n"
         "name beside it; for a cause outside the catalogue: `unknown` without a confident wrong name.\n"
+        "Always there: tables in which the name, or its class, would be true without the cause, too.\n"
     )
     rows = []
     for id_, r in s["by_cause"].items():
         wrong = ", ".join(f"`{name}` {n}" for name, n in r["wrong"].items()) or "-"
         parts = ["-" if of is None else f"{of[0]} of {of[1]}" for of in (r["ideal"], r["comparator"])]
         held, silent = (r["outcomes"].get(key, 0) for key in ("ambiguous", "silent"))
-        rows.append(
-            [f"`{id_}`", *parts, str(held), str(silent), str(r["marginal"]), wrong, WHY.get(id_, "-")]
-        )
-    head = ["cause", "right, ideal detector", "right, comparator", "held", "silent", "marginal"]
+        counts = [str(n) for n in (held, silent, r["always"], r["marginal"])]
+        rows.append([f"`{id_}`", *parts, *counts, wrong, WHY.get(id_, "-")])
+    head = [
+        "cause",
+        "right, ideal detector",
+        "right, comparator",
+        "held",
+        "silent",
+        "always there",
+        "marginal",
+    ]
     yield from table([*head, "confident wrong names", "why it is missed"], rows)
 
 

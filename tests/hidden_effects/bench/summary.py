@@ -41,7 +41,10 @@ def _wrong(r: Record) -> bool:
 
 
 def _outcomes(stratum: str, detector: str, of: Callable[[Record], bool]) -> Measure:
-    return lambda records: part(visible(records, stratum, detector=detector), of)
+    """Part of the tables; of what is in every table anyway, a name says nothing."""
+    return lambda records: part(
+        [r for r in visible(records, stratum, detector=detector) if not r["always"]], of
+    )
 
 
 def sure_names(records: Sequence[Record]) -> list[Record]:
@@ -105,7 +108,7 @@ ROWS: dict[str, Measure] = {
     ),
     "one cause: a confident wrong name, ideal detector": _outcomes("single", "ideal", _wrong),
     "one cause: a confident wrong name, comparator": _outcomes("single", "comparator", _wrong),
-    "two causes: both named": lambda rs: part(visible(rs, "pair"), _named),
+    "two causes: both named": lambda rs: part([r for r in visible(rs, "pair") if not r["always"]], _named),
     "mistake: named": lambda rs: part(visible(rs, "mistake"), _named),
     "outside the catalogue: called unknown": lambda rs: part(
         visible(rs, "unknown"), lambda r: r["says_unknown"] and not _wrong(r)
@@ -183,6 +186,7 @@ def _by_cause(records: Sequence[Record]) -> dict[str, dict[str, Any]]:
         wrong = Counter(name for r in seen for name in r.get("confident_wrong", []))
         rows[id_] = {
             "stratum": same[0]["stratum"],
+            "always": sum(bool(r["always"]) for r in seen),
             "tables": len(seen),
             "marginal": len(same) - len(seen),
             "outcomes": dict(Counter(_said(r) for r in seen)),

@@ -41,9 +41,10 @@ NAMES: dict[str, frozenset[str]] = {
 _AIR = frozenset({"dispersion", "correlated_noise", "slow_air", "noise_growth", "timer_quantization"})
 _SHAPE = frozenset({"transducer_spacing"})  # 26 mm of an HC-SR04 are on the bench, and not in the base
 _WALK = frozenset({"amplitude_walk", "fixed_delay", "cycle_slip", "cycle_offset", "recorded_amplitude"})
-_DEVICE = {
-    "reading_quantization": frozenset({"fixed_speed"})
-}  # who cuts off to centimeters reckons with 343 m/s
+_BROUGHT = {
+    "polling_jitter": frozenset({"fixed_delay", "zero_error"}),  # its mean
+    "reading_quantization": frozenset({"fixed_speed"}),  # who cuts off to centimeters reckons with 343 m/s
+}
 _DRY_LAW = frozenset({"humidity", "unrecorded_humidity", "linear_speed_law", "pressure"})
 
 Value = Callable[[Simulation, float], float]
@@ -69,7 +70,7 @@ def companions(case: Case) -> frozenset[str]:
         found |= _WALK
     if case.options["base"] == "linear":
         found |= _DRY_LAW
-    return found.union(*(_DEVICE.get(id_, frozenset()) for id_ in case.spec.causes))
+    return found.union(*(_BROUGHT.get(id_, frozenset()) for id_ in case.spec.causes))
 
 
 def _same(made: Simulation, size: float) -> float:

@@ -27,6 +27,7 @@ and the base is the default.
   constant delay and missed periods in every table. These are then true beside the planted cause
   (`amplitude_walk`, `fixed_delay` and its class, `cycle_slip`, `cycle_offset`). With both detectors slow and
   turbulent air, the error of the reference, dispersion and the spacing of the transducers are true.
+  A planted cause that is always there anyway is left out of the parts that are named.
 - *false alarms*: part of the tables without a cause in which an effect is named that is not true.
 - *one cause: named*: its name, or one of its class, with more than 0.9. The class has every cause whose
   influence on these rows has a cosine of at least 0.99 with that of the planted one, both by finite
