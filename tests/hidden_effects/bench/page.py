@@ -29,6 +29,8 @@ def beside(s: Summary) -> Iterator[str]:
     yield from _outcomes(s)
     yield "### By cause on the bench\n"
     yield from _causes(s)
+    yield "### Probabilities on the bench\n"
+    yield from _probabilities(s)
     yield "### Sizes on the bench\n"
     yield from _sizes(s)
     if s["errors"] or s["refused"]:
@@ -141,6 +143,16 @@ def _causes(s: Summary) -> Iterator[str]:
         "marginal",
     ]
     yield from table([*head, "confident wrong names", "why it is missed"], rows)
+
+
+def _probabilities(s: Summary) -> Iterator[str]:
+    yield "The most probable set of tables without a cause and with one: mean probability, part that is true.\n"
+    rows = [
+        [detector, f"{p:.2f}", f"{right:.2f}", str(count)]
+        for detector, points in s["reliability"].items()
+        for p, right, count in points
+    ]
+    yield from table(["detector", "probability", "true", "tables"], rows)
 
 
 def _sizes(s: Summary) -> Iterator[str]:
