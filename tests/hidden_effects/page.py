@@ -41,7 +41,8 @@ the engine. snr is the rms of the effect divided by the noise of single readings
 
 Exact aliases count as one name. A class is all causes that have the same influence in the rows of the case
 (cosine of at least 0.99). Intervals are 95 %: Wilson's for proportions, resampled cases for the other
-figures. Tables of the virtual bench and real records stand [beside them](#beside-tables-that-no-equation-made).
+figures. Tables of the virtual bench and real records stand
+[beside them](#beside-tables-that-no-equation-made).
 """
 
 

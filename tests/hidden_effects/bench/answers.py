@@ -123,7 +123,7 @@ def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:
     ``named``: each planted cause, or one of its class, with more than 0.9, and no wrong name with more.
     ``ambiguous``: with less, or among those that the diagnosis cannot tell from one that it names.
     ``unknown``: something is there without a name. ``unsure``: wrong names, none with more than 0.9.
-    ``silent``: nothing, or only what is always there.
+    ``silent``: nothing, or only what is always there, under its name or one told as its rival.
     """
     sure = {id_ for n in named if n["probability"] > NAMED for id_ in n["planted"]}
     maybe = {id_ for n in named for id_ in (*n["planted"], *n["held"])}
@@ -139,7 +139,7 @@ def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:
         return "one of two"
     if says_unknown:
         return "unknown"
-    return "unsure" if any(n["status"] in ("wrong", "rival") for n in named) else "silent"
+    return "unsure" if any(n["status"] == "wrong" for n in named) else "silent"
 
 
 def _first(case: Case, posterior: Sequence[Mapping[str, Any]]) -> Record:

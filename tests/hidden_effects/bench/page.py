@@ -146,7 +146,7 @@ def _causes(s: Summary) -> Iterator[str]:
 
 
 def _probabilities(s: Summary) -> Iterator[str]:
-    yield "The most probable set of tables without a cause and with one: mean probability, part that is true.\n"
+    yield "The most probable set, without a cause and with one: mean probability, and the part that is true\n"
     rows = [
         [detector, f"{p:.2f}", f"{right:.2f}", str(count)]
         for detector, points in s["reliability"].items()

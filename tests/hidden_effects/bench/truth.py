@@ -40,7 +40,7 @@ NAMES: dict[str, frozenset[str]] = {
 
 _AIR = frozenset({"dispersion", "correlated_noise", "slow_air", "noise_growth", "timer_quantization"})
 _SHAPE = frozenset({"transducer_spacing"})  # 26 mm of an HC-SR04 are on the bench, and not in the base
-_WALK = frozenset({"amplitude_walk", "fixed_delay", "cycle_slip", "cycle_offset", "recorded_amplitude"})
+_WALK = frozenset({"amplitude_walk", "fixed_delay", "cycle_slip", "cycle_offset"})
 _BROUGHT = {
     "polling_jitter": frozenset({"fixed_delay", "zero_error"}),  # its mean
     "reading_quantization": frozenset({"fixed_speed"}),  # who cuts off to centimeters reckons with 343 m/s
