@@ -18,16 +18,20 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
+_REPLICATES = 1000  # above any byte of a name
+
+
 class Random:
     """Random numbers by name: a stage draws the same whatever the other stages draw."""
 
-    def __init__(self, seed: int) -> None:
-        """Take the seed of a table."""
-        self.seed = seed
+    def __init__(self, seed: int, replicate: int = 0) -> None:
+        """Take the seed of a table, and which of its replicates it is."""
+        self.seed, self.replicate = seed, replicate
 
-    def __call__(self, name: str) -> np.random.Generator:
-        """Return the generator of a stage."""
-        return np.random.default_rng([self.seed, *name.encode()])
+    def __call__(self, name: str, *, kept: bool = False) -> np.random.Generator:
+        """Return the generator of a stage; what is `kept` is the same in every replicate."""
+        further = [] if kept or not self.replicate else [_REPLICATES + self.replicate]
+        return np.random.default_rng([self.seed, *name.encode(), *further])
 
 
 @dataclass

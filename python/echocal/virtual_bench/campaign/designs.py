@@ -114,7 +114,7 @@ def _placements(
 
 
 def _bench(name: str, each: int, random: Random, *, mixed: bool = False) -> Campaign:
-    own = random("visits")
+    own = random("visits", kept=True)
     far = own.uniform(2.2, 3.6)
     places = np.round(np.linspace(own.uniform(0.15, 0.3), far, 8), 2)
     if mixed:  # far and near in turn
@@ -145,7 +145,7 @@ def far_and_near(random: Random) -> Campaign:
 @_design
 def round_robin(random: Random) -> Campaign:
     """Six distances in eight rounds of another order, five readings a visit, while the room warms up."""
-    own = random("visits")
+    own = random("visits", kept=True)
     places = np.round(own.uniform(0.2, 3.2, 6), 2)
     visits = np.concatenate([own.permutation(places) for _ in range(8)])
     means = np.linspace(own.uniform(12, 18), own.uniform(22, 30), len(visits))
@@ -155,13 +155,13 @@ def round_robin(random: Random) -> Campaign:
 @_design
 def robot(random: Random) -> Campaign:
     """A robot that stops at 60 places, one to five readings each; it knows the distance to 2 mm."""
-    own = random("visits")
+    own = random("visits", kept=True)
     visits = np.repeat(own.uniform(0.2, 3.5, 60), own.integers(1, 6, 60))
     made = _placements("robot", list(visits), 1, list(np.full(len(visits), own.uniform(15, 25))), random)
     made.placement = np.cumsum(np.concatenate([[0], np.diff(visits) != 0]))
     made.seconds = made.placement * 8.0 + 0.1 * np.arange(len(visits))
     made.distance = visits
-    made.reference = np.round(visits + own.normal(0, 2e-3, 60)[made.placement], 4)
+    made.reference = np.round(visits + random("reference").normal(0, 2e-3, 60)[made.placement], 4)
     return made
 
 
@@ -192,7 +192,7 @@ def _log(
 @_design
 def outdoor(random: Random) -> Campaign:
     """One target in the open for five days, a reading every ten minutes; its distance is not known."""
-    place = random("visits").uniform(1.2, 3.0)
+    place = random("visits", kept=True).uniform(1.2, 3.0)
     made = _log("outdoor", 5, 600.0, lambda s: np.full(len(s), place), random, air="open")
     made.reference, made.unknown_constant = None, True
     return made
@@ -201,7 +201,7 @@ def outdoor(random: Random) -> Campaign:
 @_design
 def warehouse(random: Random) -> Campaign:
     """Three shelves at known distances, read in turn for ten days behind a thin wall."""
-    own = random("visits")
+    own = random("visits", kept=True)
     places = np.round([own.uniform(0.4, 1.0), own.uniform(1.3, 2.2), own.uniform(2.5, 3.5)], 3)
 
     def shelf(seconds: Column) -> Column:
@@ -215,7 +215,7 @@ def warehouse(random: Random) -> Campaign:
 @_design
 def daily(random: Random) -> Campaign:
     """A target that is moved once a day for twelve days, a reading every 20 minutes."""
-    own = random("visits")
+    own = random("visits", kept=True)
     places = np.round(own.uniform(0.3, 3.2, 13), 2)
     made = _log(
         "daily",
@@ -226,25 +226,25 @@ def daily(random: Random) -> Campaign:
         air="hall",
     )
     made.by_hand = True
-    made.reference = _tape(made.distance, made.placement, 1e-3, own)
+    made.reference = _tape(made.distance, made.placement, 1e-3, random("reference"))
     return made
 
 
 @_design
 def tank(random: Random) -> Campaign:
     """A tank that is filled and used for six days; a float gauge tells the level to 2 mm."""
-    own = random("visits")
+    own = random("visits", kept=True)
     low, span, period = own.uniform(0.4, 0.7), own.uniform(0.6, 1.4), own.uniform(0.8, 2.2) * _DAY
     made = _log("tank", 6, 600.0, lambda s: low + span * (s / period % 1.0), random, air="hall")
     made.placement[:] = 0
-    made.reference = np.round(made.distance + own.normal(0, 2e-3, len(made)), 3)
+    made.reference = np.round(made.distance + random("reference").normal(0, 2e-3, len(made)), 3)
     return made
 
 
 @_design
 def snow(random: Random) -> Campaign:
     """A mast over ground and snow for 30 days, every hour; a stake tells the depth to the centimeter."""
-    own = random("visits")
+    own = random("visits", kept=True)
 
     def surface(seconds: Column) -> Column:
         falls = own.uniform(seconds[0], seconds[-1], 5)

@@ -96,6 +96,7 @@ def simulate(
     *,
     seed: int = 0,
     detector: str = "comparator",
+    replicate: int = 0,
 ) -> Simulation:
     """Run a campaign on the bench.
 
@@ -109,6 +110,9 @@ def simulate(
         The same seed gives the same table; with and without a cause it gives the same air and noise.
     detector : {"comparator", "ideal"}
         "ideal" tells the front of each echo: no time walk.
+    replicate : int
+        Above 0: the same sensor, places and causes in another campaign, with air, noise and references of
+        its own.
 
     Returns
     -------
@@ -126,7 +130,7 @@ def simulate(
     >>> len(made.table)
     48
     """
-    random = Random(seed)
+    random = Random(seed, replicate)
     campaign = lay_down(design, random)
     if detector not in ("comparator", "ideal"):
         message = f"detector is 'comparator' or 'ideal', not '{detector}'"
@@ -151,15 +155,17 @@ def _stage(campaign: Campaign, name: str, size: float | None, random: Random) ->
             f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
         )
         raise DataError(message)
-    drawn = CAUSES[name].draw(random(f"size {name}")) if size is None else float(size)
-    CAUSES[name].stage(campaign, drawn, random(f"cause {name}"))
+    drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else float(size)
+    CAUSES[name].stage(campaign, drawn, random(f"cause {name}", kept=True))
     return drawn
 
 
 def _scene(campaign: Campaign, random: Random) -> Scene:
     own = random("air")
     air = campaign.air + campaign.slow_air * remembering(campaign.seconds, 1800.0, own)
-    hand = random("hand").normal(size=(2, campaign.placement.max() + 1))[:, campaign.placement]
+    mounted = not campaign.by_hand  # once, and in a replicate it still is
+    hands = random("hand", kept=mounted).normal(size=(2, campaign.placement.max() + 1))
+    hand = hands[:, campaign.placement]
     way, louder = campaign.turbulence.draw(
         campaign.seconds, campaign.distance, campaign.placement, random("turbulence")
     )
