@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import world
-from filters import FILTERS, made
-from hardware import FIRMWARE, THERMOMETERS, Device
-from learners import LEARNERS
-from methods import METHODS, Correction, Method, diagnosed
-from world import Column, Truth
 
+from compensation import world
+from compensation.filters import FILTERS, made
+from compensation.hardware import FIRMWARE, THERMOMETERS, Device
+from compensation.learners import LEARNERS
+from compensation.methods import METHODS, Correction, Method, diagnosed
+from compensation.world import Column, Truth
 from echocal.virtual_bench.campaign.campaign import Random
 
 TRAINED = {"spring": "five days in spring, 20 placements", "room": "an evening in a room, 16 placements"}
@@ -25,9 +25,10 @@ TESTED = {
 BANDS = {"all": (0.2, 4.0), "to_1_m": (0.2, 1.0), "to_2_m": (1.0, 2.0), "to_4_m": (2.0, 4.0)}
 LIMIT = 3.0  # mm: the data sheet of the HC-SR04
 BEST = "shield"
+NOTHING = "no effect"
 ALL: dict[str, Method] = METHODS | LEARNERS
 _DAYS = 6.0
-_SHORT = ("fixed", "cramer", "zeroed", "line", "named", "both")
+_SHORT = ("fixed", "cramer", "zeroed", "line", "named")
 _REACH, _LEARNED = (0.2, 1.0, 2.0, 4.0), (0.3, 1.0, 2.0, 3.5)
 Record = dict[str, Any]
 
@@ -80,7 +81,7 @@ def settings() -> list[Setting]:
 
 def _settings() -> Iterator[Setting]:
     for name, own in THERMOMETERS.items():
-        bare = ("fixed",) if own.kind == "none" else ("study", "cramer", "named", "both", "boosting_left")
+        bare = ("fixed",) if own.kind == "none" else ("study", "cramer", "named", "boosting_left")
         yield from (Setting(name, method=method) for method in (*bare, "zeroed", "line"))
     for trained in TRAINED:
         yield from (Setting(BEST, method=method, trained=trained) for method in ALL)
@@ -89,7 +90,10 @@ def _settings() -> Iterator[Setting]:
     for firmware in ("capture", "whole_cm"):
         yield from (Setting(BEST, firmware, filter=name) for name in FILTERS)
     for oracle in ("air", "detector", "both"):
-        yield from (Setting(BEST, method=method, oracle=oracle) for method in ("zeroed", "line", "both"))
+        yield from (Setting(BEST, method=method, oracle=oracle) for method in ("zeroed", "line"))
+    yield from (Setting(name, oracle="detector") for name in THERMOMETERS)
+    for method in ("dry_line", "half_line", "study_line", "named", "both"):
+        yield Setting(BEST, method=method, oracle="detector")
 
 
 def run(drawn: Drawn, chosen: list[Setting]) -> tuple[Record, Record]:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from world import EACH, Column, Truth
+
+from compensation.world import EACH, Column, Truth
 
 Labels = NDArray[np.int64]
 Filter = Callable[[Column, Column], Column]

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from world import EACH, REFERENCE, Column, Truth, Unit
 
 import echocal
+from compensation.world import EACH, REFERENCE, Column, Truth, Unit
 from echocal.virtual_bench import air
 from echocal.virtual_bench.campaign.campaign import Random
 from echocal.virtual_bench.campaign.causes.thermometry import lagged
@@ -79,7 +79,14 @@ THERMOMETERS = {
         "DS18B20", 3.6, "price: z-wave.pt; errors: data sheet", offset=0.25, gain=3e-3, step=0.0625
     ),
     "dht22": Thermometer(
-        "DHT22", 4.2, _MAGAZINE + " (AM2320)", offset=0.4, gain=3e-3, step=0.1, lag=180.0, humidity=0.03
+        "DHT22",
+        4.2,
+        "price of the AM2320: Linux Magazine 279 (2024), Sensor Shootout; errors: data sheet",
+        offset=0.4,
+        gain=3e-3,
+        step=0.1,
+        lag=180.0,
+        humidity=0.03,
     ),
     "bme280": Thermometer(
         "BME280", 5.6, _MAGAZINE, offset=0.7, gain=5e-3, step=0.01, lag=120.0, humidity=0.03, pressure=100.0

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from methods import Correction, Method, fixed, physics
 from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, WhiteKernel
@@ -13,7 +12,10 @@ from sklearn.linear_model import LinearRegression, RidgeCV
 from sklearn.neural_network import MLPRegressor
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
-from world import Column
+from threadpoolctl import threadpool_limits
+
+from compensation.methods import Correction, Method, fixed, physics
+from compensation.world import Column
 
 _MILLI = 1e3
 
@@ -30,29 +32,39 @@ def _plain(make: Callable[[int], Any]) -> Callable[[pd.DataFrame, int], Correcti
     def learn(log: pd.DataFrame, seed: int) -> Correction:
         x, y = features(log), log["distance_m"].to_numpy()
         known = np.isfinite(x).all(axis=1)
-        fitted = make(seed).fit(x[known], y[known])
-        return lambda other: _filled(fitted, other)
+        with threadpool_limits(1):
+            fitted = make(seed).fit(x[known], y[known])
+        return lambda other: _filled(fitted, features(other))
 
     return learn
 
 
-def _residual(make: Callable[[int], Any]) -> Callable[[pd.DataFrame, int], Correction]:
+def _echo(log: pd.DataFrame) -> Column:
+    """Return the first of the features alone."""
+    return features(log)[:, :1]
+
+
+def _residual(
+    make: Callable[[int], Any], seen: Callable[[pd.DataFrame], Column] = features
+) -> Callable[[pd.DataFrame, int], Correction]:
     """Learn what the distance by Cramer leaves."""
 
     def learn(log: pd.DataFrame, seed: int) -> Correction:
-        x, left = features(log), _MILLI * (log["distance_m"].to_numpy() - physics(log))
+        x, left = seen(log), _MILLI * (log["distance_m"].to_numpy() - physics(log))
         known = np.isfinite(left)
-        fitted = make(seed).fit(x[known], left[known])
-        return lambda other: physics(other) + _filled(fitted, other) / _MILLI
+        with threadpool_limits(1):
+            fitted = make(seed).fit(x[known], left[known])
+        return lambda other: physics(other) + _filled(fitted, seen(other)) / _MILLI
 
     return learn
 
 
-def _filled(fitted: Any, log: pd.DataFrame) -> Column:
-    x = features(log)
+def _filled(fitted: Any, x: Column) -> Column:
+    """Predict where all features are known."""
     known = np.isfinite(x).all(axis=1)
     found = np.full(len(x), np.nan)
-    found[known] = fitted.predict(x[known])
+    with threadpool_limits(1):
+        found[known] = fitted.predict(x[known])
     return found
 
 
@@ -65,7 +77,7 @@ def _polynomial(seed: int) -> Any:
 
 
 def _forest(seed: int) -> Any:
-    return RandomForestRegressor(200, min_samples_leaf=5, random_state=seed)
+    return RandomForestRegressor(100, min_samples_leaf=5, random_state=seed)
 
 
 def _boosting(seed: int) -> Any:
@@ -103,5 +115,6 @@ LEARNERS = {
     "boosting": Method("gradient boosting", _plain(_boosting)),
     "forest_left": Method("random forest of what Cramer leaves", _residual(_forest)),
     "boosting_left": Method("gradient boosting of what Cramer leaves", _residual(_boosting)),
+    "boosting_echo": Method("gradient boosting over the distance alone", _residual(_boosting, _echo)),
     "process_left": Method("Gaussian process of what Cramer leaves", _residual(_Averaged)),
 }

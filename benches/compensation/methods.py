@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from scipy.optimize import differential_evolution, least_squares
-from world import Column
 
 import echocal
+from compensation.world import Column
 from echocal.correct import correct_table
 
 _MICRO = 1e-6
@@ -160,7 +160,7 @@ def hybrid(log: pd.DataFrame, seed: int) -> Correction:
     def cost(values: Column) -> float:
         return float(np.mean(2 * (np.sqrt(1 + 0.25 * _residual(values, thin) ** 2) - 1)))
 
-    found = differential_evolution(cost, _BOUNDS, seed=seed, polish=False, maxiter=60, popsize=8, tol=1e-4)
+    found = differential_evolution(cost, _BOUNDS, seed=seed, polish=False, maxiter=40, popsize=8, tol=1e-4)
     return _local(log, found.x)
 
 

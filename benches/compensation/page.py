@@ -4,16 +4,17 @@ import json
 from pathlib import Path
 from typing import Any
 
-import figure
-from campaign import ALL, BANDS, BEST, TRAINED, Setting
-from filters import FILTERS
-from hardware import FIRMWARE, SENSOR_EURO, SENSOR_SOURCE, THERMOMETERS
-from words import air, cannot, conclusions, head, simulated
+from compensation import figure
+from compensation.campaign import ALL, BANDS, BEST, NOTHING, TRAINED, Setting
+from compensation.filters import FILTERS
+from compensation.hardware import FIRMWARE, SENSOR_EURO, SENSOR_SOURCE, THERMOMETERS
+from compensation.words import air, cannot, conclusions, head, simulated
 
 ROOT = Path(__file__).parents[2]
 PAGE, PICTURE = ROOT / "docs" / "compensation.md", ROOT / "docs" / "compensation.png"
 RESULTS = Path(__file__).with_name("figures.json")
 Record = dict[str, Any]
+_SHORT = ("fixed", "cramer", "zeroed", "line", "named")
 
 _STEPS = {
     "343 m/s": Setting(BEST, method="fixed"),
@@ -22,9 +23,16 @@ _STEPS = {
     "+ a humidity of 50 %": Setting(BEST, method="half"),
     "+ the measured humidity": Setting(BEST, method="cramer"),
     "+ zero at one mark": Setting(BEST, method="zeroed"),
-    "+ line through all marks": Setting(BEST, method="line"),
-    "the same, air as it truly is at the thermometer": Setting(BEST, method="line", oracle="air"),
-    "the same, a detector without time walk": Setting(BEST, method="line", oracle="detector"),
+    "+ line through all marks: everything": Setting(BEST, method="line"),
+    "everything but the humidity: 50 %": Setting(BEST, method="half_line"),
+    "everything but the humidity: dry air": Setting(BEST, method="dry_line"),
+    "everything but Cramer: the study's formula": Setting(BEST, method="study_line"),
+    "everything but a thermometer": Setting("none", method="line"),
+    "everything but the shield": Setting("htu31d", method="line"),
+    "named causes instead of the line": Setting(BEST, method="named"),
+    "gradient boosting of what Cramer leaves": Setting(BEST, method="boosting_left"),
+    "everything, air as it truly is at the thermometer": Setting(BEST, method="line", oracle="air"),
+    "everything, a detector without time walk": Setting(BEST, method="line", oracle="detector"),
     "both": Setting(BEST, method="line", oracle="both"),
 }
 
@@ -88,18 +96,21 @@ def hardware(results: Record) -> str:
         warm = kelvin.get(name)
         cells = [own.label, f"{SENSOR_EURO + own.euro:.1f}"]
         cells += [f"{warm['summer']:.2g}", f"{warm['winter']:.2g}"] if warm else ["-", "-"]
-        for method in ("cramer", "zeroed", "line", "named", "both"):
+        for method in ("cramer", "zeroed", "line", "named", "boosting_left"):
             used = "fixed" if (name, method) == ("none", "cramer") else method
             key = Setting(name, method=used).key
             cells.append(number(figures[key]["other"]["all"]["rms"]) if key in figures else "-")
+        cells.append(number(figures[Setting(name, oracle="detector").key]["other"]["all"]["rms"]))
         rows.append(cells)
     heads = ["thermometer", "€", "its error, summer [K]", "winter [K]", "as bought", "zero at one mark"]
-    heads += ["line through all marks", "named causes", "calibrated, then named causes"]
+    heads += ["line through all marks", "named causes"]
+    heads += ["gradient boosting of what Cramer leaves", "line, a detector without time walk"]
     return f"""## Which euro
 
 RMS error in summer and winter, 0.2 to 4 m [mm], of a device that was trained in spring; firmware with timer
 capture. The price is that of the HC-SR04 and the thermometer, without the board. Without a thermometer the
-speed is 343 m/s; else it is that of Cramer 1993.
+speed is 343 m/s; else it is that of Cramer 1993. The last column is no product: it shows what a thermometer
+can buy where the detector does not limit.
 
 {_table(heads, rows)}"""
 
@@ -110,7 +121,8 @@ def methods(results: Record) -> str:
     for name, own in ALL.items():
         key, other = Setting(BEST, method=name).key, Setting(BEST, method=name, trained="room").key
         tests, each = figures[key], results["each"][key]
-        cells = [own.label, *[f"{tests[test]['all']['rms'][0]:.3g}" for test in ("spring", "summer", "winter")]]
+        cells = [own.label]
+        cells += [f"{tests[test]['all']['rms'][0]:.3g}" for test in ("spring", "summer", "winter")]
         cells += [number(tests["other"]["all"][of]) for of in ("rms", "high")]
         cells += [share(tests["other"]["all"]["within"]), f"{each[len(each) // 2]:.3g}, {each[-1]:.3g}"]
         cells += [str(results["wins"][key]), number(figures[other]["other"]["all"]["rms"])]
@@ -124,7 +136,8 @@ room* is the RMS in summer and winter after {TRAINED["room"]}. *Better than the 
 {results["devices"]}, with a smaller RMS in summer and winter than the line through all marks.
 
 {_table(heads, rows)}
-What `echocal.diagnose` put into its models, of {results["devices"]} each:
+What `echocal.diagnose` put into its models, of {results["devices"]} each, and what it added to those of
+`echocal.calibrate`:
 
 {_named(results)}"""
 
@@ -133,10 +146,10 @@ def _named(results: Record) -> str:
     rows = []
     for trained, words in TRAINED.items():
         for method in ("named", "both"):
-            counted = dict(results["causes"][Setting(BEST, method=method, trained=trained).key])
-            counted.pop("models")
-            effects = ", ".join(f"`{name}` {counted[name]}" for name in sorted(counted, key=counted.get)[::-1])
-            rows.append([words, ALL[method].label, effects or "nothing"])
+            counted = results["causes"][Setting(BEST, method=method, trained=trained).key]
+            order = sorted(counted, key=lambda name: (-counted[name], name))
+            effects = [f"{name if name == NOTHING else f'`{name}`'} {counted[name]}" for name in order]
+            rows.append([words, ALL[method].label, ", ".join(effects)])
     return _table(["training", "method", "effects in the models"], rows)
 
 
@@ -164,9 +177,8 @@ def firmware(results: Record) -> str:
     """Make the table of firmware."""
     rows = []
     for name, label in FIRMWARE.items():
-        cells = [label]
-        for method in ("fixed", "cramer", "zeroed", "line", "named", "both"):
-            cells.append(number(results["figures"][Setting(BEST, name, method).key]["other"]["all"]["rms"]))
+        keys = [Setting(BEST, name, method).key for method in _SHORT]
+        cells = [label, *[number(results["figures"][key]["other"]["all"]["rms"]) for key in keys]]
         rows.append(cells)
     heads = ["firmware", "343 m/s", "Cramer", "zero at one mark", "line through all marks", "named causes"]
     return f"""## Which firmware
@@ -174,7 +186,7 @@ def firmware(results: Record) -> str:
 RMS error in summer and winter [mm], HTU31D in a shield. `pulseIn()` loses 0.584 % of the pulse. The last one
 counts whole centimeters.
 
-{_table([*heads, "calibrated, then named causes"], rows)}"""
+{_table(heads, rows)}"""
 
 
 def filters(results: Record) -> str:
@@ -212,11 +224,12 @@ def assumptions() -> str:
     return f"""## Prices and errors that were assumed
 
 {_table(heads, rows)}
-- Time constants are judgements; that of a thermometer in a housing of this size is 14 s in moving and 60 to
-  100 s in still air (data sheet of the SMT160).
+- Time constants are judgements. A sensor in a TO-18 housing has 13.5 s at 3 m/s and 60 s in still air (data
+  sheet of the SMT160); boards, grids and shields make it slower.
 - Sun: shields that people build let +7.4 K to less than +0.5 K pass (Tarara & Hoheisel 2007, HortScience 42,
-  1372); a plate shield 2 to 4 K without wind (Lin, Hubbard & Meyer 2001). In wind v the assumed value is
-  divided by 1 + v / (1 m/s).
+  1372). A plate shield lets 2 to 4 K pass without wind ("Radiation loading model for evaluating air
+  temperature errors with a nonaspirated radiation shield", 2001). In wind v the assumed value is divided by
+  1 + v / (1 m/s).
 - The board's clock errs by 0.18 % (standard deviation): the RMS of five boards with a ceramic resonator
   (github.com/manitou48/crystals). Its drift, 15 ppm/K, and 1 % for the 5 V that the converter compares with,
   are assumed.
