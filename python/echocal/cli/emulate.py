@@ -67,6 +67,13 @@ def command(
         float | None,
         typer.Option(metavar="MS", help="Length of ECHO for a missed echo [ms], 38 for many; default: none."),
     ] = None,
+    detector: Annotated[
+        str, typer.Option(metavar="ideal|comparator", help="Times the echo: 2 d / c, or an HC-SR04's.")
+    ] = "ideal",
+    waveform: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Plot what a comparator sees: .png, .svg, .pdf.")
+    ] = None,
+    row: Annotated[int, typer.Option(min=1, help="Row of --waveform, from 1.")] = 1,
     seed: Annotated[
         int | None,
         typer.Option(metavar="N", help="Draw a real part: tolerance, noise and lag; default: an ideal one."),
@@ -81,7 +88,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Run a sketch on an emulated Arduino UNO with an HC-SR04 and a thermometer."""
-    _refuse(data, out, sketch, model, columns, library, json, force=force)
+    _refuse(data, out, sketch, model, columns, library, json, waveform, force=force)
     texts = {
         "temperature": temperature,
         "distance": distance,
@@ -101,6 +108,7 @@ def command(
             reference_voltage=reference_voltage,
             adc_bits=adc_bits,
             time_out=None if time_out_ms is None else time_out_ms * 1e-3,
+            detector=detector,
             seed=seed,
             trigger_pin=trigger_pin,
             echo_pin=echo_pin,
@@ -109,6 +117,8 @@ def command(
         )
     if out is not None:
         replace_text(out, csv_text(found.table))
+    if waveform is not None:
+        _plot(found, waveform, row, seed)
     parts = _parts(found, followed)
     write_json(_document(found, parts), json)
     if not quiet and json != "-":
@@ -124,6 +134,7 @@ def _refuse(
     columns: Sequence[str] | None,
     library: Sequence[Path] | None,
     json: str | None,
+    waveform: Path | None,
     *,
     force: bool,
 ) -> None:
@@ -131,6 +142,7 @@ def _refuse(
     inputs = [data, model, sketch, *toml_files(columns), *(library or ())]
     check_outputs(
         Output("--out", out, _made_by.table("emulate")),
+        Output("--waveform", waveform, _made_by.picture("emulate")),
         Output("--json", json, _made_by.result("echocal.emulation")),
         inputs=[path for path in inputs if path is not None and Path(path).exists()],
         force=force,
@@ -149,6 +161,19 @@ def _parts(found: Emulation, model: Model | None) -> dict[str, dict[str, float]]
         return {}
     parts = error_parts(found, model)
     return {str(name): _figures(parts[name].to_numpy()) for name in parts}
+
+
+def _plot(found: Emulation, path: Path, row: int, seed: int | None) -> None:
+    from echocal.plots.files import save_figure
+    from echocal.plots.waveform import waveform_figure
+    from echocal.virtual_bench.echo_time import scene_of
+
+    inputs = found.inputs
+    if inputs.distance is None:
+        message = "--waveform needs the distance of the target: the table has echo times only"
+        raise UsageError(message)
+    scene = scene_of(inputs.distance, inputs.temperature, inputs.relative_humidity, inputs.pressure)
+    save_figure(waveform_figure(scene, row=row, seed=seed or 0), path, "emulate")
 
 
 def _document(found: Emulation, parts: Mapping[str, Any]) -> dict[str, Any]:

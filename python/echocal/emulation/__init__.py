@@ -47,6 +47,7 @@ def emulate(
     reference_voltage: float = 5.0,
     adc_bits: int = _BITS,
     time_out: float | None = None,
+    detector: str = "ideal",
     seed: int | None = None,
     trigger_pin: int = 7,
     echo_pin: int = 8,
@@ -83,8 +84,12 @@ def emulate(
         Bits of the converter; an ATmega328P has 10.
     time_out : float, optional
         Length of ECHO for a missed echo [s]; default: no pulse.
+    detector : {"ideal", "comparator"}
+        Where distances are given: "ideal" holds ECHO for 2 d / c; "comparator" is an HC-SR04 of the
+        virtual bench.
     seed : int, optional
-        Draws one part of its kind, with the tolerance, the noise and the lag of its data sheet.
+        Draws one part of its kind, with the tolerance, the noise and the lag of its data sheet, and the noise
+        of the comparator.
     trigger_pin, echo_pin : int
         Pins of the board.
     libraries : iterable of path
@@ -118,7 +123,7 @@ def emulate(
         message = f"the converter of an ATmega328P has {_BITS} bits, not {adc_bits}"
         raise UsageError(message)
     silicon.refuse_missing()
-    inputs = _inputs(table, columns or {}, temperature, distance, relative_humidity, pressure)
+    inputs = _inputs(table, columns or {}, detector, seed, temperature, distance, relative_humidity, pressure)
     asked = {name: request for name, request in (columns or {}).items() if name not in inputs.names}
     own = not isinstance(sketch, Model | Firmware) and sketch not in silicon.SKETCHES
     if asked and not own:
@@ -151,13 +156,15 @@ def emulate(
     return Emulation(_joined(told, inputs), inputs, played, name, made)
 
 
-def _inputs(table: Any, columns: Mapping[str, str], *ranges: Range | None) -> Inputs:
+def _inputs(
+    table: Any, columns: Mapping[str, str], detector: str, seed: int | None, *ranges: Range | None
+) -> Inputs:
     if table is None:
-        return from_ranges(*ranges)
+        return from_ranges(*ranges, detector=detector, seed=seed)
     if any(one is not None for one in ranges):
         message = "a table has its own distances and air: give it, or ranges of values, not both"
         raise UsageError(message)
-    return from_table(table, columns)
+    return from_table(table, columns, detector, seed)
 
 
 def _thermometer(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -51,6 +51,8 @@ class Inputs:
         Further columns, which stay in the result.
     names : tuple of str
         Columns of the table.
+    pressure : ndarray, shape (n,)
+        Of the air [Pa].
     """
 
     echo: Column
@@ -62,10 +64,17 @@ class Inputs:
     radiation: Column = field(default_factory=lambda: np.zeros(1))
     kept: pd.DataFrame = field(default_factory=pd.DataFrame)
     names: tuple[str, ...] = ()
+    pressure: Column = field(default_factory=lambda: np.full(1, _STANDARD))
 
 
 def from_ranges(
-    temperature: Range | None, distance: Range | None, relative_humidity: Range | None, pressure: Range | None
+    temperature: Range | None,
+    distance: Range | None,
+    relative_humidity: Range | None,
+    pressure: Range | None,
+    *,
+    detector: str,
+    seed: int | None,
 ) -> Inputs:
     """Return every combination of values, the last one given changing the fastest."""
     if temperature is None:
@@ -85,10 +94,11 @@ def from_ranges(
     if pressure is not None:
         kept["pressure_hPa"] = dense / 100.0
     ideal = echo_time(far, warm, damp, dense)
-    return Inputs(ideal, warm, damp, far, ideal, kept=kept)
+    echo = echo_time(far, warm, damp, dense, detector=detector, seed=seed)
+    return Inputs(echo, warm, damp, far, ideal, kept=kept, pressure=dense)
 
 
-def from_table(source: Any, columns: Mapping[str, str]) -> Inputs:
+def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int | None) -> Inputs:
     """Return the rows of a table: echo times, or distances and the air.
 
     Requests for columns that the table does not have are left to the lines of the sketch.
@@ -118,10 +128,22 @@ def from_table(source: Any, columns: Mapping[str, str]) -> Inputs:
             message = "the table has neither echo times (echo_us) nor distances of the target (distance_m)"
             raise DataError(message)
         _refuse_gaps("distance", ideal)
-    echo = np.where(found.echo_time > 0.0, found.echo_time, np.nan) if timed else ideal
+    if timed:
+        echo = np.where(found.echo_time > 0.0, found.echo_time, np.nan)
+    else:
+        echo = echo_time(cast("Column", far), warm, damp, dense, detector=detector, seed=seed)
     sun = found.conditions.get("radiation", np.zeros(len(warm)))
     return Inputs(
-        np.asarray(echo), warm, damp, far, ideal, _seconds(found), sun, kept.reset_index(drop=True), names
+        np.asarray(echo),
+        warm,
+        damp,
+        far,
+        ideal,
+        _seconds(found),
+        sun,
+        kept.reset_index(drop=True),
+        names,
+        dense,
     )
 
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal.errors import UsageError
 
 __all__ = ["DHT22", "DS18B20", "LM35", "PARTS", "POTENTIOMETER", "TMP36", "AnalogThermometer", "Thermometer"]
+__all__ += ["following"]
 
 Column = NDArray[np.float64]
 
