@@ -27,6 +27,7 @@ from hidden_effects.summary import summarize  # noqa: E402
 
 PAGE = ROOT / "docs" / "diagnosis-benchmark.md"
 RESULTS = ROOT / "benches" / "diagnosis.json"
+BENCH = ROOT / "benches" / "diagnosis_bench.json"
 COLORS = {"met": "green", "missed": "red", "open": "yellow"}
 Record = dict[str, Any]
 
@@ -64,7 +65,8 @@ def write(summary: Record) -> None:
     """Write the page, what it is made from, and its plot."""
     text = json.dumps(summary, indent=1) + "\n"
     RESULTS.write_text(text, encoding="utf-8")
-    PAGE.write_text(page(json.loads(text)), encoding="utf-8")
+    bench = json.loads(BENCH.read_text(encoding="utf-8")) if BENCH.exists() else None
+    PAGE.write_text(page(json.loads(text), bench), encoding="utf-8")
     reliability_plot(summary).savefig(PAGE.with_suffix(".png"), dpi=110)
 
 

@@ -30,6 +30,7 @@ TOPICS = {
         "verify_model",
         "Verification",
     ),
+    "An emulated board": ("emulate", "Emulation", "error_parts"),
     "Errors and warnings": (
         "EchocalError",
         "BoundError",

@@ -22,9 +22,10 @@ LAYERS = (
     {"model"},
     {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
+    {"virtual_bench"},
     {"diagnose", "silicon", "echoes", "verify"},
     {"plots", "report", "firmware", "batch", "correct"},
-    {"study", "explore", "fleet", "watch"},
+    {"study", "explore", "emulation", "fleet", "watch"},
     {"pages"},
     {"cli"},
 )

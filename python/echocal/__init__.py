@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
     from echocal.diagnose.noises import noises
     from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
+    from echocal.emulation import Emulation, emulate, error_parts
     from echocal.errors import (
         BoundError,
         DataError,
@@ -44,6 +45,7 @@ __all__ = [
     "DomainWarning",
     "EchoTimes",
     "EchocalError",
+    "Emulation",
     "Model",
     "ModelError",
     "Observations",
@@ -61,7 +63,9 @@ __all__ = [
     "domain_violations",
     "echo_times",
     "effects",
+    "emulate",
     "error",
+    "error_parts",
     "firmware",
     "gross_faults",
     "noises",
@@ -80,6 +84,7 @@ _HOMES = {
     "correct": ("correct_files",),
     "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
     "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
+    "emulation": ("Emulation", "emulate", "error_parts"),
     "errors": (
         "BoundError",
         "DataError",

@@ -43,7 +43,8 @@ def ask(spec: Spec) -> Record:
         except Exception as error:  # whatever it is, a user would see it
             said: Record = {"error": f"{type(error).__name__}: {error}"}
         else:
-            said = {**_judged(case, diagnosis.to_dict()), **_gains(case, diagnosis.model)}
+            answer = diagnosis.to_dict()
+            said = {**_judged(case, answer), **_gains(case, diagnosis.model), "reported": _reported(answer)}
     return {
         **asdict(spec),
         "rows": len(case.rows),
@@ -84,6 +85,7 @@ def _judged(case: Case, answer: dict[str, Any]) -> Record:
         "refuted": [refuted["id"] for refuted in answer.get("refuted", [])],
         "says_unknown": answer["unexplained"] is not None or answer["verdict"] == "unknown",
         "confident_wrong": _wrong(case, answer["causes"]),
+        "sure_counts": _counts(case, [id_ for id_, p in named.items() if p > NAMED], exact=False),
         "strict_counts": _counts(case, believed, exact=True),
         "class_counts": _counts(case, believed, exact=False),
     }
@@ -169,6 +171,12 @@ def _counts(case: Case, said: Any, *, exact: bool) -> tuple[int, int, int]:
 def _raw(case: Case, name: str) -> str:
     """The planted id behind the name of its exact class."""
     return next(id_ for id_ in case.spec.causes if labels([id_]) == (name,))
+
+
+def _reported(answer: Mapping[str, Any]) -> list[float] | None:
+    """Root mean squares [m] of the base and the model on held-out rows, as the diagnosis tells them."""
+    gain = answer["gain"]
+    return None if gain is None else [gain["rms_before_m"], gain["rms_after_m"]]
 
 
 def _gains(case: Case, model: echocal.Model) -> Record:

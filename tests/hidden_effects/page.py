@@ -9,6 +9,8 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure as Plot
 
+from hidden_effects.bench.page import beside
+
 Summary = dict[str, Any]
 
 _HEAD = """# Benchmark of the diagnosis
@@ -39,7 +41,8 @@ the engine. snr is the rms of the effect divided by the noise of single readings
 
 Exact aliases count as one name. A class is all causes that have the same influence in the rows of the case
 (cosine of at least 0.99). Intervals are 95 %: Wilson's for proportions, resampled cases for the other
-figures.
+figures. Tables of the virtual bench and real records stand
+[beside them](#beside-tables-that-no-equation-made).
 """
 
 
@@ -110,9 +113,10 @@ same number of false alarms. The engine does not have this knowledge, and it all
 """
 
 
-def page(summary: Summary) -> str:
-    """Markdown of a summary."""
-    return "\n".join([_HEAD, *_facts(summary), *_targets(summary), *_tables(summary)]) + "\n"
+def page(summary: Summary, bench: Summary | None = None) -> str:
+    """Markdown of a summary, and of one of the bench to stand beside it."""
+    made = [_HEAD, *_facts(summary), *_targets(summary), *_tables(summary)]
+    return "\n".join([*made, *(beside(bench) if bench else ())]) + "\n"
 
 
 def _facts(s: Summary) -> Iterator[str]:

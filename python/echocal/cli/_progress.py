@@ -1,4 +1,4 @@
-"""Progress bars: a run over files, captures of waveforms."""
+"""Progress: of a run over files, share done, rows per second, time left; of what is counted, the share."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from echocal.cli._console import Console
 from echocal.correct.driver import Progress as State
 
-__all__ = ["captures_bar", "rows_bar"]
+__all__ = ["counted_bar", "rows_bar"]
 
 
 @contextmanager
@@ -45,12 +45,12 @@ def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
 
 
 @contextmanager
-def captures_bar(quiet: bool) -> Iterator[Callable[[int, int], None]]:
-    """Progress bar of captures that are timed, on a terminal; none in a log or a pipe."""
+def counted_bar(quiet: bool, what: str) -> Iterator[Callable[[int, int], None]]:
+    """Progress bar that is told the number done and that of all; none in a log or a pipe."""
     console = Console(stderr=True)
-    columns = (TextColumn("timing echoes"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(
         *columns, console=console, transient=True, disable=quiet or not console.is_terminal
     ) as shown:
-        task = shown.add_task("", total=None)
-        yield lambda done, of: shown.update(task, completed=done, total=max(of, 1))
+        task = shown.add_task(what, total=None)
+        yield lambda done, total: shown.update(task, total=max(total, 1), completed=done)

@@ -8,7 +8,7 @@ import typer
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._progress import captures_bar
+from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Json, Quiet, write_json
 from echocal.errors import UsageError
 from echocal.outputs import csv_text, replace_text, replacing
@@ -79,7 +79,7 @@ def command(
     from echocal.waveforms import echo_times, read_waveforms  # SciPy takes a second to import
 
     waveform, rate = read_waveforms(file, sample_rate, column=column)
-    with captures_bar(quiet) as tell:
+    with counted_bar(quiet, "timing echoes") as tell:
         echoes = echo_times(
             waveform,
             rate,

@@ -1,0 +1,1 @@
+"""Campaigns: designs as people run them, the causes that act in them, and the tables that come out."""

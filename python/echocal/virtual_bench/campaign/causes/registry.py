@@ -1,0 +1,71 @@
+"""The causes that the bench can stage: one function each, registered with its unit and its usual size."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from echocal.virtual_bench.campaign.campaign import Campaign
+
+__all__ = ["CAUSES", "Cause", "cause"]
+
+Stage = Callable[[Campaign, float, np.random.Generator], None]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause and how it is staged.
+
+    Attributes
+    ----------
+    id : str
+        As in the catalogue of effects and noises, or a name of the bench where the catalogue has none.
+    unit : str
+        Of its size.
+    low, high : float
+        Usual sizes; a negative `low` of the same amount means either sign.
+    sentence : str
+    needs : frozenset of str
+        What a design must have: "time" (hours), "distances", "weather", "visits" (known placements),
+        "reference" (known distances).
+    in_catalogue : bool
+    stage : callable
+    """
+
+    id: str
+    unit: str
+    low: float
+    high: float
+    sentence: str
+    needs: frozenset[str]
+    in_catalogue: bool
+    stage: Stage
+
+    def usual(self) -> str:
+        """Write the usual sizes."""
+        return f"+-{-self.low / 4:g} to {self.high:g}" if self.low < 0 else f"{self.low:g} to {self.high:g}"
+
+    def draw(self, random: np.random.Generator) -> float:
+        """Draw a usual size, log-uniform."""
+        if self.low < 0:
+            return float(
+                random.choice([-1, 1]) * np.exp(random.uniform(np.log(-self.low / 4), np.log(self.high)))
+            )
+        return float(np.exp(random.uniform(np.log(self.low), np.log(self.high))))
+
+
+CAUSES: dict[str, Cause] = {}
+
+
+def cause(
+    unit: str, low: float, high: float, *needs: str, id: str = "", in_catalogue: bool = True
+) -> Callable[[Stage], Stage]:
+    """Register a function that stages a cause; its name is the id, its docstring the sentence."""
+
+    def register(stage: Stage) -> Stage:
+        name = id or stage.__name__
+        sentence = (stage.__doc__ or "").strip().splitlines()[0]
+        CAUSES[name] = Cause(name, unit, low, high, sentence, frozenset(needs), in_catalogue, stage)
+        return stage
+
+    return register

@@ -1,0 +1,1 @@
+"""Readings at the level of waveforms: burst, paths, voltage, comparator."""
