@@ -82,7 +82,7 @@ def judged(case: Case, answer: Mapping[str, Any]) -> Record:
         "confident_wrong": [n["id"] for n in wrong],
         "outcome": outcome(case.spec, judged_names, says_unknown=says_unknown),
         "z": gains.scores(case, named),
-        **_first(case, answer["posterior"]),
+        **_first(case, answer),
     }
 
 
@@ -142,17 +142,18 @@ def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:
     return "unsure" if any(n["status"] == "wrong" for n in named) else "silent"
 
 
-def _first(case: Case, posterior: Sequence[Mapping[str, Any]]) -> Record:
+def _first(case: Case, answer: Mapping[str, Any]) -> Record:
     """The first set of the posterior, and whether it is true: one name a planted cause, and companions."""
-    top = max(posterior, key=lambda entry: entry["probability"])
+    top = max(answer["posterior"], key=lambda entry: entry["probability"])
+    claimed = {cause["id"]: _claimed(case, cause) for cause in answer["causes"]}
     return {
         "top": top["ids"],
         "top_probability": top["probability"],
-        "strict": _is_truth(case, top["ids"]),
+        "strict": _is_truth(case, top["ids"], claimed),
     }
 
 
-def _is_truth(case: Case, ids: Sequence[str]) -> bool:
+def _is_truth(case: Case, ids: Sequence[str], claimed: Mapping[str, Column | None]) -> bool:
     left = list(ids)
     if case.spec.stratum == "unknown":
         if "unknown" not in left:
@@ -164,4 +165,4 @@ def _is_truth(case: Case, ids: Sequence[str]) -> bool:
             if match is None:
                 return False
             left.remove(match)
-    return all(id_ != "unknown" and accompanies(case, id_) for id_ in left)
+    return all(id_ != "unknown" and accompanies(case, id_, claimed.get(id_)) for id_ in left)
