@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hidden_effects.bench.answers import facts, judged
+from hidden_effects.bench.answers import facts, judge_again, judged, kept
 from hidden_effects.bench.equations import equations
 from hidden_effects.bench.influence import UNSTAGED, accompanies, cosine, influence, same_class, usual
 from hidden_effects.bench.menu import SHARES, choices, fits, forces, has, menu
@@ -120,6 +120,14 @@ def test_a_perfect_answer_is_named_and_an_empty_one_silent() -> None:
     assert (empty["outcome"], empty["strict"], empty["alarm"]) == ("silent", False, False)
     null = judged(hidden(), answer())
     assert (null["outcome"], null["strict"], null["alarm"]) == ("silent", True, False)
+
+
+def test_a_record_can_be_judged_again() -> None:
+    case = hidden("temperature_gain")
+    told = answer(cause("temperature_gain", gain=case.spec.sizes["temperature_gain"]))
+    first = {**facts(case), "answer": kept(told), **judged(case, told)}
+    assert judge_again(json.loads(json.dumps(first)))["outcome"] == "named"
+    assert judge_again({**first, "outcome": "wrong", "named": []})["named"] == first["named"]
 
 
 def test_a_wrong_name_is_an_alarm() -> None:

@@ -43,13 +43,34 @@ def ask(spec: Spec) -> Record:
             said = {"error": f"{type(error).__name__}: {error}"}
         seconds = time.perf_counter() - start
         if not said:
-            answer = diagnosis.to_dict()
+            answer = kept(diagnosis.to_dict())
             said = {
+                "answer": answer,
                 **judged(case, answer),
                 "told": gains.told(answer),
                 "fresh": gains.fresh(case, diagnosis.model),
             }
     return {**facts(case), "seconds": round(seconds, 3), **said}
+
+
+def kept(answer: Mapping[str, Any]) -> Record:
+    """The part of an answer that is judged: a record that holds it can be judged again."""
+    keys = ("id", "kind", "probability", "parameters", "indistinguishable_from", "in_model")
+    return {
+        "verdict": answer["verdict"],
+        "causes": [{key: cause.get(key, True) for key in keys} for cause in answer["causes"]],
+        "posterior": [max(answer["posterior"], key=lambda entry: entry["probability"])],
+        "unexplained": answer["unexplained"] and {"against": answer["unexplained"]["against"]},
+        "gain": answer["gain"] and {key: answer["gain"][key] for key in ("rms_before_m", "rms_after_m")},
+    }
+
+
+def judge_again(record: Record) -> Record:
+    """Judge a record's answer as the judge is now, and ask nothing."""
+    names = ("design", "stratum", "detector", "seed")
+    case = build(Spec(**{name: record[name] for name in names}, causes=tuple(record["causes"])))
+    said = judged(case, record["answer"]) if "answer" in record else {}
+    return {**record, **facts(case), **said}
 
 
 def facts(case: Case) -> Record:
