@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 TOPICS = {
     "Air and distances": ("speed_of_sound", "time_of_flight", "distance", "error", "absorption"),
     "Models": ("Model", "effects", "domain_violations"),
+    "Waveforms": ("echo_times", "EchoTimes", "read_waveforms"),
     "Tables": ("read_observations", "Observations", "correct_files", "sweep"),
     "Diagnosis": ("diagnose", "diagnose_many", "Diagnosis", "noises", "gross_faults", "row_faults"),
     "Calibration and verification": (
@@ -29,6 +30,7 @@ TOPICS = {
         "verify_model",
         "Verification",
     ),
+    "An emulated board": ("emulate", "Emulation", "error_parts"),
     "Errors and warnings": (
         "EchocalError",
         "BoundError",

@@ -93,6 +93,16 @@ def random(request: pytest.FixtureRequest, seeded: Seeded) -> np.random.Generato
     return seeded(request)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def cache_of_this_run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What is kept for later calls, such as the compiled Arduino core, is kept for this run only."""
+    base = tmp_path_factory.getbasetemp()
+    with pytest.MonkeyPatch.context() as patch:
+        workers_share = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+        patch.setenv("ECHOCAL_CACHE", str(workers_share / "cache"))
+        yield
+
+
 @pytest.fixture
 def run(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
     from echocal.diagnose.noises import noises
     from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
+    from echocal.emulation import Emulation, emulate, error_parts
     from echocal.errors import (
         BoundError,
         DataError,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from echocal.registry import effects
     from echocal.sweep import sweep
     from echocal.verify import Verification, verify, verify_model
+    from echocal.waveforms import EchoTimes, echo_times, read_waveforms
 
 __all__ = [
     "DEPARTURES",
@@ -41,7 +43,9 @@ __all__ = [
     "Diagnosis",
     "DisagreementWarning",
     "DomainWarning",
+    "EchoTimes",
     "EchocalError",
+    "Emulation",
     "Model",
     "ModelError",
     "Observations",
@@ -57,12 +61,16 @@ __all__ = [
     "diagnose_many",
     "distance",
     "domain_violations",
+    "echo_times",
     "effects",
+    "emulate",
     "error",
+    "error_parts",
     "firmware",
     "gross_faults",
     "noises",
     "read_observations",
+    "read_waveforms",
     "row_faults",
     "speed_of_sound",
     "sweep",
@@ -76,6 +84,7 @@ _HOMES = {
     "correct": ("correct_files",),
     "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
     "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
+    "emulation": ("Emulation", "emulate", "error_parts"),
     "errors": (
         "BoundError",
         "DataError",
@@ -91,6 +100,7 @@ _HOMES = {
     "registry": ("effects",),
     "sweep": ("sweep",),
     "verify": ("Verification", "verify", "verify_model"),
+    "waveforms": ("EchoTimes", "echo_times", "read_waveforms"),
 }
 """Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
 

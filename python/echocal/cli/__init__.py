@@ -16,8 +16,9 @@ from echocal.errors import DataError, EchocalError
 
 __all__ = ["COMMANDS", "app", "main"]
 
-COMMANDS = tuple(sorted(file.stem for file in Path(__file__).parent.glob("[a-z]*.py")))
-"""Every command: ``echocal NAME`` is ``command`` of ``echocal.cli.NAME``, a function or an app of its own."""
+COMMANDS = tuple(sorted(file.stem.replace("_", "-") for file in Path(__file__).parent.glob("[a-z]*.py")))
+"""Every command: ``echocal NAME`` is ``command`` of ``echocal.cli.NAME``, a function or an app of its own; a
+hyphen is an underscore there."""
 
 
 class _Commands(TyperGroup):
@@ -31,7 +32,7 @@ class _Commands(TyperGroup):
             near = get_close_matches(cmd_name, COMMANDS, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"there are {', '.join(COMMANDS)}"
             ctx.fail(f"no command '{cmd_name}'; {hint}")
-        command = import_module(f"echocal.cli.{cmd_name}").command
+        command = import_module(f"echocal.cli.{cmd_name.replace('-', '_')}").command
         if not isinstance(command, typer.Typer):
             single = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
             single.command(cmd_name)(command)

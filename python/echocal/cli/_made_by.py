@@ -22,7 +22,15 @@ _CORRECTED = {"corrected_distance_m", "unusable"}
 _SWEPT = {"speed_of_sound_m_s", "echo_s", "reading_m", "error_m"}
 _FATES = {"row", "fate", "error_before_mm", "error_after_mm"}
 _VERDICTS = {"sensor", "verdict", "fleet_verdict", "fleet_class_probability"}
-_COLUMNS = {"correct": _CORRECTED, "sweep": _SWEPT, "diagnose": _FATES}
+_EMULATED = {"true_air_degC"}
+_TIMED = {"capture", "echo_us", "standard_uncertainty_us", "cycle_ambiguity", "status"}
+_COLUMNS = {
+    "correct": _CORRECTED,
+    "sweep": _SWEPT,
+    "diagnose": _FATES,
+    "emulate": _EMULATED,
+    "echo-times": _TIMED,
+}
 """Columns by which the tables of a command are known."""
 
 _SEAL = "data_sha256"

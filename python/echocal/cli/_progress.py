@@ -1,4 +1,4 @@
-"""Progress of a run over files: share done, rows per second, time left."""
+"""Progress: of a run over files, share done, rows per second, time left; of what is counted, the share."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from echocal.cli._console import Console
 from echocal.correct.driver import Progress as State
 
-__all__ = ["rows_bar"]
+__all__ = ["counted_bar", "rows_bar"]
 
 
 @contextmanager
@@ -42,3 +42,15 @@ def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
             )
 
         yield tell
+
+
+@contextmanager
+def counted_bar(quiet: bool, what: str) -> Iterator[Callable[[int, int], None]]:
+    """Progress bar that is told the number done and that of all; none in a log or a pipe."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=quiet or not console.is_terminal
+    ) as shown:
+        task = shown.add_task(what, total=None)
+        yield lambda done, total: shown.update(task, total=max(total, 1), completed=done)

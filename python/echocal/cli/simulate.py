@@ -69,7 +69,8 @@ def command(
         from echocal.plots.files import save_figure
         from echocal.plots.waveform import waveform_figure
 
-        save_figure(waveform_figure(made, row), waveform, "simulate")
+        figure = waveform_figure(made.scene, made.campaign.sensor, row=row, seed=seed)
+        save_figure(figure, waveform, "simulate")
     truth = made.truth()
     write_json(truth, json)
     if not quiet and json != "-":

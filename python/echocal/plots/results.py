@@ -12,10 +12,12 @@ from echocal.calibrate import Calibration
 from echocal.diagnose import Diagnosis
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.plots.echo_times import echo_times_figure
 from echocal.plots.residuals import residuals_figure
 from echocal.plots.sweep import plot_sweep
 from echocal.sweep import sweep
 from echocal.verify import Verification
+from echocal.waveforms import EchoTimes
 
 __all__ = ["figure"]
 
@@ -92,3 +94,8 @@ def _(result: Verification) -> Figure:
     ax.legend(frameon=False, fontsize=8)
     ax.set_title(f"{result.exceeding} of {result.count} errors exceed {bound:.3g} mm", loc="left", fontsize=9)
     return drawn
+
+
+@figure.register
+def _(result: EchoTimes) -> Figure:
+    return echo_times_figure(result)

@@ -12,7 +12,9 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 from echocal.registry import effects
+from echocal.report.echo_times import counted, echo_table, said
 from echocal.verify import Verification
+from echocal.waveforms import EchoTimes
 
 __all__ = ["dataframe", "explanation", "headline", "html"]
 
@@ -178,3 +180,18 @@ def _(result: Verification) -> pd.DataFrame:
     found = pd.DataFrame({"[mm]": _MM * np.array(list(rows.values()))}, index=list(rows))
     found.index.name = "figure"
     return found
+
+
+@headline.register
+def _(result: EchoTimes) -> str:
+    return said(result)
+
+
+@dataframe.register
+def _(result: EchoTimes) -> pd.DataFrame:
+    return echo_table(result)
+
+
+@explanation.register
+def _(result: EchoTimes) -> str:
+    return "\n".join([said(result), *(f"{count} captures: {why}" for why, count in counted(result).items())])

@@ -15,13 +15,18 @@ def run(*command: str | Path) -> str:
     EchocalError
         If it fails, with what it said.
     """
-    words = [str(word) for word in command]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        said = (done.stderr or done.stdout).strip() or f"exit code {done.returncode}"
-        message = f"{' '.join(words)}: {said}"
+    code, out, said = attempt(*command)
+    if code != 0:
+        message = f"{' '.join(map(str, command))}: {(said or out).strip() or f'exit code {code}'}"
         raise EchocalError(message)
-    return done.stdout
+    return out
+
+
+def attempt(*command: str | Path) -> tuple[int, str, str]:
+    """Return exit code, standard output and standard error of a command."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, errors="replace", check=False)
+    return done.returncode, done.stdout, done.stderr
 
 
 def absent(*tools: str) -> list[str]:

@@ -31,6 +31,7 @@ _VIRIAL = {  # cm3/mol, cm3/mol, K: B = a - b exp(c / T), Kaye & Laby 1995, 16th
     "N2": (185.4, 141.8, 88.7),
     "O2": (152.8, 117.0, 108.8),
     "Ar": (154.2, 119.3, 105.1),
+    "H2O": (33.0, 15.2, 1300.7),
 }
 
 
@@ -60,17 +61,18 @@ def _water(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: Array
     return np.asarray(vapor / np.asarray(pressure, dtype=float))
 
 
-def _attraction(kelvin: Column, ratio: Column) -> Column:
-    """The acoustic second virial coefficient of dry air [m3/mol], `ratio` that of the heats.
+def _attraction(kelvin: Column, ratio: Column, water: Column) -> Column:
+    """The acoustic second virial coefficient [m3/mol], `ratio` that of the heats.
 
-    Trusler 1991, Physical Acoustics and Metrology of Fluids, chapter 1. Pairs of unlike molecules count
-    as the mean of the like ones; those with water, a thousandth of all, are left out.
+    Trusler 1991, Physical Acoustics and Metrology of Fluids, chapter 1. Pairs of unlike gases of the air
+    count as the mean of the like ones; those of air and water, whose terms nearly cancel, are left out.
     """
     total = np.zeros_like(kelvin)
     for gas, (a, b, c) in _VIRIAL.items():
         first = b * np.exp(c / kelvin)  # B = a - first, and its derivatives times T and T^2
         slope, bend = first * c / kelvin, -first * c / kelvin * (c / kelvin + 2)
-        total += _DRY[gas] * (2 * (a - first) + 2 * (ratio - 1) * slope + (ratio - 1) ** 2 / ratio * bend)
+        pairs = water**2 if gas == "H2O" else _DRY[gas] * (1 - water) ** 2
+        total = total + pairs * (2 * (a - first) + 2 * (ratio - 1) * slope + (ratio - 1) ** 2 / ratio * bend)
     return np.asarray(1e-6 * total)
 
 
@@ -114,7 +116,7 @@ def speed_of_sound(
     mass = np.asarray(sum(x * _MASS[m] for m, x in parts.items())) / whole
     heat = np.asarray(sum(x * _heat(m, kelvin) for m, x in parts.items())) / whole
     ratio, ideal = heat / (heat - 1), _R * kelvin / mass
-    real = 1 + np.asarray(pressure, dtype=float) / (_R * kelvin) * _attraction(kelvin, ratio)
+    real = 1 + np.asarray(pressure, dtype=float) / (_R * kelvin) * _attraction(kelvin, ratio, water)
     slowness = 1 / np.sqrt(ratio * ideal * real)
     if frequency:
         for part, at in _relaxations(temperature, relative_humidity, pressure, frequency):

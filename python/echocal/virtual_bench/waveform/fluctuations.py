@@ -45,10 +45,10 @@ class Turbulence:
     """Warm cells that drift through the path: travel time and amplitude fluctuate.
 
     Over a way that is short beside the cells the delays add up, so their standard deviation grows with the
-    way; over a long one with its square root (Chernov 1960, Wave Propagation in a Random Medium, chapter 5;
+    way; over a long one with its square root (Chernov 1960, Wave Propagation in a Random Medium;
     measured by Andreeva & Durgin 2005, doi:10.1080/17455030500284170). That of the logarithm of the
     amplitude grows with its power 11/12 (Tatarskii 1971, The Effects of the Turbulent Atmosphere on Wave
-    Propagation, section 47).
+    Propagation).
 
     Attributes
     ----------

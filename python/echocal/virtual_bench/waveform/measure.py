@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.crossing import first_crossing
-from echocal.virtual_bench.waveform.received import Noise, Received
+from echocal.virtual_bench.waveform.received import Noise, NoiseAlone, Received
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
@@ -20,8 +20,7 @@ Column = NDArray[np.float64]
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache
 _WINDOWS = ((0, 8), (8, 16))  # first period after a beginning, and how many: most cross in the first window
 _HEARD = 6e-3  # s, after which a burst has died away
-_SIGMAS = 6.0  # of the noise: what is rarer is in the crossings by noise alone
-_EDGES = 200  # of the stretches in which the threshold counts as constant, 3 % of the time each
+_SIGMAS = 6.0  # of the noise: what is rarer is left to the noise alone
 
 
 @dataclass(frozen=True)
@@ -113,21 +112,21 @@ def _crossed(signal: Received, sensor: Sensor, random: np.random.Generator) -> C
     steps = [until for until, _ in comparator.steps if until > comparator.blanking]
     fixed = np.broadcast_to([comparator.blanking, *steps], (len(signal.delays), 1 + len(steps)))
     begins = np.sort(np.hstack([fixed, np.maximum(signal.delays, comparator.blanking)]), axis=1)
-    found = _by_noise(signal, sensor, random)
-    peak, searched = signal.response.peak, np.zeros(len(found))
+    alone = NoiseAlone(sensor, len(begins), random)
+    found, searched, peak = np.full(len(begins), np.nan), np.zeros(len(begins)), signal.response.peak
     for start in begins.T:
         for first, cycles in _WINDOWS:
             begin = np.maximum(start, searched) if first == 0 else searched
-            # What noise brings after this time is no longer the first thing that crosses.
-            wanted = (begin < sensor.timeout) & ~(found < begin)
-            rows = np.flatnonzero(wanted & _loud(signal, peak, begin, begin + cycles * period, sensor))
-            searched = np.where(wanted, begin + cycles * period, searched)
+            end = begin + cycles * period
+            wanted = (begin < sensor.timeout) & np.isnan(found) & ~(alone.time < begin)
+            rows = np.flatnonzero(wanted & _loud(signal, peak, begin, end, sensor))
+            searched = np.where(wanted, end, searched)
             if len(rows):
                 noise = Noise.draw(sensor, begin[rows], 2 * cycles + 1, random)
                 here = replace(signal.at(rows), noise=noise)
-                crossed = first_crossing(here, begin[rows], cycles, comparator)
-                found[rows] = np.fmin(found[rows], crossed)
-    return found
+                found[rows] = first_crossing(here, begin[rows], cycles, comparator)
+                alone.skip(rows, begin[rows], end[rows])
+    return np.asarray(np.fmin(found, alone.time))
 
 
 def _loud(signal: Received, peak: float, begin: Column, end: Column, sensor: Sensor) -> NDArray[np.bool_]:
@@ -141,22 +140,6 @@ def _jitter(signal: Received, sensor: Sensor, random: np.random.Generator) -> Co
     """Scatter of a detector that knows the front: the noise over the slope of the carrier."""
     slope = 2 * np.pi * sensor.frequency * np.abs(signal.sizes[:, 1]) * 0.4
     return np.asarray(random.normal(size=len(slope)) * sensor.noise / slope)
-
-
-def _by_noise(signal: Received, sensor: Sensor, random: np.random.Generator) -> Column:
-    """When noise alone crosses the threshold, NaN where it does not before the time-out.
-
-    Its crossings are so rare that they know nothing of each other.
-    """
-    comparator = sensor.comparator
-    edges = np.geomspace(max(comparator.blanking, 1e-6), sensor.timeout, _EDGES)
-    edges = np.union1d(edges, [until for until, _ in comparator.steps if edges[0] < until < sensor.timeout])
-    height = comparator.at(0.5 * (edges[1:] + edges[:-1])) / max(sensor.noise, 1e-30)
-    rate = Noise.rate(sensor) * np.exp(-0.5 * np.minimum(height, 38.0) ** 2)
-    expected = np.concatenate([[0.0], np.cumsum(rate * np.diff(edges))])
-    drawn = random.exponential(size=len(signal.delays))
-    reached = np.interp(drawn, expected, edges)
-    return np.where(drawn < expected[-1], reached, np.nan)
 
 
 def waveform(

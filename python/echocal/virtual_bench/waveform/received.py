@@ -10,11 +10,13 @@ from scipy.signal import lfilter
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Noise", "Received"]
+__all__ = ["Noise", "NoiseAlone", "Received"]
 
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
+_EDGES = 200  # of the stretches in which the threshold counts as constant, 3 % of the time each
+_NEVER = 1e-9  # expected crossings
 _OVER = 6e-3  # s, after which a burst has died away: exp(-pi f t / Q) is 1e-11 at 40 kHz and a quality of 30
 
 
@@ -89,6 +91,39 @@ class Noise:
         return np.asarray(
             (self.values[rows, left] * here + self.values[rows, left + 1] * there) / np.sin(self.angle)
         )
+
+
+class NoiseAlone:
+    """When the noise crosses the threshold where nobody searches: seldom, and at random.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Of the first such crossing [s]; NaN: none before the time-out.
+    """
+
+    def __init__(self, sensor: Sensor, count: int, random: np.random.Generator) -> None:
+        """Draw for so many readings."""
+        comparator = sensor.comparator
+        edges = np.geomspace(max(comparator.blanking, 1e-6), sensor.timeout, _EDGES)
+        steps = [until for until, _ in comparator.steps if edges[0] < until < sensor.timeout]
+        self._edges = np.union1d(edges, steps)
+        middle = 0.5 * (self._edges[1:] + self._edges[:-1])
+        height = np.minimum(comparator.at(middle) / max(sensor.noise, 1e-30), 38.0)
+        rate = Noise.rate(sensor) * np.exp(-0.5 * height**2)
+        self._expected = np.concatenate([[0.0], np.cumsum(rate * np.diff(self._edges))])
+        self._drawn = random.exponential(size=count)
+        self.time = self._times(self._drawn)
+
+    def _times(self, drawn: Column) -> Column:
+        return np.where(drawn < self._expected[-1], np.interp(drawn, self._expected, self._edges), np.nan)
+
+    def skip(self, rows: NDArray[np.int64], begin: Column, end: Column) -> None:
+        """Take a stretch out, in which somebody searches, before the crossings that are still to come."""
+        if self._expected[-1] > _NEVER:
+            count = np.interp([begin, end], self._edges, self._expected)
+            self._drawn[rows] += count[1] - count[0]
+            self.time[rows] = self._times(self._drawn[rows])
 
 
 @dataclass(frozen=True)

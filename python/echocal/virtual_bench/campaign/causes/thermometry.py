@@ -1,27 +1,12 @@
 """Causes between the air and the recorded temperature."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal.virtual_bench.campaign.campaign import Campaign
 from echocal.virtual_bench.campaign.causes.registry import cause
+from echocal.virtual_bench.thermometers import following
 
-__all__ = ["lagged"]
-
-Column = NDArray[np.float64]
-
-
-def lagged(true: Column, seconds: Column, time_constant: float) -> Column:
-    """Answer of a thermometer of first order, exact for a temperature of straight lines."""
-    values = [float(true[0])]
-    steps = np.diff(seconds)
-    keep = np.exp(-np.maximum(steps, 0.0) / time_constant)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        part = np.where(steps > 0, (1 - keep) * time_constant / np.where(steps > 0, steps, 1.0), 1.0)
-    # Of a ramp from a to b in the step: value -> b - (b - a) part + (value - a) keep
-    for a, b, k, p in zip(true[:-1].tolist(), true[1:].tolist(), keep.tolist(), part.tolist(), strict=True):
-        values.append(b - (b - a) * p + (values[-1] - a) * k)
-    return np.array(values)
+__all__: list[str] = []
 
 
 @cause("K", -2.0, 2.0)
@@ -39,7 +24,7 @@ def temperature_gain(campaign: Campaign, size: float, random: np.random.Generato
 @cause("s", 120.0, 1800.0, "time", "weather")
 def temperature_lag(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The thermometer follows the air slowly."""
-    campaign.thermometer.append(lambda recorded: lagged(recorded, campaign.seconds, size))
+    campaign.thermometer.append(lambda recorded: following(recorded, campaign.seconds, size))
 
 
 @cause("s", 600.0, 3600.0, "time", "weather")
@@ -68,7 +53,8 @@ def temperature_radiation(campaign: Campaign, size: float, random: np.random.Gen
 def thermometer_mix(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The path is partly as warm as another place, whose thermometer is logged, too."""
     wall = (
-        lagged(campaign.around.temperature, campaign.seconds, 4 * 3600.0) + 0.004 * campaign.around.radiation
+        following(campaign.around.temperature, campaign.seconds, 4 * 3600.0)
+        + 0.004 * campaign.around.radiation
     )
     campaign.air += size * (wall - campaign.around.temperature)
     campaign.second_thermometer = wall

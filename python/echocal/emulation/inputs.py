@@ -1,0 +1,176 @@
+"""What the emulated board is given row by row: target, air and echo."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from echocal.errors import DataError, DataWarning, UsageError
+from echocal.observations import Observations, plan, read_observations
+from echocal.observations.source import load
+from echocal.sweep.grid import Range, axis
+from echocal.virtual_bench.echo_time import echo_time
+
+__all__ = ["Inputs", "from_ranges", "from_table"]
+
+Column = NDArray[np.float64]
+
+_ASIDE = {"echo_time", "reading", "reference_distance", "temperature"}
+"""Quantities of a table that the board, or the truth, states itself."""
+
+_STANDARD = 101_325.0  # Pa
+_AIR = (("temperature", None), ("relative_humidity", 0.0), ("pressure", _STANDARD))
+"""Quantities of the air, and what holds where a table has none."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Rows for the board.
+
+    Attributes
+    ----------
+    echo : ndarray, shape (n,)
+        Length of ECHO [s]; NaN for a missed echo.
+    temperature, relative_humidity : ndarray, shape (n,)
+        Of the air [degC], [1].
+    distance : ndarray, shape (n,), or None
+        Of the target [m], if it is known.
+    ideal : ndarray, shape (n,), or None
+        Echo time of this distance in this air, 2 d / c [s].
+    seconds : ndarray, shape (n,), or None
+        Times of the rows [s], if there are any.
+    radiation : ndarray, shape (n,)
+        Irradiance of the sun [W/m2].
+    kept : DataFrame
+        Further columns, which stay in the result.
+    names : tuple of str
+        Columns of the table.
+    pressure : ndarray, shape (n,)
+        Of the air [Pa].
+    """
+
+    echo: Column
+    temperature: Column
+    relative_humidity: Column
+    distance: Column | None
+    ideal: Column | None = None
+    seconds: Column | None = None
+    radiation: Column = field(default_factory=lambda: np.zeros(1))
+    kept: pd.DataFrame = field(default_factory=pd.DataFrame)
+    names: tuple[str, ...] = ()
+    pressure: Column = field(default_factory=lambda: np.full(1, _STANDARD))
+
+
+def from_ranges(
+    temperature: Range | None,
+    distance: Range | None,
+    relative_humidity: Range | None,
+    pressure: Range | None,
+    *,
+    detector: str,
+    seed: int | None,
+) -> Inputs:
+    """Return every combination of values, the last one given changing the fastest."""
+    if temperature is None:
+        message = "a temperature is needed, such as --temperature 0:50:2, or a table of rows"
+        raise UsageError(message)
+    given = {
+        "temperature": temperature,
+        "distance": 2.0 if distance is None else distance,
+        "relative_humidity": 0.0 if relative_humidity is None else relative_humidity,
+        "pressure": _STANDARD if pressure is None else pressure,
+    }
+    axes = [axis(name, values).ravel() for name, values in given.items()]
+    warm, far, damp, dense = (grid.ravel() for grid in np.meshgrid(*axes, indexing="ij"))
+    kept = pd.DataFrame(index=range(len(warm)))
+    if relative_humidity is not None:
+        kept["humidity_percent"] = 100.0 * damp
+    if pressure is not None:
+        kept["pressure_hPa"] = dense / 100.0
+    ideal = echo_time(far, warm, damp, dense)
+    echo = echo_time(far, warm, damp, dense, detector=detector, seed=seed)
+    return Inputs(echo, warm, damp, far, ideal, kept=kept, pressure=dense)
+
+
+def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int | None) -> Inputs:
+    """Return the rows of a table: echo times, or distances and the air.
+
+    Requests for columns that the table does not have are left to the lines of the sketch.
+
+    Raises
+    ------
+    DataError
+        If it has neither, or no temperature.
+    """
+    table = load(source)
+    names = tuple(map(str, table.columns))
+    columns = {name: request for name, request in columns.items() if name in names}
+    held = {one.form.quantity: one.column for one in plan.make(list(names), columns).assignments.values()}
+    timed = "echo_time" in held
+    kept = table.drop(columns=[column for quantity, column in held.items() if quantity in _ASIDE])
+    if not timed:
+        # a table of measurements has echo times or readings
+        table = table.drop(columns=[held["reading"]] if "reading" in held else []).assign(echo_us=10_000.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)  # a row without echo is a missed echo here
+        found = read_observations(table, columns, trust=[plan.EVERYTHING])
+    warm, damp, dense = (_air(found, *one) for one in _AIR)
+    far = found.reference_distance
+    ideal = None if far is None else echo_time(far, warm, damp, dense)
+    if not timed:
+        if ideal is None:
+            message = "the table has neither echo times (echo_us) nor distances of the target (distance_m)"
+            raise DataError(message)
+        _refuse_gaps("distance", ideal)
+    if timed:
+        echo = np.where(found.echo_time > 0.0, found.echo_time, np.nan)
+    else:
+        echo = echo_time(cast("Column", far), warm, damp, dense, detector=detector, seed=seed)
+    sun = found.conditions.get("radiation", np.zeros(len(warm)))
+    return Inputs(
+        np.asarray(echo),
+        warm,
+        damp,
+        far,
+        ideal,
+        _seconds(found),
+        sun,
+        kept.reset_index(drop=True),
+        names,
+        dense,
+    )
+
+
+def _air(found: Observations, name: str, otherwise: float | None) -> Column:
+    """Return a quantity of the air in each row."""
+    values = found.conditions.get(name)
+    if values is None:
+        if otherwise is None:
+            message = (
+                f"the table has no {name} of the air, which the thermometer of the board needs: {name}_C"
+            )
+            raise DataError(message)
+        return np.full(len(found), otherwise)
+    _refuse_gaps(name.replace("_", " "), values)
+    return values
+
+
+def _seconds(found: Observations) -> Column | None:
+    if found.time is None:
+        return found.conditions.get("elapsed_time")
+    return np.asarray((found.time - found.time[0]) / np.timedelta64(1, "s"), dtype=np.float64)
+
+
+def _refuse_gaps(name: str, values: Column) -> None:
+    gaps = np.flatnonzero(~np.isfinite(values))
+    if len(gaps):
+        message = (
+            f"{name} has no value in {len(gaps)} rows, the first is row {gaps[0] + 1}: the board needs one"
+        )
+        raise DataError(message)

@@ -1,0 +1,81 @@
+"""From the lines of a sketch to columns."""
+
+import tempfile
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from echocal.errors import DataError, DataWarning
+from echocal.observations import read_observations
+from echocal.silicon import Played
+
+__all__ = ["columns_of", "understood"]
+
+_SILENT = "no echo"
+
+
+def columns_of(played: Played) -> pd.DataFrame:
+    """Return what a sketch of this package prints: a header, and one line of numbers for each row."""
+    names = played.before[-1].split(",")
+    rows = [(lines[0].split(",") if lines else []) for lines in played.rows]
+    filled = [row if len(row) == len(names) else [""] * len(names) for row in rows]
+    table = pd.DataFrame(filled, columns=names)
+    return table.assign(**{name: pd.to_numeric(table[name], errors="coerce") for name in names})
+
+
+def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
+    """Return what any sketch prints, read as a log of a serial monitor.
+
+    Parameters
+    ----------
+    played : Played
+        Lines by row.
+    columns : mapping of str to str
+        What columns hold, as of `echocal.read_observations`.
+
+    Raises
+    ------
+    DataError
+        If neither a reading nor an echo time is found in each row.
+    """
+    rows = [", ".join(line for line in lines if line.strip()) or _SILENT for lines in played.rows]
+    text = "\n".join([*_header(played, rows[0]), *rows, ""])
+    with tempfile.TemporaryDirectory(prefix="echocal-") as name, warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)  # rows without an echo are counted elsewhere
+        path = Path(name) / "lines of the sketch"
+        path.write_text(text, encoding="utf-8")
+        try:
+            found = read_observations(path, columns, reading_speed=343.0)  # only what is printed is taken
+        except DataError as error:
+            reason = str(error).partition("; echocal inspect")[0]
+            message = f"the lines of the sketch are not understood, as '{rows[0]}': {reason}"
+            raise DataError(message) from None
+    if len(found) != len(rows):
+        message = (
+            f"the sketch prints {len(found)} rows of values for {len(rows)} echoes, as '{rows[0]}': print "
+            "one line for each measurement"
+        )
+        raise DataError(message)
+    told = {
+        "echo_us": found.echo_time * 1e6 if "echo_time" in found.source_names else None,
+        "reading_m": found.reading,
+        "temperature_C": found.conditions.get("temperature"),
+        "humidity_percent": _percent(found.conditions.get("relative_humidity")),
+    }
+    kept = {name: np.round(values, 9) for name, values in told.items() if values is not None}
+    return pd.DataFrame(kept)
+
+
+def _percent(share: np.ndarray | None) -> np.ndarray | None:
+    return None if share is None else 100.0 * share
+
+
+def _header(played: Played, first: str) -> list[str]:
+    """Return the last line before the rows, if it has as many fields as these and is no row itself."""
+    above = played.before[-1] if played.before else ""
+    signs = [sign for sign in ",;\t" if sign in first]
+    fits = bool(signs) and above.count(signs[0]) == first.count(signs[0])
+    return [above] if fits and not any(letter.isdigit() for letter in above.split(signs[0])[0]) else []

@@ -1,0 +1,180 @@
+"""The shape of an echo, which the estimators look for: a burst through two resonances, or a given one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.fft import rfft
+from scipy.signal import hilbert, residue
+
+from echocal.errors import UsageError
+
+__all__ = ["CARRIER", "CYCLES", "QUALITY_FACTOR", "Template", "model_burst", "template_of"]
+
+CARRIER = 40e3
+"""Center frequency of the transducers of an HC-SR04 [Hz]; its data sheet says 40 kHz."""
+
+CYCLES = 8
+"""Cycles that an HC-SR04 sends; its data sheet says 8."""
+
+QUALITY_FACTOR = 20.0
+"""Quality factor of each transducer [1]: a judgement. One resonance with 2.0 kHz at -6 dB, as the data sheet
+of the Pro-Wave 400PT120 states, has sqrt(3) * 40 / 2.0 = 35; those of a module are taken as broader."""
+
+_DECAYS = 8.0
+"""Time constants of the resonances after the burst at which the model ends: 3e-3 of its peak are left."""
+
+_SILENT = 1e-12
+"""Energy, relative to that of full scale in every sample, below which a template has no shape."""
+
+
+@dataclass(frozen=True)
+class Template:
+    """An echo without noise; its first sample is the origin of the echo time.
+
+    Attributes
+    ----------
+    samples : ndarray, shape (L,)
+        The echo [unit of the waveform].
+    sample_rate : float
+        Samples per second [Hz].
+    """
+
+    samples: NDArray[np.float64]
+    sample_rate: float
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return len(self.samples) / self.sample_rate
+
+    @property
+    def amplitude(self) -> float:
+        """Maximum of the envelope [unit of the waveform]."""
+        return envelope_maximum(self.samples)
+
+    def spectrum(self, count: int) -> NDArray[np.complex128]:
+        """One-sided spectrum, padded with zeros to `count` samples."""
+        return np.asarray(rfft(self.samples, count))
+
+    def duration_of(self, share: float) -> float:
+        """Time [s] from the origin in which a share of the energy has come."""
+        energy = np.cumsum(self.samples**2)
+        return float(np.searchsorted(energy, share * energy[-1]) + 1) / self.sample_rate
+
+
+def model_burst(
+    sample_rate: float,
+    *,
+    carrier: float = CARRIER,
+    cycles: int = CYCLES,
+    quality_factor: float = QUALITY_FACTOR,
+) -> NDArray[np.float64]:
+    """Return an echo whose envelope has the maximum 1: a sine burst through two equal resonances.
+
+    Each resonance, transmitter and receiver, is a band-pass of second order, the usual model of a narrow-band
+    transducer: ``H(s) = (s w/Q) / (s^2 + s w/Q + w^2)``.
+    The solution is exact: partial fractions, no steps of time.
+
+    Parameters
+    ----------
+    sample_rate : float
+        Samples per second [Hz].
+    carrier : float
+        Frequency of the burst and center of both resonances [Hz].
+    cycles : int
+        Cycles of the burst, a whole number.
+    quality_factor : float
+        Quality factor of each resonance [1], above 0.5.
+
+    Returns
+    -------
+    ndarray, shape (L,)
+        From the start of the burst to the end of the decay.
+
+    Examples
+    --------
+    >>> from echocal.waveforms import model_burst
+    >>> burst = model_burst(1e6)
+    >>> len(burst), round(float(abs(burst).max()), 3)
+    (1474, 0.999)
+    """
+    decay = 2.0 * quality_factor  # time constant in radians of the carrier
+    phase_end = 2.0 * np.pi * cycles
+    step = 2.0 * np.pi * carrier / sample_rate
+    phase = np.asarray(step * np.arange(int((phase_end + _DECAYS * decay) / step) + 1), dtype=np.float64)
+    response = _driven(phase, quality_factor) - _driven(phase - phase_end, quality_factor)
+    return np.asarray(response / envelope_maximum(response))
+
+
+def envelope_maximum(samples: NDArray[np.float64]) -> float:
+    """Maximum of the envelope of an echo, by its analytic signal."""
+    return float(np.abs(hilbert(samples, 2 * len(samples))).max())
+
+
+def _driven(phase: NDArray[np.float64], quality_factor: float) -> NDArray[np.float64]:
+    """Response to a sine that begins at phase 0; time in radians of the carrier."""
+    resonance = np.array([1.0, 1.0 / quality_factor, 1.0])
+    above = np.array([1.0 / quality_factor**2, 0.0, 0.0])
+    below = np.polymul(np.polymul(resonance, resonance), [1.0, 0.0, 1.0])
+    weights, poles, _ = residue(above, below)
+    after = np.maximum(phase, 0.0)
+    total, power = np.zeros(len(phase), complex), 0
+    for place, (weight, pole) in enumerate(zip(weights, poles, strict=True)):
+        # residue lists equal poles one after another, with rising powers
+        repeated = place > 0 and abs(pole - poles[place - 1]) < 1e-6
+        power = power + 1 if repeated else 0
+        total += weight * after**power * np.exp(pole * after)
+    return np.where(phase > 0.0, total.real, 0.0)
+
+
+def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, count: int) -> Template:
+    """Return the given template, or the model burst.
+
+    Parameters
+    ----------
+    given : array_like, shape (L,), or None
+        Samples at the sample rate of the waveform.
+    sample_rate, carrier : float
+        [Hz].
+    count : int
+        Samples of a capture.
+
+    Raises
+    ------
+    UsageError
+        If the template is no echo, or longer than a capture.
+    """
+    if given is None:
+        samples = model_burst(sample_rate, carrier=carrier)
+        name, way = "the model burst", "give longer captures, or template= with a shorter echo"
+    else:
+        samples = _checked(given)
+        name, way = "template", "cut the template to the echo"
+    if len(samples) >= count:
+        message = (
+            f"{name} has {len(samples)} samples, and a capture (from start to stop) only {count}: too short; "
+            f"{way}"
+        )
+        raise UsageError(message)
+    return Template(samples, sample_rate)
+
+
+def _checked(given: ArrayLike) -> NDArray[np.float64]:
+    try:
+        samples = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        message = f'template is {given!r}; give samples, "mean" or None'
+        raise UsageError(message) from None
+    if samples.ndim != 1 or len(samples) < 4:
+        message = f"template has the shape {samples.shape}; give one echo of at least 4 samples"
+        raise UsageError(message)
+    if not np.isfinite(samples).all():
+        message = (
+            f"template has {int((~np.isfinite(samples)).sum())} samples that are not finite; give numbers"
+        )
+        raise UsageError(message)
+    if np.sum((samples - samples.mean()) ** 2) <= _SILENT * np.sum(samples**2) or not samples.any():
+        message = "template is constant; give an echo"
+        raise UsageError(message)
+    return samples

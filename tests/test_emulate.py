@@ -1,0 +1,251 @@
+"""``echocal emulate``: from ranges or a table to what a board logs, and on to a diagnosis."""
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import echocal
+from echocal import emulation, firmware, silicon
+from echocal.emulation import TRUTH
+from echocal.errors import DataError, UsageError
+from echocal.virtual_bench.echo_time import echo_time
+from echocal.virtual_bench.thermometers import TMP36
+
+pytestmark = pytest.mark.skipif(
+    bool(silicon.missing_for_sketches()), reason=f"absent: {', '.join(silicon.missing_for_sketches())}"
+)
+
+Run = Callable[..., tuple[int, str]]
+OWN = """
+void setup() { Serial.begin(9600); pinMode(9, OUTPUT); pinMode(10, INPUT); }
+void loop() {
+  float celsius = (analogRead(A0) * 5.0 / 1024 - 0.5) * 100;
+  Serial.print("Temperature: "); Serial.print(celsius); Serial.println(" C");
+  digitalWrite(9, HIGH); delayMicroseconds(10); digitalWrite(9, LOW);
+  long us = pulseIn(10, HIGH, 30000UL);
+  if (us == 0) Serial.println("no echo");
+  else { Serial.print("Distance: "); Serial.print(us / 58.0); Serial.println(" cm"); }
+  delay(60);
+}
+"""
+
+
+def test_the_studys_sweep_is_a_table_that_a_diagnosis_reads(run: Run, tmp_path: Path) -> None:
+    asked = "--sketch study --temperature 0:50:2 --distance 0.5,2 -o out.csv --json out.json"
+    words = ("emulate", *asked.split())
+    begun = os.times()
+    code, told = run(*words)
+    assert code == 0, told
+    spent = sum(os.times()[:4]) - sum(begun[:4])
+    assert spent < 10.0, "seconds of processor for 52 rows, and for the core where it is not compiled yet"
+    table = pd.read_csv(tmp_path / "out.csv")
+    assert list(table) == ["echo_us", "reading_m", "temperature_C", "distance_m", TRUTH]
+    assert table[TRUTH].tolist() == np.repeat(np.arange(0.0, 51.0, 2.0), 2).tolist()
+    error = table["reading_m"] / table["distance_m"] - 1
+    # as the study: about +3.5 % at 0 degC and -5 % at 50 degC, and pulseIn() takes 0.58 % away
+    assert error.iloc[1] == pytest.approx(0.029, abs=0.002)
+    assert error.iloc[-1] == pytest.approx(-0.054, abs=0.002)
+    told_figures = json.loads((tmp_path / "out.json").read_text())
+    assert told_figures["schema"] == "echocal.emulation/1"
+    assert -0.0065 < told_figures["echo_bias"] < -0.0053
+    found = echocal.diagnose(tmp_path / "out.csv", columns={TRUTH: "ignore"})
+    named = {cause.id for cause in found.causes}
+    assert found.verdict in ("named", "ambiguous")
+    # what pulseIn() loses is a scale of the distance for a diagnosis, and the engine lists these together
+    assert named & {"interrupt_loss", "clock_error", "reference_scale", "speed_intercept"}
+    assert run(*words)[0] == 0, "its own file may be replaced"
+    (tmp_path / "out.csv").write_text("mine\n")
+    assert run(*words)[0] == 2
+
+
+def test_the_c_of_a_model_gives_the_twins_distance_for_rows_of_a_table(run: Run, tmp_path: Path) -> None:
+    echocal.Model("cramer", air={"relative_humidity": 0.5}).save(tmp_path / "model.json")
+    rows = pd.DataFrame({"temperature_C": [1.0, 12.0, 21.3, 48.0], "distance_m": [0.3, 1.0, 2.0, 3.5]})
+    rows["humidity_percent"], rows["time"] = 50.0, pd.date_range("2024-01-01", periods=4, freq="h", tz="UTC")
+    rows.to_csv(tmp_path / "rows.csv", index=False)
+    words = "emulate --model model.json rows.csv --part tmp36 --reference-voltage 5 --adc-bits 10 -o out.csv"
+    code, told = run(*words.split())
+    assert code == 0, told
+    table = pd.read_csv(tmp_path / "out.csv")
+    assert list(table) == [
+        "echo_us",
+        "reading_m",
+        "temperature_C",
+        "distance_m",
+        TRUTH,
+        "humidity_percent",
+        "time",
+    ]
+    made = emulation.package_of(echocal.Model.load(tmp_path / "model.json"), "TMP36", humidity=False)
+    codes = np.round(table["temperature_C"] / 0.0625).astype(int)
+    twin = made.distance_um(table["echo_us"].astype(int), codes)
+    assert (table["reading_m"] * 1e6).round().astype(int).tolist() == twin.tolist()
+    assert (table["temperature_C"] - table[TRUTH]).between(-0.65, 0.05).all(), "10 bits, cut off"
+    assert (table["reading_m"] - table["distance_m"]).abs().max() < 4e-3
+
+
+def test_the_c_of_a_model_reads_a_hygrometer() -> None:
+    model = echocal.Model("virial")
+    made = firmware.generate(
+        model,
+        "avr",
+        temperature=(0.5, 0.0, 40.0),
+        humidity=(0.1, 0.0, 1.0),
+        package="arduino",
+        max_error=1e-3,
+        max_distance=2.0,
+    )
+    found = echocal.emulate(made, temperature=[10.0, 30.0], relative_humidity=0.6, distance=1.0)
+    assert found.firmware is made
+    assert found.table["humidity_percent"].between(50.0, 70.0).all()
+    assert found.table["true_humidity"].tolist() == [60.0, 60.0]
+    assert np.abs(found.errors()["reading_m"]).max() < 3e-3
+
+
+def test_the_error_is_split_into_its_origins(random: np.random.Generator) -> None:
+    """What the model corrects of a thermometer and of a module is in no part."""
+    warm, far = random.uniform(5.0, 45.0, 20), random.uniform(0.3, 2.0, 20)
+    late = echo_time(far, warm) * 1e6 + 30.0
+    rows = {"temperature_C": warm, "distance_m": far, "echo_us": late}
+    part = replace(TMP36.ideal(), offset=2.0)
+    known = {"temperature_offset": {"offset": -2.0}, "fixed_delay": {"delay": 30e-6}}
+    found = echocal.emulate(echocal.Model("cramer", known), rows, part=part)
+    parts = echocal.error_parts(found, echocal.Model("cramer", known)) * 1e3
+    assert list(parts) == list(emulation.PARTS_OF_ERROR)
+    assert parts.sum(axis="columns").to_numpy() == pytest.approx(found.errors()["reading_m"] * 1e3)
+    assert parts["transducer"].abs().max() < 0.01
+    assert parts["timer"].abs().max() < 0.3, "steps of 1 us, rounded up at half a step of 0.5 us"
+    assert parts["arithmetic"].abs().max() < 0.5, "the bound that is proven"
+    assert parts["air"].abs().max() < 0.7, "two laws of dry air"
+    # the sketch cuts off: half a step of 10 bits, 0.24 K, and 0.05 K of whole millivolts
+    assert (parts["sensors"] / far).mean() == pytest.approx(-0.29 * 1000 * 0.6 / 346, abs=0.15)
+    with pytest.raises(UsageError, match="where the true distances are known"):
+        echocal.error_parts(echocal.emulate("study", temperature=20.0), echocal.Model("cramer"))
+
+
+def test_an_own_sketch_is_read_as_a_log(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "own.ino").write_text(OWN, encoding="utf-8")
+    (tmp_path / "rows.csv").write_text("temperature_C,distance_m\n0,1\n20,2\n50,2\n20,20\n", encoding="utf-8")
+    pins = "--trigger-pin 9 --echo-pin 10"
+    code, told = run(*f"emulate rows.csv --sketch own.ino {pins} -o out.csv".split())
+    assert code == 0, told
+    table = pd.read_csv(tmp_path / "out.csv")
+    true = echo_time(table["distance_m"], table[TRUTH]) * 1e6 / 5800
+    short = 1 - table["reading_m"][:3] / true[:3]
+    assert short.between(0.010, 0.018).all(), "the sketch still sends the temperature while pulseIn() counts"
+    assert np.isnan(table["reading_m"][3]), "116 ms are longer than the sketch waits"
+    assert table["temperature_C"].to_numpy() == pytest.approx(table[TRUTH].to_numpy(), abs=0.6)
+
+
+def test_missed_echoes_and_a_wrong_reference_are_seen_as_on_a_board() -> None:
+    table = {"temperature_C": [20.0, 20.0], "echo_us": [11_650.4, np.nan]}
+    found = echocal.emulate("timer_capture", table, reference_voltage=4.75)
+    assert found.table["echo_us"].to_numpy() == pytest.approx([11_650.4, 0.0], abs=0.6)
+    # the sketch supposes 5 V: 0.7 V seem to be 0.737 V
+    assert found.table["temperature_C"][0] == pytest.approx(23.7, abs=0.5)
+    assert "distance_m" not in found.table
+    timed_out = echocal.emulate("timer_capture", table, time_out=38e-3)
+    assert timed_out.table["echo_us"][1] == pytest.approx(38_000.0, abs=1.0)
+
+
+@pytest.mark.parametrize("part", ["lm35", "potentiometer"])
+def test_other_parts_are_read_by_their_own_formula(part: str) -> None:
+    found = echocal.emulate("study", temperature=[5.0, 25.0, 45.0], part=part)
+    assert np.abs(found.errors()["temperature_C"]).max() < 0.5
+
+
+def test_a_seed_draws_one_real_part_and_its_lag() -> None:
+    table = {"temperature_C": [10.0, 30.0, 30.0], "distance_m": 3 * [1.0], "time_s": [0.0, 1.0, 61.0]}
+    same = [echocal.emulate("study", table, seed=5).table for _ in range(2)]
+    assert same[0].equals(same[1])
+    lag = same[0]["temperature_C"]
+    drawn = TMP36.drawn(np.random.default_rng(5))
+    assert lag[0] == pytest.approx(10.0 + drawn.offset, abs=1.0)
+    assert lag[1] - lag[0] < 2.0
+    assert lag[2] - lag[0] == pytest.approx(20.0 * (1 - np.exp(-1.0)), abs=1.5)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        ("", 2, "a temperature is needed, such as --temperature 0:50:2, or a table of rows"),
+        ("--temperature 20 --sketch none.ino", 2, "no sketch 'none.ino': it is neither a file nor one of"),
+        ("--temperature 20 --adc-bits 12", 2, "the converter of an ATmega328P has 10 bits, not 12"),
+        ("--temperature 20 --part dht22", 2, "part 'dht22' has no voltage, and its bus is not emulated"),
+        ("--temperature 20 --part pt100", 2, "part 'pt100' is unknown; there are tmp36, lm35, potentiometer"),
+        ("--temperature x", 2, "temperature: 'x' is no range"),
+        ("--temperature 20 --column A=reading_m", 2, "no column 'A': the table has none"),
+        ("--temperature 20 --model m.json --sketch study", 2, "give --sketch or --model, not both"),
+        ("--temperature 20 --model m.json --part lm35", 2, "the sketch of a model reads a TMP36, not a LM35"),
+        ("--temperature 20 -o out.parquet", 2, "the table is written as .csv"),
+        ("rows.csv --temperature 20", 2, "give it, or ranges of values, not both"),
+        (
+            "bare.csv",
+            3,
+            "the table has neither echo times (echo_us) nor distances of the target (distance_m)",
+        ),
+        ("cold.csv", 3, "the table has no temperature of the air"),
+        ("gaps.csv", 3, "temperature has no value in 1 rows, the first is row 2"),
+    ],
+)
+def test_mistakes_are_one_clear_line(words: str, code: int, message: str, run: Run, tmp_path: Path) -> None:
+    echocal.Model("cramer").save(tmp_path / "m.json")
+    for name, text in {
+        "rows": "temperature_C,distance_m\n20,2\n",
+        "bare": "temperature_C\n20\n",
+        "cold": "echo_us\n12000\n",
+        "gaps": "temperature_C,distance_m\n20,2\n,2\n",
+    }.items():
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
+    found, told = run("emulate", *words.split())
+    assert found == code
+    assert message in told
+    assert len(told.strip().splitlines()) == 1
+
+
+def test_lines_that_nobody_understands_are_shown(tmp_path: Path) -> None:
+    (tmp_path / "own.ino").write_text(OWN.replace("Distance", "Quux").replace(" cm", ""), encoding="utf-8")
+    request = {"temperature": [20.0, 21.0], "trigger_pin": 9, "echo_pin": 10}
+    with pytest.raises(DataError, match=r"not understood, as 'Temperature: 19\.\d+ C, Quux: 19\d\.\d+'"):
+        echocal.emulate(tmp_path / "own.ino", **request)
+    told = echocal.emulate(tmp_path / "own.ino", columns={"Quux": "reading_cm"}, **request)
+    assert told.table["reading_m"].to_numpy() == pytest.approx([2.0, 2.0], abs=0.04)
+
+
+def test_only_a_library_for_arduino_runs_there() -> None:
+    made = firmware.generate(echocal.Model("cramer"), "avr", temperature=(0.5, 0.0, 40.0))
+    with pytest.raises(UsageError, match=r"generate\(\.\.\., package='arduino'\)"):
+        echocal.emulate(made, temperature=20.0)
+
+
+def test_a_part_of_ones_own_needs_a_sketch_of_ones_own() -> None:
+    with pytest.raises(UsageError, match="read TMP36, LM35, potentiometer, not a NTC"):
+        echocal.emulate("study", temperature=20.0, part=replace(TMP36, name="NTC"))
+
+
+def test_rows_are_counted_while_it_runs() -> None:
+    told: list[tuple[int, int]] = []
+    echocal.emulate("timer_capture", temperature=(0.0, 9.0, 1.0), progress=lambda *state: told.append(state))
+    assert told[-1] == (10, 10)
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+def test_nothing_of_the_laws_is_in_the_bench() -> None:
+    """The thermometers and the air of the bench are a world of their own."""
+    import subprocess
+
+    script = (
+        "import sys, echocal.virtual_bench.thermometers, echocal.virtual_bench.hygrometers\n"
+        "import echocal.virtual_bench.echo_time\n"
+        "print([m for m in sys.modules if m.startswith('echocal.') and 'virtual_bench' not in m])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    allowed = {"echocal._core", "echocal._interrupt", "echocal.errors", "echocal.shown"}
+    assert set(eval(done.stdout)) <= allowed, "the package itself imports its core"
