@@ -12,7 +12,7 @@ from hidden_effects.answers import NAMED
 from hidden_effects.bench import gains
 from hidden_effects.bench.influence import accompanies, direction, same_class
 from hidden_effects.bench.strength import DETECTABLE, strengths
-from hidden_effects.bench.world import Case, Column, Spec, build, error
+from hidden_effects.bench.world import PLACEMENTS, Case, Column, Spec, build, error
 
 Record = dict[str, Any]
 
@@ -44,13 +44,21 @@ def ask(spec: Spec) -> Record:
         seconds = time.perf_counter() - start
         if not said:
             answer = kept(diagnosis.to_dict())
-            said = {
-                "answer": answer,
-                **judged(case, answer),
-                "told": gains.told(answer),
-                "fresh": gains.fresh(case, diagnosis.model),
-            }
+            gained = {"told": gains.told(answer), "fresh": gains.fresh(case, diagnosis.model)}
+            said = {"answer": answer, **judged(case, answer), **gained}
+        if spec.design in PLACEMENTS and spec.stratum in ("null", "single"):
+            said["means"] = _of_means(case)
     return {**facts(case), "seconds": round(seconds, 3), **said}
+
+
+def _of_means(case: Case) -> Record:
+    """What the engine says with one row for each placement: the mean of its readings."""
+    table = case.made.table.groupby("stand", as_index=False).mean()
+    try:
+        answer = kept(echocal.diagnose(table, **case.options).to_dict())
+    except Exception as error:  # whatever it is, a user would see it
+        return {"error": f"{type(error).__name__}: {error}"}
+    return {"answer": answer, **judged(case, answer)}
 
 
 def kept(answer: Mapping[str, Any]) -> Record:
@@ -70,6 +78,9 @@ def judge_again(record: Record) -> Record:
     names = ("design", "stratum", "detector", "seed")
     case = build(Spec(**{name: record[name] for name in names}, causes=tuple(record["causes"])))
     said = judged(case, record["answer"]) if "answer" in record else {}
+    if "answer" in record.get("means", {}):
+        answer = record["means"]["answer"]
+        said["means"] = {"answer": answer, **judged(case, answer)}
     return {**record, **facts(case), **said}
 
 
