@@ -67,31 +67,35 @@ Median time of a diagnosis on a shared machine: {seconds}.
 """
 
 REASONS = """\
-Which assumption of the method breaks. Found by looking at single tables, and by changing one thing in them.
+Each number is an assumption of the method that does not hold on the bench. They were found by looking at
+single tables, and by changing one thing in them.
 
-1. *Each row is a witness.* Readings of one placement share its tape, its hand and its air. The method has an
-   autoregression of first order and one variance between stations for that. With 25 readings in five seconds
-   and a scatter of 0.2 mm this is not enough: a smooth function of time or of temperature follows the errors
-   of 16 placements, gets all of the evidence, and no cause is named beside it. The rows *a row a placement*
-   show it: from the means the same engine names more, and it finds no function where there is none.
-2. *The time walk is smooth.* A comparator crosses at whole periods: steps of 25 us, 4.3 mm. Its threshold falls
-   in the first milliseconds, and a hand changes the amplitude from one placement to the next. `amplitude_walk`
-   is a smooth function of the distance. What it leaves has the size of most causes, and is called a step, an
-   edge of the beam, a gradient of the temperature, or not explained.
-3. *A slip is rare.* `cycle_slip` lets each row miss its own number of periods, with any probability. Causes of
-   about one period (4.3 mm) are then explained as slips of most rows.
-4. *What is always there is nothing.* A burst of 40 kHz is faster by 0.05 % than the base says, targets lean,
-   the transducers stand 26 mm apart. A size that acts alike takes these in. Their uncertainty does not.
-5. *One cause, one column.* The cause acts by the amplitude of the echo, and the method has it as a line in the
-   recorded column.
-6. *The table has what the cause needs.* The column that would tell it is not there.
-7. *The fault is in the reading.* Digits are exchanged in echo times; the method tries those of a typed
-   distance. Repeated values are stuck; a comparator repeats values too.
-8. *Other echoes come later, and alone.* Here the other echo overlaps with the first one, and moves the crossing
-   by parts of a period or whole ones, forward and back along the distance.
-9. *The noise is stationary.* Slow air (half an hour) and references with steps leave little beside them: the
+1. *The rows of a placement are nearly independent.* They share the tape, the hand and the air. The method
+   has an autoregression of first order and one variance between stations for that. With 25 readings in
+   five seconds that scatter by 0.2 mm, a smooth function of time or of temperature follows the errors of
+   16 placements. It gets all of the evidence, and no cause is named beside it. The rows *a row a
+   placement* are the test.
+2. *The time walk is a smooth function of the distance.* A comparator crosses at whole periods, in steps
+   of 25 us or 4.3 mm. Its threshold falls in the first milliseconds, and a hand changes the amplitude
+   from one placement to the next. What `amplitude_walk` leaves is as large as most causes. It is called a
+   step, an edge of the beam or a gradient of the temperature, or it is not explained.
+3. *Most rows miss no period.* `cycle_slip` lets each row miss its own number of periods, with any
+   probability. A cause of about one period is then explained as slips of most rows.
+4. *A table without a cause has no systematic error.* A burst of 40 kHz is faster by 0.05 % than the base
+   says, targets lean, and the transducers stand 26 mm apart. A size that acts alike takes these in, and
+   its uncertainty does not contain them.
+5. *The cause is a line in its recorded column.* These causes act by the amplitude of the echo, in steps.
+6. *The table has the column that the cause needs.* The column that tells the targets apart is not
+   recorded.
+7. *A fault is a fault of the distance.* Digits are exchanged in echo times, and the method tries the
+   digits of a distance. It takes repeated values for a stuck reading, and a comparator repeats values
+   too.
+8. *Another echo comes later, and alone.* Here it overlaps with the first one. It moves the crossing by
+   parts of a period or by whole ones, forward and back along the distance.
+9. *The noise is stationary.* Slow air (half an hour) and references with steps leave little evidence. The
    cause is probable, but its gain on held-out rows is not sure, so it is not in the model.
-10. *The base is known.* With a reading from the device, the base is the default law of dry air.
+10. *The base is the law of the device.* For a reading that the device computed, the base is the law of
+   dry air.
 """
 
 WHY: dict[str, str] = {
