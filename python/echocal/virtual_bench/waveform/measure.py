@@ -126,7 +126,7 @@ def _crossed(signal: Received, sensor: Sensor, random: np.random.Generator) -> C
                 here = replace(signal.at(rows), noise=noise)
                 found[rows] = first_crossing(here, begin[rows], cycles, comparator)
                 alone.skip(rows, begin[rows], end[rows])
-    return np.fmin(found, alone.time)
+    return np.asarray(np.fmin(found, alone.time))
 
 
 def _loud(signal: Received, peak: float, begin: Column, end: Column, sensor: Sensor) -> NDArray[np.bool_]:
