@@ -83,8 +83,7 @@ def offers(campaign: Campaign) -> frozenset[str]:
         found.add("weather")
     if campaign.around.radiation.max() > 0:
         found.add("open air")
-    if campaign.reference is not None:
-        found.add("reference")
+    found.add("reference" if campaign.reference is not None else "unknown distance")
     if campaign.by_hand:
         found.add("visits")
     return frozenset(found)
@@ -191,10 +190,10 @@ def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame
     pulse = echoes.time
     for stage in campaign.pulse:
         pulse = stage(pulse)
-    recorded = campaign.around.temperature
+    noise = random("thermometer").normal(size=len(campaign))
+    recorded = campaign.around.temperature + _THERMOMETER_NOISE * noise
     for warm in campaign.thermometer:
         recorded = warm(recorded)
-    recorded = recorded + _THERMOMETER_NOISE * random("thermometer").normal(size=len(campaign))
     columns: dict[str, NDArray[np.generic] | None] = {
         "time_s": np.round(campaign.seconds, 2),
         "echo_us": np.round(_MICRO * pulse),

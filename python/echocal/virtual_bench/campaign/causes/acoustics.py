@@ -42,7 +42,9 @@ def oblique_target(campaign: Campaign, size: float, random: np.random.Generator)
 def target_geometry(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """Some placements have another target, whose front is nearer than its mark."""
     other = random.permutation(campaign.placement.max() + 1)[: (campaign.placement.max() + 1) // 2]
-    campaign.distance -= np.where(np.isin(campaign.placement, other), size, 0.0)
+    nearer = np.isin(campaign.placement, other)
+    campaign.distance -= np.where(nearer, size, 0.0)
+    campaign.logger.append(lambda table: table.assign(target=np.where(nearer, 2, 1)))
 
 
 @cause("m", 0.15, 0.5, "distances")
@@ -83,7 +85,7 @@ def correlated_noise(campaign: Campaign, size: float, random: np.random.Generato
     campaign.slow_air = size
 
 
-@cause("m", 3e-3, 2e-2, "time")
+@cause("m", 3e-3, 2e-2, "time", "unknown distance")
 def slow_level(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The target itself moves slowly: nobody tells the reference."""
     phase = 2 * np.pi * (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)

@@ -58,19 +58,20 @@ def timeout(campaign: Campaign, size: float, random: np.random.Generator) -> Non
 
 @cause("1", 0.01, 0.04, "reference")
 def mistyped_rows(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """Somebody types the readings, and exchanges two digits now and then."""
+    """Somebody types the centimeters of a display, and exchanges two digits now and then."""
     wrong = random.uniform(size=len(campaign)) < size
 
-    def swapped(number: float) -> float:
-        digits = f"{number:.0f}"
-        return float(digits[1] + digits[0] + digits[2:]) if len(digits) > 3 else number
+    device(campaign, 343.0)
+
+    def typed(centimeters: float, slip: bool) -> float:
+        digits = f"{centimeters:.1f}"
+        swapped = digits[1] + digits[0] + digits[2:]
+        return float(swapped if slip and centimeters >= 10.0 else digits)
 
     def write(table: pd.DataFrame) -> pd.DataFrame:
-        typed = [
-            swapped(echo) if w and np.isfinite(echo) else echo
-            for echo, w in zip(table["echo_us"], wrong, strict=True)
-        ]
-        return table.assign(echo_us=typed)
+        shown = table["reading_cm"].to_numpy()
+        kept = [typed(*row) if np.isfinite(row[0]) else np.nan for row in zip(shown, wrong, strict=True)]
+        return table.assign(reading_cm=kept)
 
     campaign.logger.append(write)
 
