@@ -1,0 +1,1 @@
+"""Compensation under real conditions: `python benches/compensation --write`."""
