@@ -178,7 +178,8 @@ def _causes(results: Record) -> str:
     clean = {m: _rms(results, Setting(BEST, method=m, oracle="detector")) for m in ("named", "line")}
     return (
         f"**Named causes** are better than the line for {results['wins'][key]} of {results['devices']} "
-        f"devices. The median device errs by {np.median(each):.1f} mm (line: {np.median(line):.1f} mm), "
+        f"devices. The median device errs by {each[len(each) // 2]:.1f} mm (line: "
+        f"{line[len(line) // 2]:.1f} mm), "
         f"the worst one by {each[-1]:.1f} mm (line: {line[-1]:.1f} mm). The model names "
         f"`amplitude_walk`, which acts, for {counted.get('amplitude_walk', 0)} devices, and has no "
         f"effect at all for {empty}: there even a constant error of more than a centimeter stays. "
