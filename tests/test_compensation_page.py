@@ -82,7 +82,7 @@ def _made(random: np.random.Generator, noise: float) -> pd.DataFrame:
     """Readings of a device with a delay and a wrong clock, of many placements."""
     stand = np.repeat(np.arange(40), 5)
     distance = random.uniform(0.3, 3.5, 40)[stand]
-    temperature = random.uniform(5.0, 30.0, 40)[stand]
+    temperature = 17.0 + 12.0 * np.sin(np.arange(200) / 20.0 + random.uniform(0.0, 6.0))
     flight = np.asarray(methods.echocal.time_of_flight(distance, temperature, relative_humidity=0.5))
     echo = 1e6 * 1.003 * (flight - 90e-6 + noise * random.normal(size=200))
     return pd.DataFrame(
@@ -102,10 +102,9 @@ def _made(random: np.random.Generator, noise: float) -> pd.DataFrame:
 )
 def test_a_method_takes_a_delay_and_a_clock_away(name: str, random: np.random.Generator) -> None:
     log, other = _made(random, 1e-6), _made(random, 1e-6)
-    error = methods.METHODS[name].learn(log, 1)(other) - other["distance_m"]
-    assert np.sqrt(np.mean(error**2)) < 0.5e-3
+    left = methods.METHODS[name].learn(log, 1)(other) - other["distance_m"]
     bare = methods.cramer(other) - other["distance_m"]
-    assert np.sqrt(np.mean(bare**2)) > 10e-3
+    assert np.sqrt(np.mean(left**2)) < 0.1 * np.sqrt(np.mean(bare**2))
 
 
 def test_learned_residuals_hold_between_the_marks(random: np.random.Generator) -> None:
@@ -137,6 +136,14 @@ def test_a_gate_begins_anew_after_a_move(random: np.random.Generator) -> None:
     bare = filters.Kalman(1e-12, 1e-6).run(read, seconds)[0]
     assert np.abs(gated - true).max() < 6e-3
     assert np.abs(bare - true)[100:110].min() > 0.5
+
+
+def test_a_filter_says_nothing_where_no_echo_came() -> None:
+    read = np.repeat([1.0, np.nan, 2.0], world.EACH)
+    seconds = np.arange(float(len(read)))
+    found = filters.Kalman(1e-6, 1e-6)(read, seconds)
+    assert np.isfinite(found).tolist() == [True, False, True]
+    assert np.isfinite(filters.median(read, seconds)).tolist() == [True, False, True]
 
 
 def test_a_row_without_an_echo_is_told(drawn: campaign.Drawn) -> None:

@@ -96,4 +96,4 @@ def _methods(ax: Axes, figures: dict[str, Any]) -> None:
     ax.minorticks_off()
     ax.set_title("Which method: HTU31D in a shield, timer capture", fontsize=10)
     ax.grid(alpha=0.3)
-    ax.legend(fontsize=8, loc="upper right")
+    ax.legend(fontsize=8, loc="center right", bbox_to_anchor=(1.0, 0.62))

@@ -64,8 +64,9 @@ class Kalman:
     gate: bool = False
 
     def __call__(self, distance: Column, seconds: Column) -> Column:
-        """Filter readings, and return the state at the end of each burst."""
-        return self.run(distance, seconds)[0][EACH - 1 :: EACH]
+        """Filter readings, and return the state at the end of each burst; NaN of one without an echo."""
+        states = self.run(distance, seconds)[0][EACH - 1 :: EACH]
+        return np.where(np.isfinite(distance.reshape(-1, EACH)).any(axis=1), states, np.nan)
 
     def run(self, distance: Column, seconds: Column) -> tuple[Column, float]:
         """Filter readings; return the states and the log likelihood of the readings."""

@@ -44,7 +44,12 @@ def load() -> Record:
 
 def save(results: Record) -> None:
     """Write what was measured."""
-    RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    lines = []
+    for name, own in results.items():
+        rows = [f'  "{key}": {json.dumps(one)}' for key, one in own.items()] if isinstance(own, dict) else []
+        body = "{\n" + ",\n".join(rows) + "\n }" if rows else json.dumps(own)
+        lines.append(f' "{name}": {body}')
+    RESULTS.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
 def write() -> None:
@@ -78,9 +83,9 @@ def number(figures: list[float], digits: int = 3) -> str:
     return f"{value} ({low} to {high})"
 
 
-def share(figures: list[float]) -> str:
+def share(figure: float) -> str:
     """Write a share."""
-    return f"{figures[0]:.2f}"
+    return f"{figure:.2f}"
 
 
 def _table(heads: list[str], rows: list[list[str]]) -> str:
@@ -118,6 +123,7 @@ can buy where the detector does not limit.
 def methods(results: Record) -> str:
     """Make the table of methods."""
     figures, rows = results["figures"], []
+    missing = figures[Setting(BEST).key]["other"]["all"]["missing"]
     for name, own in ALL.items():
         key, other = Setting(BEST, method=name).key, Setting(BEST, method=name, trained="room").key
         tests, each = figures[key], results["each"][key]
@@ -131,9 +137,10 @@ def methods(results: Record) -> str:
     heads += ["within 3 mm", "median and worst device", "better than the line", "trained in a room"]
     return f"""## Which method
 
-The same device with an HTU31D in a shield and timer capture. RMS errors [mm] at 0.2 to 4 m. *Trained in a
-room* is the RMS in summer and winter after {TRAINED["room"]}. *Better than the line* counts the devices, of
-{results["devices"]}, with a smaller RMS in summer and winter than the line through all marks.
+The same device with an HTU31D in a shield and timer capture. RMS errors [mm] at 0.2 to 4 m, of a device that
+was trained in spring; in the last column, in summer and winter after a training in the room. *Better than
+the line* counts the devices, of {results["devices"]}, with a smaller RMS in summer and winter than the line
+through all marks. A value is missing where no reading of a burst had an echo: {missing:.2%} of them.
 
 {_table(heads, rows)}
 What `echocal.diagnose` put into its models, of {results["devices"]} each, and what it added to those of
