@@ -10,6 +10,9 @@
 #ifndef CENTIMETERS
 #define CENTIMETERS(duration) ((duration) * 0.0343 / 2)
 #endif
+#ifndef READING
+#define READING(centimeters) (centimeters)
+#endif
 #ifndef BEFORE
 #define BEFORE
 #endif
@@ -61,7 +64,7 @@ void loop() {
   float reading = distance * 343.0 / SPEED(celsius);
   Serial.print(duration);
   Serial.print(",");
-  Serial.print(reading / 100, 3);
+  Serial.print(READING(reading) / 100, 3);
   Serial.print(",");
   Serial.println(celsius);
   delay(60);

@@ -92,17 +92,21 @@ def run(
 
 
 def run_all(
-    suspects: Sequence[Suspect], temperature: Column, *, progress: Progress | None = None
+    jobs: Sequence[tuple[Suspect, float, int | None]],
+    temperature: Column,
+    *,
+    progress: Progress | None = None,
 ) -> list[Readings]:
-    """Run the experiment with several suspects, in their order.
+    """Run the experiment several times.
 
     Parameters
     ----------
-    suspects : sequence of Suspect
+    jobs : sequence of (Suspect, float, int or None)
+        Suspect, distance [m] and number of tables, as of `run`.
     temperature : ndarray, shape (n,)
         Temperatures of the rows [degC].
     progress : callable, optional
-        Called with the number of suspects done, and that of all.
+        Called with the number of runs done, and that of all.
 
     Raises
     ------
@@ -111,7 +115,8 @@ def run_all(
     """
     silicon.refuse_missing()
     with ThreadPoolExecutor(_BOARDS) as pool:
-        return list(_counted(pool.map(lambda one: run(one, temperature), suspects), len(suspects), progress))
+        found = pool.map(lambda job: run(job[0], temperature, *job[1:]), jobs)
+        return list(_counted(found, len(jobs), progress))
 
 
 def _counted(found: Iterable[Readings], count: int, progress: Progress | None) -> Iterable[Readings]:

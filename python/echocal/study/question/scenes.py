@@ -10,7 +10,7 @@ from echocal.study.tables import DISTANCE
 from echocal.virtual_bench.air import speed_of_sound
 from echocal.virtual_bench.echo_time import echo_time
 
-__all__ = ["MODULE_SPEED", "Rows", "Scene", "air", "comparator", "damp_air", "hand", "late", "module", "moved"]
+__all__ = ["MODULE_SPEED", "Rows", "Scene", "air", "comparator", "damp_air", "echo_and_voltage", "hand", "late", "module", "moved"]
 __all__ += ["next_row", "placed", "plain", "whole_degrees"]
 
 Column = NDArray[np.float64]
@@ -94,6 +94,15 @@ def hand(half: float) -> Scene:
     def scene(temperature: Column, distance: float, random: np.random.Generator) -> Rows:
         set_to = temperature + random.uniform(-half, half, temperature.shape)
         return _rows(set_to, 2.0 * distance / MODULE_SPEED)
+
+    return scene
+
+
+def echo_and_voltage(echo: Scene, voltage: Scene) -> Scene:
+    """ECHO of one scene and potentiometer of another."""
+
+    def scene(temperature: Column, distance: float, random: np.random.Generator) -> Rows:
+        return Rows(echo(temperature, distance, random).echo, voltage(temperature, distance, random).voltage)
 
     return scene
 

@@ -198,11 +198,18 @@ SUSPECTS = (
         {"CENTIMETERS(duration)": "((duration) * 0.034 / 2)"},
     ),
     Suspect(
+        "cut_cm",
+        "pulseIn(), distance cut off to whole centimeters",
+        "timer",
+        "pulseIn() makes 198.8 cm of 2 m, and int or long makes 198 cm of that.",
+        {"DURATION()": "pulseIn(echoPin, HIGH)", "CENTIMETERS(duration)": "((long)((duration) * 0.0343 / 2))"},
+    ),
+    Suspect(
         "whole_cm",
-        "whole centimeters",
-        "conversion",
-        "int or long for the distance cuts decimals off.",
-        {"CENTIMETERS(duration)": "((long)((duration) * 0.0343 / 2))"},
+        "reading in whole centimeters",
+        "record",
+        "The reading is printed without decimals.",
+        {"READING(centimeters)": "round(centimeters)"},
     ),
     Suspect(
         "halved_integer",
