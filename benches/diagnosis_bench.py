@@ -14,12 +14,19 @@ for library in ("OMP", "OPENBLAS", "RAYON"):  # before numpy: a process of ours 
 import numpy as np  # noqa: E402
 import typer  # noqa: E402
 from rich.console import Console  # noqa: E402
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: E402
+from rich.progress import (  # noqa: E402
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeRemainingColumn,
+    track,
+)
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from hidden_effects.bench.answers import ask  # noqa: E402
+from hidden_effects.bench.answers import ask, judge_again  # noqa: E402
 from hidden_effects.bench.equations import equations  # noqa: E402
 from hidden_effects.bench.figure import beside_plot  # noqa: E402
 from hidden_effects.bench.menu import menu  # noqa: E402
@@ -87,6 +94,9 @@ def main(
         Path, typer.Option(help="A line of JSON for each table; a run that was stopped goes on with it.")
     ] = Path("bench-records.jsonl"),
     only_read: Annotated[bool, typer.Option("--read", help="Report on these records; ask nothing.")] = False,
+    again: Annotated[
+        bool, typer.Option("--judge-again", help="Judge the answers of these records as the judge is now.")
+    ] = False,
     made: Annotated[
         Path | None, typer.Option(help="Records that `diagnosis.py --records` wrote, to stand beside.")
     ] = None,
@@ -100,7 +110,13 @@ def main(
         chosen = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         console.print(f"seed {chosen}")
         run(menu(designs.split(","), count, chosen), chosen, processes, records, console)
-    summary = summarize(read(records))
+    answered = read(records)
+    if again:
+        with ProcessPoolExecutor(processes) as pool:
+            judged = pool.map(judge_again, answered, chunksize=4)
+            answered = list(track(judged, "judging", total=len(answered), console=console))
+        records.write_text("".join(json.dumps(one) + "\n" for one in answered), encoding="utf-8")
+    summary = summarize(answered)
     if made:
         summary["equations"] = equations(json.loads(made.read_text(encoding="utf-8")))
     elif RESULTS.exists():

@@ -8,7 +8,10 @@ from scipy.optimize import minimize_scalar
 
 import echocal
 from echocal.waveforms import cramer_rao_bound, model_burst, ziv_zakai_bound
+from echocal.waveforms.baseband import Plan
+from echocal.waveforms.detection import detect
 from echocal.waveforms.estimators import ESTIMATORS
+from echocal.waveforms.template import Template
 
 RATE, COUNT = 500e3, 3500
 LATE = 3e-3  # s, about when echoes begin
@@ -90,6 +93,21 @@ def test_the_unit_of_the_waveform_does_not_matter(
         assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=1e-6), name
 
 
+def test_crests_are_maxima_also_where_the_echo_grows(echo: Echo, random: np.random.Generator) -> None:
+    samples = echo.samples(RATE)
+    plan = Plan(Template(samples, RATE), 40e3, 5e3, len(samples))
+    band = detect(plan, samples[None], np.ones(1)).passed
+    near = random.uniform(1e-4, 6e-4, (1, 50))
+    time, height = band.crest(near)
+    rate = 40e3 * 2.0 * np.pi
+    value, slope = band.carried(time)
+    assert np.abs(slope.real).max() < 1e-5 * rate * height.min()  # 40 ps
+    assert height == pytest.approx(value.real)
+    assert (height > band.carried(time + 1e-6)[0].real).all()
+    assert (height > band.carried(time - 1e-6)[0].real).all()
+    assert np.abs(time - near).max() < 0.51 / 40e3 + 1e-6
+
+
 @pytest.mark.parametrize("method", ESTIMATORS)
 def test_a_batch_is_a_loop(method: str, echo: Echo, random: np.random.Generator) -> None:
     made = noisy(echo, random, 12).reshape(2, 3, 2, COUNT)
@@ -145,8 +163,12 @@ def test_the_matched_filter_is_the_least_squares_fit(echo: Echo, random: np.rand
         assert fit.x == pytest.approx(time, abs=0.02 * bound)
 
 
-def test_the_mean_of_the_captures_is_a_template(random: np.random.Generator) -> None:
-    odd = Echo((14.0, 26.0), (39.3e3, 40.5e3))
+@pytest.mark.parametrize("quality", [(14.0, 26.0), (20.0, 20.0)])
+@pytest.mark.parametrize("center", [(39.3e3, 40.5e3), (40e3, 40e3)])
+def test_the_mean_of_the_captures_is_a_template(
+    quality: tuple[float, ...], center: tuple[float, ...], random: np.random.Generator
+) -> None:
+    odd = Echo(quality, center)
     delays, strength = random.uniform(LATE, LATE + 1e-3, 200), random.uniform(0.5, 2.0, 200)
     clean = -captures(odd, delays, RATE, COUNT, strength)  # an amplifier that inverts
     made = clean + 0.02 * random.standard_normal(clean.shape)
@@ -154,6 +176,17 @@ def test_the_mean_of_the_captures_is_a_template(random: np.random.Generator) -> 
     bound = cramer_rao_bound(odd.samples(RATE), RATE, 0.02) / strength
     assert np.std((off - np.median(off)) / bound) < 1.2
     assert abs(np.median(off)) < 50e-6  # where a mean begins is a convention
+
+
+@pytest.mark.parametrize("rounds", [0, 3])
+def test_the_mean_of_inverted_echoes_does_not_mix_cycles(
+    rounds: int, echo: Echo, random: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("echocal.waveforms.averaged._ROUNDS", rounds)
+    delays = random.uniform(LATE, LATE + 1e-3, 60)
+    made = -captures(echo, delays, RATE, COUNT) + 0.05 * random.standard_normal((60, COUNT))
+    off = echocal.echo_times(made, RATE, template="mean").time - delays
+    assert np.abs(off - np.median(off)).max() < 0.5 / 40e3  # the model burst alone fits two cycles alike
 
 
 def test_the_cramer_rao_bound_is_its_formula(echo: Echo) -> None:

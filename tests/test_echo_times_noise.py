@@ -96,10 +96,11 @@ def test_uncertainties_of_the_matched_filter_hold_where_cycles_are_doubtful(
 
 @pytest.mark.parametrize("method", ESTIMATORS)
 def test_ambiguities_are_shares_of_wrong_cycles(method: str, echo: Echo, random: np.random.Generator) -> None:
-    ratio = random.uniform(26.0, 42.0, CAPTURES)
+    ratio = random.uniform(20.0, 34.0, CAPTURES)
     amplitude: object = 1.0
     if method == "threshold":  # whose crest near the level is doubtful: echoes of every strength
         amplitude = np.exp(random.uniform(np.log(1.2 * LEVEL), np.log(10.0 * LEVEL), CAPTURES))
+        ratio += 6.0
     off, found = timed(echo, random, method, noise_of(echo, ratio) * np.asarray(amplitude), amplitude)
     known = np.isfinite(off)
     told, wrong = found.cycle_ambiguity[known], np.abs(off[known]) > HALF

@@ -1,13 +1,14 @@
 """The judge of the third world is judged: tables of the bench, what is true of them, made-up answers."""
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hidden_effects.bench.answers import facts, judged
+from hidden_effects.bench.answers import facts, judge_again, judged, kept
 from hidden_effects.bench.equations import equations
 from hidden_effects.bench.influence import UNSTAGED, accompanies, cosine, influence, same_class, usual
 from hidden_effects.bench.menu import SHARES, choices, fits, forces, has, menu
@@ -16,6 +17,7 @@ from hidden_effects.bench.real import real
 from hidden_effects.bench.strength import DETECTABLE, _groups, _noise, strength
 from hidden_effects.bench.summary import ROWS, summarize
 from hidden_effects.bench.truth import MISTAKES, NOISES, PARAMETERS, UNFORESEEN, names
+from hidden_effects.bench.words import REASONS, WHY
 from hidden_effects.bench.world import Case, Spec, build, error, signal
 from hidden_effects.page import page
 
@@ -120,6 +122,14 @@ def test_a_perfect_answer_is_named_and_an_empty_one_silent() -> None:
     assert (empty["outcome"], empty["strict"], empty["alarm"]) == ("silent", False, False)
     null = judged(hidden(), answer())
     assert (null["outcome"], null["strict"], null["alarm"]) == ("silent", True, False)
+
+
+def test_a_record_can_be_judged_again() -> None:
+    case = hidden("temperature_gain")
+    told = answer(cause("temperature_gain", gain=case.spec.sizes["temperature_gain"]))
+    first = {**facts(case), "answer": kept(told), **judged(case, told)}
+    assert judge_again(json.loads(json.dumps(first)))["outcome"] == "named"
+    assert judge_again({**first, "outcome": "wrong", "named": []})["named"] == first["named"]
 
 
 def test_a_wrong_name_is_an_alarm() -> None:
@@ -275,6 +285,7 @@ def test_the_summary_counts() -> None:
         record("wrong", [wrong], stratum="null", causes=[], alarm=True),
         record("silent", stratum="null", causes=[]),
     ]
+    records[-2]["means"] = {"outcome": "unknown", "says_unknown": True, "alarm": False}
     summary = summarize(records)
     value = {name: of["bench"] and of["bench"]["value"] for name, of in summary["figures"].items()}
     assert value["one cause: named, ideal detector"] == pytest.approx(6 / 8)
@@ -285,6 +296,8 @@ def test_the_summary_counts() -> None:
     assert value["share removed in another campaign, ideal detector"] == pytest.approx(1 - 0.75**2)
     assert value["sizes: rms of z"] == pytest.approx(1.0)
     assert value["one cause: named, comparator"] is None
+    assert value["a row a placement, ideal detector: unexplained term without a cause"] == 1.0
+    assert value["a row a placement, ideal detector: false alarms"] == 0.0
     assert summary["by_cause"]["zero_error"]["wrong"] == {"temperature_gain": 1}
     assert summary["marginal_outcomes"] == {"wrong": 1}
     assert summary["null_names"]["ideal"] == {"temperature_gain": 1}
@@ -336,6 +349,20 @@ def test_the_page_is_fresh() -> None:
     )
     assert "\n".join(beside(bench)) in shown
     assert shown == page(made, bench)
+
+
+def test_every_cause_that_may_be_missed_has_a_reason() -> None:
+    """The page says of each cause why it is missed, by numbers of its list of reasons."""
+    assert set(WHY) >= set(CAUSES) - {"noise_growth", "round_trip_factor", "reading_quantization"}
+    assert set(WHY) <= set(CAUSES)
+    numbers = {int(n) for text in WHY.values() for n in re.findall(r"\b(\d+)(?=[,:;]|$)", text)}
+    assert all(f"\n{n}. " in REASONS for n in numbers)
+
+
+def test_slow_level_can_be_named_only_where_the_distance_is_assumed() -> None:
+    assert ("slow_level",) in choices("outdoor", "single", "ideal")
+    assert ("slow_level",) not in choices("tank", "single", "ideal")
+    assert ("slow_level",) in choices("tank", "unknown", "ideal")
 
 
 def test_usual_sizes_are_within_the_range_of_the_bench() -> None:

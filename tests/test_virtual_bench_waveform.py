@@ -94,8 +94,8 @@ def test_a_burst_through_resonances_is_what_lsim_computes(random: np.random.Gene
         voltage = lsim(transfer, voltage, time)[1]
     response = BurstResponse.of(chain, 40e3, cycles, np.array([celsius]))
     ours = (response.envelope(time[None])[0] * np.exp(2j * np.pi * 40e3 * time)).real
-    # lsim draws straight lines between samples: (omega dt)^2 / 12 of the voltage; the copy is 1e-5 apart.
-    assert ours == pytest.approx(voltage, abs=2e-3 * np.abs(voltage).max())
+    # Of the two at one frequency the bench moves one by 1 Hz: a thousandth of the widest decay.
+    assert ours == pytest.approx(voltage, abs=5e-3 * np.abs(voltage).max())
     assert np.abs(response.envelope(time[None])).max() <= response.peak
 
 
@@ -127,9 +127,6 @@ def test_crossings_are_those_of_the_sampled_waveform(random: np.random.Generator
         signal = received(scene, sensor)
         start = signal.delays[np.arange(n), random.integers(0, signal.delays.shape[1], n)]
         start = np.maximum(np.where(np.isfinite(start), start, 0.0), comparator.blanking)
-        for until, _ in comparator.steps:  # `measure` begins anew at each step
-            within = (start < until) & (start + cycles / 40e3 > until)
-            start = np.where(within, until, start)
         signal = replace(signal, noise=Noise.draw(sensor, start, 2 * cycles + 1, random))
         ours = first_crossing(signal, start, cycles, comparator)
         theirs = sampled_crossing(signal, start, cycles, comparator)

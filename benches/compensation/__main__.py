@@ -1,7 +1,7 @@
 """Which euro and which method buy how many millimeters: docs/compensation.md.
 
 ``python benches/compensation --write`` draws devices and weather, writes figures.json, and makes page and
-figure anew; without ``--write`` it prints a table only. Half an hour on one processor.
+figure anew; without ``--write`` it prints a table only. A quarter of an hour of one processor.
 """
 
 import json

@@ -78,7 +78,7 @@ def _euro(ax: Axes, figures: dict[str, Any]) -> None:
     ax.set_title("Which euro: HC-SR04 with a thermometer", fontsize=10)
     ax.grid(alpha=0.3, axis="y")
     ax.legend(fontsize=8, ncols=2, loc="upper right")
-    ax.set_ylim(1, 130)
+    ax.set_ylim(1, 300)
 
 
 def _methods(ax: Axes, figures: dict[str, Any]) -> None:

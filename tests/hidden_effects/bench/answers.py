@@ -12,7 +12,7 @@ from hidden_effects.answers import NAMED
 from hidden_effects.bench import gains
 from hidden_effects.bench.influence import accompanies, direction, same_class
 from hidden_effects.bench.strength import DETECTABLE, strengths
-from hidden_effects.bench.world import Case, Column, Spec, build, error
+from hidden_effects.bench.world import PLACEMENTS, Case, Column, Spec, build, error
 
 Record = dict[str, Any]
 
@@ -43,13 +43,45 @@ def ask(spec: Spec) -> Record:
             said = {"error": f"{type(error).__name__}: {error}"}
         seconds = time.perf_counter() - start
         if not said:
-            answer = diagnosis.to_dict()
-            said = {
-                **judged(case, answer),
-                "told": gains.told(answer),
-                "fresh": gains.fresh(case, diagnosis.model),
-            }
+            answer = kept(diagnosis.to_dict())
+            gained = {"told": gains.told(answer), "fresh": gains.fresh(case, diagnosis.model)}
+            said = {"answer": answer, **judged(case, answer), **gained}
+        if spec.design in PLACEMENTS and spec.stratum in ("null", "single"):
+            said["means"] = _of_means(case)
     return {**facts(case), "seconds": round(seconds, 3), **said}
+
+
+def _of_means(case: Case) -> Record:
+    """What the engine says with one row for each placement: the mean of its readings."""
+    table = case.made.table.groupby("stand", as_index=False).mean()
+    try:
+        answer = kept(echocal.diagnose(table, **case.options).to_dict())
+    except Exception as error:  # whatever it is, a user would see it
+        return {"error": f"{type(error).__name__}: {error}"}
+    return {"answer": answer, **judged(case, answer)}
+
+
+def kept(answer: Mapping[str, Any]) -> Record:
+    """The part of an answer that is judged: a record that holds it can be judged again."""
+    keys = ("id", "kind", "probability", "parameters", "indistinguishable_from", "in_model")
+    return {
+        "verdict": answer["verdict"],
+        "causes": [{key: cause.get(key, True) for key in keys} for cause in answer["causes"]],
+        "posterior": [max(answer["posterior"], key=lambda entry: entry["probability"])],
+        "unexplained": answer["unexplained"] and {"against": answer["unexplained"]["against"]},
+        "gain": answer["gain"] and {key: answer["gain"][key] for key in ("rms_before_m", "rms_after_m")},
+    }
+
+
+def judge_again(record: Record) -> Record:
+    """Judge a record's answer as the judge is now, and ask nothing."""
+    names = ("design", "stratum", "detector", "seed")
+    case = build(Spec(**{name: record[name] for name in names}, causes=tuple(record["causes"])))
+    said = judged(case, record["answer"]) if "answer" in record else {}
+    if "answer" in record.get("means", {}):
+        answer = record["means"]["answer"]
+        said["means"] = {"answer": answer, **judged(case, answer)}
+    return {**record, **facts(case), **said}
 
 
 def facts(case: Case) -> Record:
@@ -82,7 +114,7 @@ def judged(case: Case, answer: Mapping[str, Any]) -> Record:
         "confident_wrong": [n["id"] for n in wrong],
         "outcome": outcome(case.spec, judged_names, says_unknown=says_unknown),
         "z": gains.scores(case, named),
-        **_first(case, answer["posterior"]),
+        **_first(case, answer),
     }
 
 
@@ -142,17 +174,18 @@ def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:
     return "unsure" if any(n["status"] == "wrong" for n in named) else "silent"
 
 
-def _first(case: Case, posterior: Sequence[Mapping[str, Any]]) -> Record:
+def _first(case: Case, answer: Mapping[str, Any]) -> Record:
     """The first set of the posterior, and whether it is true: one name a planted cause, and companions."""
-    top = max(posterior, key=lambda entry: entry["probability"])
+    top = max(answer["posterior"], key=lambda entry: entry["probability"])
+    claimed = {cause["id"]: _claimed(case, cause) for cause in answer["causes"]}
     return {
         "top": top["ids"],
         "top_probability": top["probability"],
-        "strict": _is_truth(case, top["ids"]),
+        "strict": _is_truth(case, top["ids"], claimed),
     }
 
 
-def _is_truth(case: Case, ids: Sequence[str]) -> bool:
+def _is_truth(case: Case, ids: Sequence[str], claimed: Mapping[str, Column | None]) -> bool:
     left = list(ids)
     if case.spec.stratum == "unknown":
         if "unknown" not in left:
@@ -164,4 +197,4 @@ def _is_truth(case: Case, ids: Sequence[str]) -> bool:
             if match is None:
                 return False
             left.remove(match)
-    return all(id_ != "unknown" and accompanies(case, id_) for id_ in left)
+    return all(id_ != "unknown" and accompanies(case, id_, claimed.get(id_)) for id_ in left)

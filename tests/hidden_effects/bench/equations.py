@@ -50,8 +50,8 @@ def _figures(records: Sequence[Record]) -> dict[str, Figure]:
         ),
         "names above 0.9 that are right": part(names, lambda n: n["right"]),
         "ECE of the first set": beyond_chance(_of(records, "null", "prior", "wild")),
-        "share removed as told, ideal detector": _mean(corrected, lambda r: removed(r["reported"])),
-        "share removed in another campaign, ideal detector": _mean(corrected, _fresh),
+        "share removed as told, ideal detector": _median(corrected, lambda r: removed(r["reported"])),
+        "share removed in another campaign, ideal detector": _median(corrected, _fresh),
         "worse on another campaign": part(corrected, lambda r: _fresh(r) < 0),
     }
 
@@ -86,5 +86,5 @@ def _fresh(r: Record) -> float:
     return float(1 - after / before)
 
 
-def _mean(records: Sequence[Record], of: Any) -> Figure:
-    return resampled(records, lambda rs: float(np.mean([of(r) for r in rs]))) if records else NONE
+def _median(records: Sequence[Record], of: Any) -> Figure:
+    return resampled(records, lambda rs: float(np.median([of(r) for r in rs]))) if records else NONE

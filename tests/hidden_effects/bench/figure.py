@@ -10,16 +10,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Plot
 from matplotlib.lines import Line2D
 
-from hidden_effects.bench.page import LOGS, PLACEMENTS
+from hidden_effects.bench.world import LOGS, PLACEMENTS
 
 Summary = dict[str, Any]
 
 _IDEAL, _COMPARATOR = "bench, ideal detector", "bench, comparator"
-_WORLDS = {"equations": ("C2", "o"), _IDEAL: ("C0", "s"), _COMPARATOR: ("C1", "D"), "real": ("k", "^")}
+_MEANS = "bench, ideal detector, a row a placement"
+_WORLDS = {
+    "equations": ("C2", "o"),
+    _IDEAL: ("C0", "s"),
+    _COMPARATOR: ("C1", "D"),
+    _MEANS: ("C4", "v"),
+    "real": ("k", "^"),
+}
 _BOTH = {
     "one cause: named": "one cause: named, {}",
     "false alarms": "false alarms, {}",
     "share removed": "share removed in another campaign, {}",
+}
+_OF_MEANS = {
+    "one cause: named": "a row a placement, ideal detector: one cause named",
+    "false alarms": "a row a placement, ideal detector: false alarms",
 }
 _PANELS = (
     ("one cause: named", "part of tables"),
@@ -33,7 +44,7 @@ def beside_plot(s: Summary) -> Plot:
     """Four figures by design, with intervals."""
     lines = ["equations b", *PLACEMENTS, "real placements", "equations c", *LOGS, "real logs"]
     places = {line: -i - (1 if i > len(PLACEMENTS) + 1 else 0) for i, line in enumerate(lines)}
-    plot, axes = plt.subplots(1, len(_PANELS), figsize=(13, 6.2), sharey=True)
+    plot, axes = plt.subplots(1, len(_PANELS), figsize=(13, 7.2), sharey=True)
     for ax, (name, unit) in zip(axes, _PANELS, strict=True):
         for line, at in places.items():
             for world, figure, offset in _points(s, name, line):
@@ -47,8 +58,8 @@ def beside_plot(s: Summary) -> Plot:
         for world, (color, marker) in _WORLDS.items()
     ]
     told = Line2D([], [], color="0.4", marker="|", markersize=11, linestyle="", label="share removed as told")
-    plot.legend(handles=[*handles, told], loc="lower center", ncols=5, frameon=False)
-    plot.tight_layout(rect=(0, 0.06, 1, 1))
+    plot.legend(handles=[*handles, told], loc="lower center", ncols=3, frameon=False)
+    plot.tight_layout(rect=(0, 0.09, 1, 1))
     return plot
 
 
@@ -62,8 +73,9 @@ def _points(s: Summary, name: str, line: str) -> list[tuple[str, Summary, float]
         return _some("real", s["real"]["figures"], name, "log" if rest == "logs" else rest, "comparator")
     if name not in _BOTH:
         return _some(_IDEAL, s["figures"], name, line, "")
-    ideal = _some(_IDEAL, s["figures"], name, line, "ideal detector", 0.17)
-    return [*ideal, *_some(_COMPARATOR, s["figures"], name, line, "comparator", -0.17)]
+    ideal = _some(_IDEAL, s["figures"], name, line, "ideal detector", 0.2)
+    walks = _some(_COMPARATOR, s["figures"], name, line, "comparator", -0.2)
+    return [*ideal, *walks, *_some(_MEANS, s["figures"], _OF_MEANS.get(name, ""), line, "", 0.0)]
 
 
 def _some(

@@ -6,12 +6,10 @@ from typing import Any
 
 from hidden_effects.bench.answers import OUTCOMES
 from hidden_effects.bench.summary import ROWS
-from hidden_effects.bench.words import AFTER, FIGURES, HEAD, WHY
+from hidden_effects.bench.words import AFTER, FIGURES, HEAD, REASONS, WHY
+from hidden_effects.bench.world import LOGS, PLACEMENTS
 
 Summary = dict[str, Any]
-
-PLACEMENTS = ("bench", "quick", "far_and_near", "round_robin", "robot")
-LOGS = ("outdoor", "warehouse", "daily", "tank", "snow")
 
 
 def beside(s: Summary) -> Iterator[str]:
@@ -29,6 +27,7 @@ def beside(s: Summary) -> Iterator[str]:
     yield from _outcomes(s)
     yield "### By cause on the bench\n"
     yield from _causes(s)
+    yield REASONS
     yield "### Probabilities on the bench\n"
     yield from _probabilities(s)
     yield "### Sizes on the bench\n"
@@ -132,7 +131,8 @@ def _causes(s: Summary) -> Iterator[str]:
         parts = ["-" if of is None else f"{of[0]} of {of[1]}" for of in (r["ideal"], r["comparator"])]
         held, silent = (r["outcomes"].get(key, 0) for key in ("ambiguous", "silent"))
         counts = [str(n) for n in (held, silent, r["always"], r["marginal"])]
-        rows.append([f"`{id_}`", *parts, *counts, wrong, WHY.get(id_, "-")])
+        why = WHY.get(id_, "-") if _missed(r) else "-"
+        rows.append([f"`{id_}`", *parts, *counts, wrong, why])
     head = [
         "cause",
         "right, ideal detector",
@@ -143,6 +143,11 @@ def _causes(s: Summary) -> Iterator[str]:
         "marginal",
     ]
     yield from table([*head, "confident wrong names", "why it is missed"], rows)
+
+
+def _missed(cause: Summary) -> bool:
+    """Whether a cause was missed in any table."""
+    return any(of is not None and of[0] < of[1] for of in (cause["ideal"], cause["comparator"]))
 
 
 def _probabilities(s: Summary) -> Iterator[str]:

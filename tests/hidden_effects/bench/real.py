@@ -94,7 +94,7 @@ def _told(tables: Sequence[Record], kind: str) -> Figure:
         for t in tables
         if any(n["kind"] == "effect" for n in t["names"])
     ]
-    return Figure(float(np.mean(shares)), min(shares), max(shares), len(shares)) if shares else NONE
+    return Figure(float(np.median(shares)), min(shares), max(shares), len(shares)) if shares else NONE
 
 
 _ROWS = {

@@ -66,7 +66,9 @@ def removed(pair: Sequence[float]) -> float:
 def _gained(which: str, detector: str) -> Measure:
     def measure(records: Sequence[Record]) -> Figure:
         cases = [r for r in _corrected(records) if r[which][0] > 0 and r["measured_by"] == detector]
-        return resampled(cases, lambda rs: float(np.mean([removed(r[which]) for r in rs]))) if cases else NONE
+        return (
+            resampled(cases, lambda rs: float(np.median([removed(r[which]) for r in rs]))) if cases else NONE
+        )
 
     return measure
 
@@ -92,6 +94,16 @@ def _z(records: Sequence[Record]) -> Figure:
     return resampled(held, lambda rs: float(np.sqrt(np.mean([r["z"] ** 2 for r in rs]))))
 
 
+def _of_means(stratum: str, of: Callable[[Record], bool]) -> Measure:
+    """Part of the tables with the ideal detector, asked about with one row for each placement."""
+
+    def measure(records: Sequence[Record]) -> Figure:
+        tables = [r for r in visible(records, stratum, detector="ideal") if not r["always"]]
+        return part([r["means"] for r in tables if "outcome" in r.get("means", {})], of)
+
+    return measure
+
+
 ROWS: dict[str, Measure] = {
     "false alarms, ideal detector": _outcomes("null", "ideal", lambda r: r["alarm"]),
     "false alarms, comparator": _outcomes("null", "comparator", lambda r: r["alarm"]),
@@ -108,6 +120,12 @@ ROWS: dict[str, Measure] = {
     ),
     "one cause: a confident wrong name, ideal detector": _outcomes("single", "ideal", _wrong),
     "one cause: a confident wrong name, comparator": _outcomes("single", "comparator", _wrong),
+    "a row a placement, ideal detector: false alarms": _of_means("null", lambda r: r["alarm"]),
+    "a row a placement, ideal detector: unexplained term without a cause": _of_means(
+        "null", lambda r: r["says_unknown"]
+    ),
+    "a row a placement, ideal detector: one cause named": _of_means("single", _named),
+    "a row a placement, ideal detector: a confident wrong name": _of_means("single", _wrong),
     "two causes: both named": lambda rs: part([r for r in visible(rs, "pair") if not r["always"]], _named),
     "mistake: named": lambda rs: part(visible(rs, "mistake"), _named),
     "outside the catalogue: called unknown": lambda rs: part(

@@ -13,6 +13,9 @@ MISTAKES = frozenset(id_ for id_, cause in CAUSES.items() if cause.stage.__modul
 UNFORESEEN = frozenset(id_ for id_, cause in CAUSES.items() if not cause.in_catalogue) - MISTAKES
 """Causes that the catalogue does not have: right is that something is there that it cannot name."""
 
+UNNAMEABLE = frozenset({"slow_level"})
+"""The same where the distance is known: the catalogue has it for a distance that is only assumed constant."""
+
 NOISES = frozenset(
     {
         "correlated_noise",

@@ -57,6 +57,16 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
         found[rows] = crossed
         above[rows, at] = False
         rows = rows[np.isnan(crossed) & above[rows].any(axis=1)]
+    return _stepped(found, ends[:, 0], ends[:, -1], received, comparator)
+
+
+def _stepped(found: Column, start: Column, end: Column, received: Received, comparator: Comparator) -> Column:
+    """Crossings where the threshold steps below a voltage, in the middle of a cycle."""
+    for until, _ in comparator.steps:
+        rows = np.flatnonzero((start < until) & (until < end) & ~(found < until))
+        if len(rows):
+            voltage = received.at(rows).voltage(np.full(len(rows), until))
+            found[rows] = np.where(voltage > comparator.at(np.array(until)), until, found[rows])
     return found
 
 

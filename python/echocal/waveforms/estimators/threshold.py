@@ -21,7 +21,8 @@ def threshold(request: Request, found: Detection) -> Estimate:
     """Time echoes as a comparator behind the band-pass does, which has no template.
 
     The time is that of the crossing itself. It depends on the amplitude: a weaker echo crosses later in the
-    same cycle, and then a cycle later (time walk).
+    same cycle, and then a cycle later (time walk). The ambiguity is the probability that, without noise, this
+    crest would not reach the level, the one before it would, or that noise alone crossed it (Rice 1944).
     """
     noise = found.noise * request.plan.band_pass.noise_gain
     level = np.broadcast_to(
@@ -37,7 +38,8 @@ def threshold(request: Request, found: Detection) -> Estimate:
         # near a crest the flank bends: within its noise the level is passed at sqrt(2 noise / height) / w
         uncertainty = noise / np.sqrt(slope**2 + angular**2 * np.abs(height) * noise)
         too_high, too_low = ndtr((level - height) / noise), ndtr((height_before - level) / noise)
-    return Estimate(time, uncertainty, np.asarray(1.0 - (1.0 - too_high) * (1.0 - too_low)), missing)
+        alone = np.exp(-np.maximum(time, 0.0) * request.plan.carrier * np.exp(-0.5 * (level / noise) ** 2))
+    return Estimate(time, uncertainty, np.asarray(1.0 - (1.0 - too_high) * (1.0 - too_low) * alone), missing)
 
 
 def _first_crest(plan: Plan, found: Detection, level: Real) -> tuple[Real, np.ndarray]:
