@@ -148,7 +148,7 @@ static int32_t millivolts(uint8_t pin)
 #if defined(ARDUINO_ARCH_ESP32)
     return (int32_t)analogReadMilliVolts(pin);
 #else
-    return analogRead(pin) * SUPPLY / 1024;
+    return ((2L * analogRead(pin) + 1) * SUPPLY + 1024) / 2048; /* the middle of the converter's step */
 #endif
 }
 

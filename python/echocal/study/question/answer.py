@@ -1,0 +1,148 @@
+"""The answer to the question: what is computed from the readings of the board, and from Table 2."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose import Diagnosis
+from echocal.study.question.comparison import Pattern, Verdict, compare, deviation, pattern_of
+from echocal.study.question.experiment import Readings
+from echocal.study.question.explanations import Explanation, explain
+from echocal.study.question.investigation import NEAR, Investigation
+from echocal.study.question.laws import ALL
+from echocal.study.question.measurements import Effects, Outcome, judge
+from echocal.study.question.members import Member, Told, diagnosis_of, members, told
+from echocal.study.question.suspects import Suspect
+from echocal.study.sensor import reading_in
+from echocal.study.origin import table_law
+from echocal.study.tables import Tables
+
+__all__ = ["Answer", "Made", "answer"]
+
+Column = NDArray[np.float64]
+
+_ODD = 6.0  # degC: the row whose reading is that of 4 degC
+_UNTOUCHED = "pulse_in"
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a suspect makes.
+
+    Attributes
+    ----------
+    suspect : Suspect
+    pattern : Pattern
+        Of the mean over its tables.
+    scatter : tuple of float
+        Lowest, median and highest scatter of its tables [mm].
+    verdict : Verdict
+    deviation : ndarray, shape (tables, n)
+        Readings less the calculation [mm].
+    """
+
+    suspect: Suspect
+    pattern: Pattern
+    scatter: tuple[float, float, float]
+    verdict: Verdict
+    deviation: Column
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Everything on the page.
+
+    Attributes
+    ----------
+    tables : Tables
+    wanted : Pattern
+        Of the Tinkercad column.
+    without_odd : Pattern
+        The same without the row at 6 degC.
+    parts : tuple of float
+        Standard deviations of the first seven rows and of the others [mm].
+    made : list of Made
+    explanations, explanations_without_odd : list of Explanation
+    effects : Effects
+    outcomes : list of Outcome
+    diagnosis : Diagnosis
+    members : list of Member
+    told : list of Told
+    """
+
+    tables: Tables
+    wanted: Pattern
+    without_odd: Pattern
+    parts: tuple[float, float]
+    made: list[Made]
+    explanations: list[Explanation]
+    explanations_without_odd: list[Explanation]
+    effects: Effects
+    outcomes: list[Outcome]
+    diagnosis: Diagnosis
+    members: list[Member]
+    told: list[Told]
+
+    def of(self, suspect: str) -> Made:
+        """Return what a suspect makes."""
+        return {one.suspect.id: one for one in self.made}[suspect]
+
+
+def answer(found: Investigation, tables: Tables | None = None) -> Answer:
+    """Compare what the board measured with Table 2, and ask the diagnosis.
+
+    Parameters
+    ----------
+    found : Investigation
+    tables : Tables, optional
+        Other tables than those that the package ships.
+
+    Returns
+    -------
+    Answer
+    """
+    tables = tables or Tables.load()
+    table = tables.table2
+    printed, left, warm = table.values("measured_distance_tinkercad_m"), deviation(table), table.temperature
+    used = warm != _ODD
+    wanted = pattern_of(warm, left, printed)
+    made = [_made(tables, one, found.far[one.id]) for one in ALL]
+    effects = _effects(tables, found, made, wanted)
+    explanations = explain(table, ALL, found.far)
+    diagnosis = diagnosis_of(tables)
+    return Answer(
+        tables,
+        wanted,
+        pattern_of(warm[used], left[used], printed[used]),
+        (float(left[:7].std(ddof=1)), float(left[7:].std(ddof=1))),
+        made,
+        explanations,
+        explain(table, ALL, found.far, without=(_ODD,)),
+        effects,
+        judge(explanations, effects),
+        diagnosis,
+        members(tables, diagnosis),
+        told(tables, found),
+    )
+
+
+def _made(tables: Tables, suspect: Suspect, readings: Readings) -> Made:
+    table = tables.table2
+    away, warm = deviation(table, readings.reading), table.temperature
+    each = [pattern_of(warm, one, own).scatter for one, own in zip(away, readings.reading, strict=True)]
+    scatter = (min(each), float(np.median(each)), max(each))
+    mean = pattern_of(warm, away.mean(axis=0), readings.reading[0])
+    return Made(suspect, mean, scatter, compare(table, suspect, readings), away)
+
+
+def _effects(tables: Tables, found: Investigation, made: list[Made], wanted: Pattern) -> Effects:
+    """Means at both distances; of a free suspect per unit of its size."""
+    expected = reading_in(table_law(tables), found.temperature) * NEAR / 2.0
+    unit = {one.suspect.id: one.suspect.free.staged if one.suspect.free else 1.0 for one in made}
+    far = {one.suspect.id: one.pattern.mean / unit[one.suspect.id] for one in made}
+    near = {
+        name: float((own.reading - expected).mean()) * 1e3 / unit[name] for name, own in found.near.items()
+    }
+    untouched = next(one for one in made if one.suspect.id == _UNTOUCHED)
+    return Effects(far, near, wanted, untouched.scatter[1])

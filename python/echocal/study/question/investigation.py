@@ -1,0 +1,151 @@
+"""Everything that the emulated board measured for the question, as a file."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.errors import DataError
+from echocal.study.question import scenes
+from echocal.study.question.experiment import Readings, run_all
+from echocal.study.question.laws import ALL, suspect
+from echocal.study.question.suspects import Suspect
+from echocal.study.tables import DISTANCE, Tables
+
+__all__ = ["NEAR", "TOLD", "Investigation", "investigate"]
+
+Column = NDArray[np.float64]
+Progress = Callable[[int, int], object]
+
+SCHEMA = "echocal.study_question/1"
+NEAR = 0.5
+"""Second distance [m]."""
+
+TOLD = ("pulse_in", "target", "module_factor", "law_332", "latency")
+"""Suspects whose tables at both distances, with a potentiometer set by hand, are given to the diagnosis."""
+
+
+@dataclass(frozen=True)
+class Investigation:
+    """Readings of the emulated board.
+
+    Attributes
+    ----------
+    temperature : ndarray, shape (n,)
+        Temperatures of Table 2 [degC].
+    far : dict of str to Readings
+        Of each suspect at 2 m.
+    near : dict of str to Readings
+        Of each suspect that moves all rows, at `NEAR`.
+    told : dict of str to tuple of Readings
+        Of the suspects `TOLD` at 2 m and at `NEAR`, with a potentiometer that is set by hand.
+    """
+
+    temperature: Column
+    far: dict[str, Readings]
+    near: dict[str, Readings]
+    told: dict[str, tuple[Readings, Readings]]
+
+    def text(self) -> str:
+        """Return the content of the file, a table in a line."""
+        parts = {
+            "far": {name: _lines(one) for name, one in self.far.items()},
+            "near": {name: _lines(one) for name, one in self.near.items()},
+            "told_far": {name: _lines(one) for name, (one, _) in self.told.items()},
+            "told_near": {name: _lines(one) for name, (_, one) in self.told.items()},
+        }
+        head = {
+            "schema": SCHEMA,
+            "made_by": "echocal study --emulate",
+            "temperature_C": self.temperature.tolist(),
+            "distance_m": {"far": DISTANCE, "near": NEAR},
+        }
+        tables = ",\n".join(f'"{part}": {{\n{_joined(lines)}\n}}' for part, lines in parts.items())
+        return f"{json.dumps(head)[:-1]},\n{tables}\n}}\n"
+
+    @classmethod
+    def load(cls, path: Path) -> "Investigation":
+        """Read a file that `text` made.
+
+        Raises
+        ------
+        DataError
+            If it is none.
+        """
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            if content["schema"] != SCHEMA:
+                raise KeyError(SCHEMA)
+            parts = {
+                part: {name: _readings(name, lines) for name, lines in content[part].items()}
+                for part in ("far", "near", "told_far", "told_near")
+            }
+            temperature = np.array(content["temperature_C"], dtype=np.float64)
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            message = f"{path} holds no readings of the study's question: {error}; make them: echocal study --emulate"
+            raise DataError(message) from None
+        told = {name: (parts["told_far"][name], parts["told_near"][name]) for name in parts["told_far"]}
+        return cls(temperature, parts["far"], parts["near"], told)
+
+
+def investigate(tables: Tables | None = None, *, progress: Progress | None = None) -> Investigation:
+    """Run the study's experiment on the emulated board, once for each suspect.
+
+    Parameters
+    ----------
+    tables : Tables, optional
+        Other tables than those that the package ships.
+    progress : callable, optional
+        Called with the number of runs done, and that of all.
+
+    Returns
+    -------
+    Investigation
+
+    Raises
+    ------
+    UsageError
+        If a tool is not installed.
+    """
+    temperature = (tables or Tables.load()).table2.temperature
+    moving = [one for one in ALL if one.place not in ("setting", "none") and not one.absent]
+    told = [_by_hand(suspect(name)) for name in TOLD]
+    jobs: list[tuple[Suspect, float, int | None]] = [(one, DISTANCE, None) for one in ALL]
+    jobs += [(one, NEAR, 1) for one in moving]
+    jobs += [(one, distance, 1) for distance in (DISTANCE, NEAR) for one in told]
+    made = run_all(jobs, temperature, progress=progress)
+    far, made = made[: len(ALL)], made[len(ALL) :]
+    near, made = made[: len(moving)], made[len(moving) :]
+    pairs = zip(made[: len(told)], made[len(told) :], strict=True)
+    return Investigation(
+        temperature,
+        {one.suspect: one for one in far},
+        {one.suspect: one for one in near},
+        dict(zip(TOLD, pairs, strict=True)),
+    )
+
+
+def _by_hand(one: Suspect) -> Suspect:
+    """Return the suspect with a potentiometer that is set by hand, as the scatter of Table 2 wants it."""
+    return replace(one, id=f"{one.id} by hand", scene=scenes.echo_and_voltage(one.scene, scenes.hand(1.0)))
+
+
+def _lines(readings: Readings) -> dict[str, list[list[int]]]:
+    return {
+        "reading_mm": np.round(readings.reading * 1e3).astype(int).tolist(),
+        "duration_us": np.round(readings.duration).astype(int).tolist(),
+    }
+
+
+def _joined(tables: dict[str, Any]) -> str:
+    return ",\n".join(f"{json.dumps(name)}: {json.dumps(one, separators=(',', ':'))}" for name, one in tables.items())
+
+
+def _readings(name: str, lines: dict[str, Sequence[Sequence[int]]]) -> Readings:
+    # as the board prints it, in meters with three decimals
+    reading = np.round(np.array(lines["reading_mm"], dtype=np.float64) / 1e3, 3)
+    return Readings(name, reading, np.array(lines["duration_us"], dtype=np.float64))
