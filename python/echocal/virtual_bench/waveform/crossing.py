@@ -37,7 +37,8 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
     -------
     ndarray, shape (n,)
         Since the burst began [s], NaN where nothing crosses. A voltage that is above the threshold at the
-        start crosses there.
+        start crosses there. The output tells it later, by the comparator's response time, and only if the
+        voltage is above the threshold for as long.
     """
     omega = 2 * np.pi * received.response.frequency
     ends = start[:, None] + np.arange(2 * cycles + 1) * np.pi / omega
@@ -46,18 +47,29 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
     turned = phasors * np.exp(1j * omega * start)[:, None]
     turned[:, 1::2] *= -1
     found = np.where(turned[:, 0].real > comparator.at(start), start, np.nan)
-    above = _candidates(turned, ends, comparator)
+    found = _lasting(found, received, comparator)
+    above = _candidates(turned, ends, omega, comparator)
     rows = np.flatnonzero(above.any(axis=1) & np.isnan(found))
     while len(rows):
         at = above[rows].argmax(axis=1)
         crest = _crest(ends[rows, at], phasors[rows, at], phasors[rows, at + 1], omega)
         times = crest[:, None] + np.linspace(-np.pi / omega, 0.0, _PIECES + 1)
-        times = np.maximum(times, start[rows, None])
-        crossed = _between(times, received.at(rows).phasor(times), omega, comparator)
+        times, here = np.maximum(times, start[rows, None]), received.at(rows)
+        crossed = _lasting(_between(times, here.phasor(times), omega, comparator), here, comparator)
         found[rows] = crossed
         above[rows, at] = False
         rows = rows[np.isnan(crossed) & above[rows].any(axis=1)]
-    return _stepped(found, ends[:, 0], ends[:, -1], received, comparator)
+    return _stepped(found, ends[:, 0], ends[:, -1], received, comparator) + comparator.response_time
+
+
+def _lasting(found: Column, received: Received, comparator: Comparator) -> Column:
+    """Those crossings after which the voltage stays above the threshold until the output has answered."""
+    rows = np.flatnonzero(~np.isnan(found))
+    if len(rows) and comparator.response_time:
+        later = found[rows] + comparator.response_time
+        stays = received.at(rows).voltage(later) > comparator.at(later)
+        found[rows[~stays]] = np.nan
+    return found
 
 
 def _stepped(found: Column, start: Column, end: Column, received: Received, comparator: Comparator) -> Column:
@@ -65,12 +77,14 @@ def _stepped(found: Column, start: Column, end: Column, received: Received, comp
     for until, _ in comparator.steps:
         rows = np.flatnonzero((start < until) & (until < end) & ~(found < until))
         if len(rows):
-            voltage = received.at(rows).voltage(np.full(len(rows), until))
-            found[rows] = np.where(voltage > comparator.at(np.array(until)), until, found[rows])
+            here = received.at(rows)
+            at_once = here.voltage(np.full(len(rows), until)) > comparator.at(np.array(until))
+            stepped = _lasting(np.where(at_once, until, np.nan), here, comparator)
+            found[rows] = np.fmin(found[rows], stepped)
     return found
 
 
-def _candidates(turned: Phasor, ends: Column, comparator: Comparator) -> NDArray[np.bool_]:
+def _candidates(turned: Phasor, ends: Column, omega: float, comparator: Comparator) -> NDArray[np.bool_]:
     """Half periods with a crest that may be above the threshold, shape (n, 2 cycles)."""
     first, last = turned[:, :-1], turned[:, 1:]
     # The slope of the voltage is that of the carrier and that of the amplitude: it must fall from end to end.
@@ -81,7 +95,8 @@ def _candidates(turned: Phasor, ends: Column, comparator: Comparator) -> NDArray
     high = np.abs((1 - part) * first - part * last)
     near = 0.3 * high  # a crest on an end is looked at from both sides
     threshold = comparator.at(ends)
-    enough = high > _SLACK * np.minimum(threshold[:, :-1], threshold[:, 1:])
+    wide = np.cos(0.5 * omega * comparator.response_time)  # of a crest that lasts for so long
+    enough = wide * high > _SLACK * np.minimum(threshold[:, :-1], threshold[:, 1:])
     return np.asarray(enough & (falls > -near) & (rises > -near))
 
 

@@ -57,7 +57,7 @@ def measure(
     sensor : Sensor, optional
         An HC-SR04 by default.
     random : numpy.random.Generator, optional
-        Of the noise. The same generator gives the same readings, whatever the number of threads.
+        Of noise and bursts. The same generator gives the same readings, whatever the number of threads.
     threads : int, optional
         As many as there are processors by default.
 
@@ -83,17 +83,19 @@ def measure(
     return Echoes(*(np.concatenate(values) for values in zip(*found, strict=True)))
 
 
-def received(scene: Scene, sensor: Sensor) -> Received:
-    """Compute what arrives in a scene, without noise."""
+def received(scene: Scene, sensor: Sensor, random: np.random.Generator | None = None) -> Received:
+    """Compute what arrives in a scene, without noise; with random numbers no burst is like another."""
     warm = scene.temperature if scene.device_temperature is None else scene.device_temperature
     response = BurstResponse.of(sensor.chain, sensor.frequency, sensor.cycles, warm)
     delays, sizes = scene.paths(sensor)
+    if random is not None:
+        sizes = sizes * np.exp(sensor.burst_scatter * random.normal(size=(len(scene), 1)))
     return Received(response, delays, sizes)
 
 
 def _some(scene: Scene, sensor: Sensor, random: np.random.Generator) -> tuple[Column, Column, Column]:
     """Measure few readings."""
-    signal = received(scene, sensor)
+    signal = received(scene, sensor, random)
     target = signal.delays[:, 1]
     if sensor.comparator.ideal:
         crossed = target + _jitter(signal, sensor, random)
@@ -157,7 +159,7 @@ def waveform(
     sensor : Sensor, optional
         An HC-SR04 by default.
     random : numpy.random.Generator, optional
-        Of the noise; None: no noise.
+        Of noise and bursts; None: no noise, and one burst like another.
     sample_rate : float
         [Hz].
 
@@ -170,7 +172,7 @@ def waveform(
     """
     sensor = sensor or Sensor()
     elapsed = np.arange(0.0, sensor.timeout, 1 / sample_rate)
-    signal = received(scene, sensor)
+    signal = received(scene, sensor, random)
     if random is not None:
         count = 2 * int(np.ceil(sensor.timeout * sensor.frequency)) + 1
         signal = replace(signal, noise=Noise.draw(sensor, np.zeros(len(scene)), count, random))

@@ -109,8 +109,10 @@ class NoiseAlone:
         steps = [until for until, _ in comparator.steps if edges[0] < until < sensor.timeout]
         self._edges = np.union1d(edges, steps)
         middle = 0.5 * (self._edges[1:] + self._edges[:-1])
-        height = np.minimum(comparator.at(middle) / max(sensor.noise, 1e-30), 38.0)
-        rate = Noise.rate(sensor) * np.exp(-0.5 * height**2)
+        rate = Noise.rate(sensor)
+        lasts = np.cos(np.pi * rate * comparator.response_time)  # a crest must be as much higher
+        height = np.minimum(comparator.at(middle) / (lasts * max(sensor.noise, 1e-30)), 38.0)
+        rate = rate * np.exp(-0.5 * height**2)
         self._expected = np.concatenate([[0.0], np.cumsum(rate * np.diff(self._edges))])
         self._drawn = random.exponential(size=count)
         self.time = self._times(self._drawn)

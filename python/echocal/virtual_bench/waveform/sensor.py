@@ -26,17 +26,28 @@ class Comparator:
     raised, recovery : float
         What is added to the threshold at first, over the last one, and the time constant [s] with which that
         decays: a controller holds the threshold up while its own burst rings.
+    response_time : float
+        How long the voltage must stay above the threshold until the output tells it [s].
     blanking : float
         Time since the burst began from which it listens [s].
     ideal : bool
         Whether it tells the front of the echo itself, and ECHO rises with the burst. No such part exists: it
         takes the time walk away, to show what else is there.
+
+    Notes
+    -----
+    Nobody has published how the threshold of an HC-SR04 moves. These numbers are fitted: the last threshold
+    to the distance at which a plate of 33 x 38 mm is lost (1.52 to 1.85 m, GaryDyr/HC-SR04-beam-tests at
+    0b6ffdd), the others to the time walk and the slips of one unit (docs/virtual-bench.md). The response
+    time is that of an LM324, which has 0.4 V/us (STMicroelectronics, LM324 datasheet) and needs 2 us to turn
+    a transistor on and 5 us to a logic level; 4 us is an assumption within that.
     """
 
-    threshold: float = 0.0127
+    threshold: float = 0.0095
     steps: tuple[tuple[float, float], ...] = ()
     raised: float = 93.0
     recovery: float = 0.94e-3
+    response_time: float = 4e-6
     blanking: float = 0.1e-3
     ideal: bool = False
 
@@ -72,6 +83,8 @@ class Sensor:
         Amplitude of the burst that reaches the receiver along the board.
     noise : float
         Standard deviation of the noise before the comparator, in its units.
+    burst_scatter : float
+        Standard deviation of the logarithm of the pressure from one burst to the next.
     comparator : Comparator
     supply_gain : float
         Relative change of the emitted pressure per relative change of the supply.
@@ -81,20 +94,34 @@ class Sensor:
         Of the timer that makes the pulse [s].
     timeout : float
         Longest time after the burst in which an echo is waited for [s].
+
+    Notes
+    -----
+    Where the defaults come from; the comments beside them tell what is an assumption:
+
+    - burst: eight cycles of 40 kHz (Elecfreaks, HC-SR04 user guide);
+    - transducers: two resonances fitted to the response of one cheap pair of 16 mm cans
+      (jdesbonnet/LPC824_Ultrasonic_Ranger at 3b90cbd, doc/40kHz_transducer_freq_curve.dat), which is down by
+      6 dB at 39.7 and 41.0 kHz; others are sold with 40 +- 1 kHz and a quality of 24 to 46;
+    - band-pass: two simulations of the board tell 18 and 32 kHz (forum of SparkFun, thread 41853);
+    - piston: 6 dB down at 27.5 degrees (Pro-Wave 400ST/SR160); TCT40-16 are sold with 40 degrees;
+    - coupling: what such pistons send to each other's side, `directivity(pi / 2)**2 * 2 / spacing`;
+    - rise of ECHO: at the end of the burst (Haitronic, HC-SR04 manual); two records say 0.08 to 0.24 ms.
     """
 
     frequency: float = 40e3
     cycles: int = 8
-    transmitter: Resonance = field(default_factory=lambda: Resonance(40.2e3, 30.0, -40.0))
-    receiver: Resonance = field(default_factory=lambda: Resonance(40.5e3, 30.0, -40.0))
-    amplifier: tuple[Resonance, ...] = (Resonance(32e3, 1.5),)
-    piston: float = 8e-3
+    transmitter: Resonance = field(default_factory=lambda: Resonance(40.27e3, 32.0, -40.0))
+    receiver: Resonance = field(default_factory=lambda: Resonance(40.49e3, 32.0, -40.0))  # drifts: assumed
+    amplifier: tuple[Resonance, ...] = (Resonance(32e3, 1.5),)  # its quality is assumed
+    piston: float = 6.5e-3
     spacing: float = 26e-3
     face: tuple[float, float] = (22.5e-3, 10e-3)
-    coupling: float = 0.1
-    noise: float = 6e-4
+    coupling: float = 1.2
+    noise: float = 2.5e-3  # fitted to the slips beyond 0.4 m of one unit
+    burst_scatter: float = 0.04  # fitted to its slips below 0.2 m
     comparator: Comparator = field(default_factory=Comparator)
-    supply_gain: float = 1.0
+    supply_gain: float = 1.0  # assumed
     zero: float = 0.2e-3
     tick: float = 1e-6
     timeout: float = 36e-3
@@ -106,10 +133,7 @@ class Sensor:
 
     def but(self, **changes: object) -> Self:
         """Return a copy with other numbers; those of the comparator by their names, too."""
-        own = {
-            name: changes.pop(name)
-            for name in ("threshold", "steps", "raised", "recovery", "blanking", "ideal")
-            if name in changes
-        }
+        known = Comparator.__dataclass_fields__
+        own = {name: changes.pop(name) for name in tuple(changes) if name in known}
         comparator = replace(self.comparator, **own)  # type: ignore[arg-type]
         return replace(self, comparator=changes.pop("comparator", comparator), **changes)  # type: ignore[arg-type]
