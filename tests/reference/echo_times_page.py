@@ -22,7 +22,12 @@ def page(text: str) -> str:
     bench = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(bench)
     results = json.loads(RESULTS.read_text())
-    tables = {"errors": bench.table(results), "right": bench.right(results), "speed": bench.rates(results)}
+    tables = {
+        "errors": bench.table(results),
+        "right": bench.right(results),
+        "world": bench.physics(results),
+        "speed": bench.rates(results),
+    }
     for name, table in tables.items():
         found = re.compile(rf"(<!-- {name} -->\n)\n?(?:\|.*\n)*\n?")
         assert found.search(text), name
