@@ -359,11 +359,5 @@ def test_every_cause_that_may_be_missed_has_a_reason() -> None:
     assert all(f"\n{n}. " in REASONS for n in numbers)
 
 
-def test_slow_level_can_be_named_only_where_the_distance_is_assumed() -> None:
-    assert ("slow_level",) in choices("outdoor", "single", "ideal")
-    assert ("slow_level",) not in choices("tank", "single", "ideal")
-    assert ("slow_level",) in choices("tank", "unknown", "ideal")
-
-
 def test_usual_sizes_are_within_the_range_of_the_bench() -> None:
     assert all(abs(usual(id_)) <= CAUSES[id_].high for id_ in CAUSES)

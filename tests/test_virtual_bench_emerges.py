@@ -142,7 +142,9 @@ def test_a_burst_from_a_cold_pump_comes_late(random: np.random.Generator) -> Non
     bursts, order = 400, np.arange(5)
     cold = np.tile(np.where(order == 0, 0.8, 1.0), bursts)
     distance = np.repeat(random.uniform(0.5, 1.5, bursts), len(order))
-    delay = measure(Scene(distance, supply=cold), replace(FIXED, noise=1e-4), random).delay.reshape(bursts, -1)
+    delay = measure(Scene(distance, supply=cold), replace(FIXED, noise=1e-4), random).delay.reshape(
+        bursts, -1
+    )
     first = delay[:, 0] - np.median(delay[:, 1:], axis=1)
     rest = delay[:, 1] - np.median(delay[:, 1:], axis=1)
     assert first.mean() > 1e-6
@@ -194,7 +196,9 @@ def test_turbulence_remembers_and_grows(random: np.random.Generator) -> None:
     assert np.corrcoef(way, np.log(louder))[0, 1] == pytest.approx(0.0, abs=0.15)
     apart, _ = own.draw(seconds, np.full(n, 1.0), np.arange(n), random)
     assert abs(np.corrcoef(apart[1:], apart[:-1])[0, 1]) < 0.08
-    spread = [np.std(own.draw(seconds, np.full(n, far), np.arange(n), random)[0]) for far in (0.1, 0.2, 1, 40, 160)]
+    spread = [
+        np.std(own.draw(seconds, np.full(n, far), np.arange(n), random)[0]) for far in (0.1, 0.2, 1, 40, 160)
+    ]
     assert spread[2] == pytest.approx(1e-3, rel=0.06)
     assert spread[1] / spread[0] == pytest.approx(2.0, rel=0.1)
     assert spread[4] / spread[3] == pytest.approx(2.0, rel=0.1)

@@ -43,7 +43,9 @@ def kirchhoff(target: Target, distance: float, mirror: float = 0.0) -> complex:
         total = total * directivity(np.arccos(x / way), PISTON, WAVE_NUMBER) / way
         weight = weight + 0.5 * np.maximum((x * normal[0] + (y - place) * normal[1]) / way, 0.0)
         length = length + way
-    return complex(1j * WAVE_NUMBER / np.pi * area * (total * weight * np.exp(-1j * WAVE_NUMBER * length)).sum())
+    return complex(
+        1j * WAVE_NUMBER / np.pi * area * (total * weight * np.exp(-1j * WAVE_NUMBER * length)).sum()
+    )
 
 
 def ours(target: Target, distance: float) -> complex:
@@ -83,7 +85,9 @@ def test_limits() -> None:
     plate = Target(half_width=0.02, half_height=0.02)
     phasor, _ = echo_of(plate, np.array([far]), np.array([WAVE_NUMBER]), PISTON)
     wavelength = 2 * np.pi / WAVE_NUMBER
-    assert abs(phasor[0]) == pytest.approx(0.04**2 / (wavelength * far**2), rel=0.01)  # area / (wavelength d^2)
+    assert abs(phasor[0]) == pytest.approx(
+        0.04**2 / (wavelength * far**2), rel=0.01
+    )  # area / (wavelength d^2)
     tilted = replace(wall, tilt=0.2)
     _, path = echo_of(tilted, np.array([1.0]), np.array([WAVE_NUMBER]), PISTON)
     assert path[0] == pytest.approx(2 * np.cos(0.2))  # the foot of the perpendicular
@@ -92,14 +96,19 @@ def test_limits() -> None:
     both = [echo_of(one, np.array([1.0]), np.array([WAVE_NUMBER]), PISTON)[0][0] for one in (pole, turned)]
     assert abs(both[0]) == pytest.approx(np.sqrt(0.02 / 1.02), rel=0.03)  # geometrical optics of a cylinder
     assert abs(both[0]) == pytest.approx(abs(both[1]), rel=0.05)  # a pole looks the same from all sides
-    rough = [echo_of(replace(wall, roughness=s), np.array([1.0]), np.array([WAVE_NUMBER]), PISTON)[0] for s in (0, 1e-3)]
+    rough = [
+        echo_of(replace(wall, roughness=s), np.array([1.0]), np.array([WAVE_NUMBER]), PISTON)[0]
+        for s in (0, 1e-3)
+    ]
     assert abs(rough[1][0] / rough[0][0]) == pytest.approx(np.exp(-2 * (1e-3 * WAVE_NUMBER) ** 2))
 
 
 def test_the_beam_is_a_pistons() -> None:
     """Half of the pressure at 27.5 degrees, as the datasheet of the transducer says; the first zero at 3.83."""
     assert directivity(np.radians(27.5), PISTON, WAVE_NUMBER) == pytest.approx(0.5, abs=0.03)
-    assert directivity(np.arcsin(3.8317 / (WAVE_NUMBER * 2 * PISTON)), 2 * PISTON, WAVE_NUMBER) == pytest.approx(0, abs=1e-4)
+    assert directivity(
+        np.arcsin(3.8317 / (WAVE_NUMBER * 2 * PISTON)), 2 * PISTON, WAVE_NUMBER
+    ) == pytest.approx(0, abs=1e-4)
     assert directivity(0.0, PISTON, WAVE_NUMBER) == 1.0
 
 

@@ -10,7 +10,7 @@ from echocal.virtual_bench.campaign.campaign import Random
 from echocal.virtual_bench.campaign.designs import lay_down
 from echocal.virtual_bench.campaign.simulate import offers
 from hidden_effects.aliases import label
-from hidden_effects.bench.truth import FAULTS, MISTAKES, NOISES, UNFORESEEN, UNNAMEABLE
+from hidden_effects.bench.truth import FAULTS, MISTAKES, NOISES, UNFORESEEN
 from hidden_effects.bench.world import Spec
 
 SHARES = {
@@ -61,14 +61,13 @@ def _seed(design: str, ids: tuple[str, ...], random: np.random.Generator) -> int
 def choices(design: str, stratum: str, detector: str) -> list[tuple[str, ...]]:
     """Sets of causes that a stratum draws from; what brings a comparator is measured by one."""
     here = [id_ for id_ in fits(design) if detector == "comparator" or not forces(id_)]
-    lacking = UNFORESEEN | (UNNAMEABLE if "reference" in has(design, 0) else frozenset())
-    singles = [id_ for id_ in here if id_ not in MISTAKES | lacking]
+    singles = [id_ for id_ in here if id_ not in MISTAKES | UNFORESEEN]
     if stratum == "null":
         return [()]
     if stratum == "pair":
         means = [id_ for id_ in singles if id_ not in NOISES | FAULTS]
         return [(a, b) for i, a in enumerate(means) for b in means[i + 1 :] if label(a) != label(b)]
-    among = {"single": singles, "unknown": lacking, "mistake": MISTAKES}[stratum]
+    among = {"single": singles, "unknown": UNFORESEEN, "mistake": MISTAKES}[stratum]
     return [(id_,) for id_ in here if id_ in among]
 
 

@@ -13,9 +13,6 @@ MISTAKES = frozenset(id_ for id_, cause in CAUSES.items() if cause.stage.__modul
 UNFORESEEN = frozenset(id_ for id_, cause in CAUSES.items() if not cause.in_catalogue) - MISTAKES
 """Causes that the catalogue does not have: right is that something is there that it cannot name."""
 
-UNNAMEABLE = frozenset({"slow_level"})
-"""The same where the distance is known: the catalogue has it for a distance that is only assumed constant."""
-
 NOISES = frozenset(
     {
         "correlated_noise",
@@ -45,6 +42,9 @@ _AIR = frozenset({"dispersion", "correlated_noise", "slow_air", "noise_growth", 
 _SHAPE = frozenset({"transducer_spacing"})  # 26 mm of an HC-SR04 are on the bench, and not in the base
 _WALK = frozenset({"amplitude_walk", "fixed_delay", "cycle_slip", "cycle_offset"})
 _BROUGHT = {
+    "mistyped_rows": frozenset(
+        {"fixed_speed", "reading_quantization"}
+    ),  # who types, types a display's millimeters
     "polling_jitter": frozenset({"fixed_delay", "zero_error"}),  # its mean
     "reading_quantization": frozenset({"fixed_speed"}),  # who cuts off to centimeters reckons with 343 m/s
 }

@@ -123,7 +123,7 @@ WHY: dict[str, str] = {
     "reference_error": "1",
     "reference_scale": "1, 4",
     "resonance_drift": "5, 2: it acts by the amplitude, a parabola of the temperature does not",
-    "slow_level": "6: with a known distance the catalogue has no such cause; `unknown` is right",
+    "slow_level": "-",
     "standing_wave": "1: few distances",
     "step_change": "1: the step falls between two placements",
     "stuck_reading": "7",
