@@ -56,7 +56,9 @@ def test_the_page_is_fresh(found: Answer) -> None:
 def test_the_file_is_what_the_board_made(board: Investigation) -> None:
     assert board.text() == READINGS.read_text(encoding="utf-8")
     assert list(board.far) == [one.id for one in ALL]
-    assert {one.id for one in ALL if one.place not in ("setting", "none") and not one.absent} == set(board.near)
+    assert {one.id for one in ALL if one.place not in ("setting", "none") and not one.absent} == set(
+        board.near
+    )
     assert board.temperature.tolist() == Tables.load().table2.temperature.tolist()
 
 
@@ -183,7 +185,9 @@ def test_how_far_apart_a_measurement_sets_two_explanations(found: Answer) -> Non
     assert held == pytest.approx(lost / (found.effects.jitter * np.sqrt(0.2)), rel=1e-6)
     # a label does not say where pulseIn() counts
     assert separation(MEASURE["label"], pair, found.effects) > 5.0
-    assert separation(MEASURE["interrupts_held"], (by_name["target"], by_name["law_332"]), found.effects) == 0.0
+    assert (
+        separation(MEASURE["interrupts_held"], (by_name["target"], by_name["law_332"]), found.effects) == 0.0
+    )
     assert separation(MEASURE["second_distance"], pair, found.effects) < 3.0, "the mouse errs there, too"
 
 
