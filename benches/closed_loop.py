@@ -58,7 +58,9 @@ DEVICES = {
     "ideal": Device("ideal module, ideal thermometer and hygrometer", "ideal", None),
     "drawn": Device("ideal module, a TMP36 and a HIH-4030 with their tolerances", "ideal", 7),
     "comparator": Device("HC-SR04 with a comparator, ideal thermometer and hygrometer", "comparator", None),
-    "both": Device("HC-SR04 with a comparator, a TMP36 and a HIH-4030 with their tolerances", "comparator", 7),
+    "both": Device(
+        "HC-SR04 with a comparator, a TMP36 and a HIH-4030 with their tolerances", "comparator", 7
+    ),
 }
 
 

@@ -182,7 +182,9 @@ def _bars(ax: Axes, devices: Record) -> None:
         heights = [float(np.sqrt(np.nanmean(own**2))) for own in values]
         where = np.arange(len(_PARTS)) + (place - (len(devices) - 1) / 2) * width
         ax.bar(where, heights, width, label=one["title"])
-    ax.set_xticks(range(len(_PARTS)), ["timer", "codes of\nsensors", "arithmetic", "air", "transducer"], fontsize=8)
+    ax.set_xticks(
+        range(len(_PARTS)), ["timer", "codes of\nsensors", "arithmetic", "air", "transducer"], fontsize=8
+    )
     ax.set_ylabel("RMS of a part of the error, after [mm]")
     ax.set_yscale("log")
     ax.set_title("Where the rest comes from", fontsize=9)

@@ -142,7 +142,9 @@ def _lines(readings: Readings) -> dict[str, list[list[int]]]:
 
 
 def _joined(tables: dict[str, Any]) -> str:
-    return ",\n".join(f"{json.dumps(name)}: {json.dumps(one, separators=(',', ':'))}" for name, one in tables.items())
+    return ",\n".join(
+        f"{json.dumps(name)}: {json.dumps(one, separators=(',', ':'))}" for name, one in tables.items()
+    )
 
 
 def _readings(name: str, lines: dict[str, Sequence[Sequence[int]]]) -> Readings:

@@ -14,7 +14,13 @@ def _speed(text: str) -> dict[str, str]:
 
 
 _LAWS = (
-    Suspect("law_331_4", "331.4 + 0.6 T", "law", "The law that the study states.", _speed("331.4 + 0.6 * (celsius)")),
+    Suspect(
+        "law_331_4",
+        "331.4 + 0.6 T",
+        "law",
+        "The law that the study states.",
+        _speed("331.4 + 0.6 * (celsius)"),
+    ),
     Suspect("law_331_5", "331.5 + 0.6 T", "law", "A common intercept.", _speed("331.5 + 0.6 * (celsius)")),
     Suspect("law_332", "332 + 0.6 T", "law", "A rounded intercept.", _speed("332 + 0.6 * (celsius)")),
     Suspect("law_0_606", "331.3 + 0.606 T", "law", "A common slope.", _speed("331.3 + 0.606 * (celsius)")),
@@ -96,7 +102,14 @@ _TEMPERATURES = (
         scene=scenes.moved(5e-3),
         tables=_RANDOM_TABLES,
     ),
-    Suspect("dry_air", "true dry air", "air", "The speed of real air is no straight line.", scene=scenes.air, absent=_NO_AIR),
+    Suspect(
+        "dry_air",
+        "true dry air",
+        "air",
+        "The speed of real air is no straight line.",
+        scene=scenes.air,
+        absent=_NO_AIR,
+    ),
     Suspect(
         "damp_air",
         "true air of 50 % humidity",

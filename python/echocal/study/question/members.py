@@ -27,7 +27,9 @@ _POSSIBLE = {
     "interrupt_loss": _Possible(
         (0.00578, 0.00590), "the board's pulseIn() loses 0.584 % (0.578 to 0.590 %), whatever the sketch does"
     ),
-    "clock_error": _Possible(None, "a simulated clock is exact; the resonator of a real UNO may be 0.5 % off"),
+    "clock_error": _Possible(
+        None, "a simulated clock is exact; the resonator of a real UNO may be 0.5 % off"
+    ),
     "fixed_delay": _Possible((0.0, 1.0), "a latency lengthens the echo"),
     "gas_composition": _Possible(None, "Tinkercad has no air"),
     "temperature_gradient": _Possible(None, "Tinkercad has no air"),

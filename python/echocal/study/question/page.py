@@ -80,7 +80,9 @@ def _suspects(found: Answer) -> str:
             continue
         free = one.suspect.free is not None
         cells = [one.suspect.title, one.suspect.place]
-        cells += [_size(one), "", ""] if free else ["", f"{one.pattern.mean:+.1f}", f"{one.pattern.slope:+.3f}"]
+        cells += (
+            [_size(one), "", ""] if free else ["", f"{one.pattern.mean:+.1f}", f"{one.pattern.slope:+.3f}"]
+        )
         rows.append([*cells, _excluded(one.verdict.excluded_by)])
     heads = ["suspect", "place", "size that Table 2 needs", "mean [mm]", "slope [mm/K]", "excluded by"]
     explained = "\n".join(f"- *{one.suspect.title}*: {one.suspect.says}" for one in found.made)

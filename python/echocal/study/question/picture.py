@@ -91,7 +91,9 @@ def _suspect(axes: Axes, row: int, one: Made) -> None:
     free = one.suspect.free
     if free is not None:
         ends = [one.pattern.mean / free.staged * size for size in (free.low, free.high)]
-        axes.plot(np.clip(ends, _LOWEST, _HIGHEST), [row, row], "-", color=color, linewidth=4, solid_capstyle="butt")
+        axes.plot(
+            np.clip(ends, _LOWEST, _HIGHEST), [row, row], "-", color=color, linewidth=4, solid_capstyle="butt"
+        )
         return
     if one.pattern.mean < _LOWEST:
         axes.plot(_LOWEST + 0.6, row, "<", color=color)
@@ -121,7 +123,13 @@ def draw_rows(found: Answer, axes: Axes) -> None:
             made = found.of(own.id).deviation.mean(axis=0)
             total = total + (made if own.free is None else made * one.sizes[own.id] / own.free.staged)
         name = " and\n".join(own.title for own in one.suspects)
-        axes.plot(table.temperature, total, color=color, linewidth=1.3, label=f"{name} ({100 * one.probability:.0f} %)")
+        axes.plot(
+            table.temperature,
+            total,
+            color=color,
+            linewidth=1.3,
+            label=f"{name} ({100 * one.probability:.0f} %)",
+        )
     loss = found.of("pulse_in").deviation.mean(axis=0)
     axes.plot(table.temperature, loss, color=GRAY, linewidth=1.0, linestyle="--", label="pulseIn() alone")
     axes.axhline(0.0, color=INK, linewidth=0.8)

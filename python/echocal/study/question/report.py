@@ -37,7 +37,9 @@ def show(found: Answer, console: Console) -> None:
         needed = "" if free is None else f"{one.verdict.size:+.2f} {free.unit}"
         cells = (f"{one.pattern.mean:+.1f}", f"{one.pattern.slope:+.3f}") if free is None else ("", "")
         excluded = ", ".join(one.verdict.excluded_by)
-        table.add_row(one.suspect.title, *cells, needed, Text(excluded or "remains", "dim" if excluded else "bold"))
+        table.add_row(
+            one.suspect.title, *cells, needed, Text(excluded or "remains", "dim" if excluded else "bold")
+        )
     console.print(table)
     chosen = Table("explanation", "left [mm]", "probability", box=box.SIMPLE_HEAD, padding=(0, 1))
     for explanation in found.explanations[:_LISTED]:

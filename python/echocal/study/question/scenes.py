@@ -10,7 +10,19 @@ from echocal.study.tables import DISTANCE
 from echocal.virtual_bench.air import speed_of_sound
 from echocal.virtual_bench.echo_time import echo_time
 
-__all__ = ["MODULE_SPEED", "Rows", "Scene", "air", "comparator", "damp_air", "echo_and_voltage", "hand", "late", "module", "moved"]
+__all__ = [
+    "MODULE_SPEED",
+    "Rows",
+    "Scene",
+    "air",
+    "comparator",
+    "damp_air",
+    "echo_and_voltage",
+    "hand",
+    "late",
+    "module",
+    "moved",
+]
 __all__ += ["next_row", "placed", "plain", "whole_degrees"]
 
 Column = NDArray[np.float64]
@@ -130,7 +142,9 @@ def _through(temperature: Column, echo: Column) -> Rows:
 
 def air(temperature: Column, distance: float, random: np.random.Generator) -> Rows:
     """Dry air of the bench at the temperature."""
-    return _through(temperature, 2.0 * distance / speed_of_sound(temperature, frequency=_FREQUENCY, group=True))
+    return _through(
+        temperature, 2.0 * distance / speed_of_sound(temperature, frequency=_FREQUENCY, group=True)
+    )
 
 
 def damp_air(temperature: Column, distance: float, random: np.random.Generator) -> Rows:

@@ -174,7 +174,9 @@ SUSPECTS = (
         "target",
         "The target is dragged once and is beside 2 m.",
         scene=scenes.placed(-10e-3),
-        free=Free("offset", "mm", -10.0, 10.0, -10.0, "judgement: a label that shows whole centimeters or less"),
+        free=Free(
+            "offset", "mm", -10.0, 10.0, -10.0, "judgement: a label that shows whole centimeters or less"
+        ),
     ),
     Suspect(
         "divide_29_1",
@@ -202,7 +204,10 @@ SUSPECTS = (
         "pulseIn(), distance cut off to whole centimeters",
         "timer",
         "pulseIn() makes 198.8 cm of 2 m, and int or long makes 198 cm of that.",
-        {"DURATION()": "pulseIn(echoPin, HIGH)", "CENTIMETERS(duration)": "((long)((duration) * 0.0343 / 2))"},
+        {
+            "DURATION()": "pulseIn(echoPin, HIGH)",
+            "CENTIMETERS(duration)": "((long)((duration) * 0.0343 / 2))",
+        },
     ),
     Suspect(
         "whole_cm",
