@@ -69,7 +69,9 @@ def boxes(folder: Path) -> pd.DataFrame:
     return pd.DataFrame(found, columns=["arduino", "distance", "share", "spacing", "rows"])
 
 
-def desk_on_the_bench(random: np.random.Generator, sensor: Sensor | None = None, times: int = 1) -> pd.DataFrame:
+def desk_on_the_bench(
+    random: np.random.Generator, sensor: Sensor | None = None, times: int = 1
+) -> pd.DataFrame:
     """The same campaign on the bench: a metal plate that a hand places on a desk, 14 cm below the sensor."""
     near, far = np.arange(2, 21) / 100, np.repeat(np.arange(5, 151, 5) / 100, 3)
     sessions = [(f"near {number}", near, 5) for number in range(17 * times)]
@@ -217,7 +219,9 @@ def _comb(delay: Column, basis: Column, period: float, first: float) -> tuple[Co
     return cycle, rest
 
 
-def reach(target: Target, distances: Column, random: np.random.Generator, sensor: Sensor | None = None) -> float:
+def reach(
+    target: Target, distances: Column, random: np.random.Generator, sensor: Sensor | None = None
+) -> float:
     """Greatest of the distances [m] from where on nearer ones are all told right in four of five readings."""
     repeated = np.repeat(distances, 25)
     scene = Scene(repeated, temperature=16.5, relative_humidity=0.32, target=target)
