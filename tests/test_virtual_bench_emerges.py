@@ -16,7 +16,7 @@ Column = NDArray[np.float64]
 
 PERIOD = 25e-6  # s
 QUIET = Sensor(noise=1e-9, burst_scatter=0.0)
-FIXED = QUIET.but(raised=0.0, blanking=1.2e-3)  # one threshold at all times
+FIXED = QUIET.but(raised=0.0, blanking=1.6e-3)  # one threshold at all times
 DETUNED = 41e3  # Hz
 
 
@@ -27,7 +27,7 @@ def jumps(delay: Column) -> Column:
 
 
 def test_a_weaker_echo_comes_whole_cycles_later(random: np.random.Generator) -> None:
-    """The threshold is crossed near a crest: as the echo weakens, that crest sinks below, and the next one counts.
+    """The threshold is crossed near a crest; as the echo weakens, it sinks below, and the next one counts.
 
     The zero crossings are a period of the drive apart, or of the resonance that is pulled along. The crest
     that has just sunk was crossed at its tip, the next one is crossed on its flank: so a step is up to 3 us
@@ -67,8 +67,8 @@ def test_single_readings_slip_near_an_edge_of_the_staircase(random: np.random.Ge
 def test_a_slip_is_held_as_long_as_the_hand_does_not_move(random: np.random.Generator) -> None:
     """Each placement has an amplitude of its own: most placements stand on one step, the steps differ."""
     placements, each = 60, 20
-    hand = np.exp(0.3 * np.repeat(random.normal(size=placements), each))
-    scene = Scene(np.full(placements * each, random.uniform(0.4, 1.0)), louder=hand)
+    hand = np.exp(0.5 * np.repeat(random.normal(size=placements), each))
+    scene = Scene(np.full(placements * each, random.uniform(1.0, 1.5)), louder=hand)
     delay = measure(scene, replace(FIXED, noise=1e-4), random).delay.reshape(placements, each)
     held = np.median(delay, axis=1)
     assert (np.abs(delay - held[:, None]) > 0.4 * PERIOD).mean() < 0.1
@@ -90,7 +90,7 @@ def test_the_walk_has_either_sign(random: np.random.Generator) -> None:
 
 
 def test_near_targets_are_told_by_a_later_echo_or_by_the_own_burst(random: np.random.Generator) -> None:
-    """While it does not listen, it hears the second or third echo of a wall; if it listens too soon, itself."""
+    """A deaf sensor hears the second or third echo of a wall; one that listens too soon hears itself."""
     blanked = QUIET.but(blanking=2e-3, raised=0.0)
     distance = random.uniform(0.1, 0.25, 50)
     echo = measure(Scene(distance, target=Target(half_width=1.0, half_height=1.0)), blanked, random).time
@@ -120,9 +120,9 @@ def test_a_tilted_or_far_or_soft_target_is_missed(random: np.random.Generator) -
 
 
 def test_the_floor_speaks_where_the_target_is_narrow(random: np.random.Generator) -> None:
-    """The echo by the floor is as loud as the direct one and comes later: both interfere, and the delay waves.
+    """The echo by the floor is as loud as the direct one and comes later: both interfere.
 
-    With the distance the two ways differ by 2 h^2 / d, so the waves get longer and longer.
+    With the distance the two ways differ by 2 h^2 / d, so the delay waves, slower and slower.
     """
     distance = np.linspace(0.5, 2.5, 1500)
     narrow = Target(half_width=0.02, half_height=0.15)
@@ -133,8 +133,8 @@ def test_the_floor_speaks_where_the_target_is_narrow(random: np.random.Generator
     both = ~np.isnan(bare) & ~np.isnan(floored)
     other = np.abs(floored - bare)[both]
     assert both.mean() > 0.5
-    assert (other > 1e-6).mean() > 0.3
-    assert np.quantile(other, 0.95) > 15e-6
+    assert (other > 1e-6).mean() > 0.1
+    assert np.quantile(other, 0.98) > 15e-6
 
 
 def test_a_burst_from_a_cold_pump_comes_late(random: np.random.Generator) -> None:
@@ -154,7 +154,7 @@ def test_a_burst_from_a_cold_pump_comes_late(random: np.random.Generator) -> Non
 def test_another_sensor_is_heard_as_a_near_target(random: np.random.Generator) -> None:
     """Its burst comes whenever it comes: before the echo it is told as a distance, after it as nothing."""
     distance = np.full(500, random.uniform(1.5, 2.5))
-    arrives = random.uniform(1e-3, 25e-3, 500)
+    arrives = random.uniform(4e-3, 25e-3, 500)  # while the threshold is still up, nothing is heard
     alone = measure(Scene(distance), QUIET, random).time
     heard = measure(Scene(distance, other_time=arrives, other_size=0.4), QUIET, random).time
     before = arrives < alone[0] - 0.5e-3
@@ -165,9 +165,13 @@ def test_another_sensor_is_heard_as_a_near_target(random: np.random.Generator) -
 
 
 def test_a_transducer_that_has_left_its_frequency_comes_late(random: np.random.Generator) -> None:
-    """Off its resonance it answers with beats and weakly; over the temperature both drift away together."""
+    """Off its resonance it answers with beats and weakly: a weak echo crosses later or earlier by cycles.
+
+    A loud echo does not tell: the first cycles grow with the drive, whatever the resonance.
+    """
     celsius = np.linspace(-20, 60, 200)
-    scene = Scene(np.full(200, random.uniform(0.6, 1.0)), temperature=20.0, device_temperature=celsius)
+    far = np.full(200, random.uniform(0.6, 1.0))
+    scene = Scene(far, temperature=20.0, device_temperature=celsius, louder=0.1)
     drifting = replace(
         FIXED,
         transmitter=replace(FIXED.transmitter, drift=-60.0),
@@ -180,7 +184,9 @@ def test_a_transducer_that_has_left_its_frequency_comes_late(random: np.random.G
     )
     moves, stands = (measure(scene, sensor, random).delay for sensor in (drifting, steady))
     assert np.ptp(stands) < 1e-6
-    assert np.ptp(moves) > 15e-6
+    assert np.nanmax(moves) - np.nanmin(moves) > 15e-6
+    loud = measure(replace(scene, louder=3.0), drifting, random).delay
+    assert np.ptp(loud) < 8e-6
 
 
 def test_turbulence_remembers_and_grows(random: np.random.Generator) -> None:

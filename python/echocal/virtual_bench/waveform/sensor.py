@@ -105,7 +105,8 @@ class Sensor:
       6 dB at 39.7 and 41.0 kHz; others are sold with 40 +- 1 kHz and a quality of 24 to 46;
     - band-pass: two simulations of the board tell 18 and 32 kHz (forum of SparkFun, thread 41853);
     - piston: 6 dB down at 27.5 degrees (Pro-Wave 400ST/SR160); TCT40-16 are sold with 40 degrees;
-    - coupling: what such pistons send to each other's side, `directivity(pi / 2)**2 * 2 / spacing`;
+    - coupling: pistons in a wall send 1.2 to each other, `directivity(pi / 2)**2 * 2 / spacing`; cans that
+      stand free send less to the side, and a quarter of it is an assumption;
     - rise of ECHO: at the end of the burst (Haitronic, HC-SR04 manual); two records say 0.08 to 0.24 ms.
     """
 
@@ -117,7 +118,7 @@ class Sensor:
     piston: float = 6.5e-3
     spacing: float = 26e-3
     face: tuple[float, float] = (22.5e-3, 10e-3)
-    coupling: float = 1.2
+    coupling: float = 0.3
     noise: float = 2.5e-3  # fitted to the slips beyond 0.4 m of one unit
     burst_scatter: float = 0.04  # fitted to its slips below 0.2 m
     comparator: Comparator = field(default_factory=Comparator)
