@@ -129,14 +129,15 @@ def reliability(echo: Echo, rng: np.random.Generator, n: int) -> dict[str, list[
     return found
 
 
-def walk(echo: Echo) -> dict[str, list[float]]:
+def walk(echo: Echo) -> dict[str, list[float | None]]:
     """Delay of the comparator and of the matched filter [s] against the amplitude, without noise."""
     delays = np.full(len(STRENGTHS), EARLIEST)
     clean = captures(echo, delays, RATE, COUNT, LEVEL * STRENGTHS)
     template = echo.samples(RATE)
     crossing = echocal.echo_times(clean, RATE, "threshold", threshold=LEVEL, noise=1e-6).time
     matched = echocal.echo_times(clean, RATE, template=template, noise=1e-6).time
-    return {"threshold_s": list(crossing - EARLIEST), "matched_filter_s": list(matched - EARLIEST)}
+    found = {"threshold_s": crossing - EARLIEST, "matched_filter_s": matched - EARLIEST}
+    return {name: [float(v) if np.isfinite(v) else None for v in values] for name, values in found.items()}
 
 
 def world(rng: np.random.Generator, n: int) -> list[dict[str, Any]]:
@@ -193,7 +194,7 @@ def measure(n: int, seed: int) -> dict[str, Any]:
         "points": [point(ratio, echo, rng, n) for ratio in RATIOS],
         "reliability": reliability(echo, rng, 8 * n),
         "walk": walk(echo),
-        "world": world(rng, 400),
+        "world": world(rng, 200),
         "speed": speed(echo, rng),
     }
 
@@ -283,7 +284,7 @@ def main() -> None:
         return
     if given.world:
         kept = json.loads(RESULTS.read_text())
-        kept["world"] = world(np.random.default_rng(given.seed), 400)
+        kept["world"] = world(np.random.default_rng(given.seed), 200)
         RESULTS.write_text(json.dumps(kept, indent=1) + "\n")
         print(physics(kept))
         return

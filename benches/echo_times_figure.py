@@ -54,7 +54,7 @@ def _walk(ax: Axes, walk: dict[str, list[float]]) -> None:
     for method in ("threshold", "matched_filter"):
         ax.plot(
             strength,
-            US * np.array(walk[f"{method}_s"]),
+            US * np.array(walk[f"{method}_s"], dtype=float),
             ".",
             ms=2.5,
             color=COLORS[method],

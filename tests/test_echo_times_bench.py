@@ -1,6 +1,7 @@
-"""Echoes of the virtual bench, which shares no code with the estimators: other transducers, a receiver, a target."""
+"""Echoes of the virtual bench, which shares no code with the estimators: other transducers, a target."""
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 import echocal
@@ -17,22 +18,25 @@ def timed(random: np.random.Generator, method: str, **options: object) -> tuple[
     scene, sensor = Scene(random.uniform(0.8, 2.5, 60)), Sensor()
     _, voltage = waveform(scene, sensor, random, RATE)
     arriving = received(scene, sensor)
-    # a plate of finite size returns the carrier with a phase of its own: less than a microsecond, by diffraction
+    # a plate of finite size returns the carrier with a phase of its own, by diffraction: below 1 us
     arrival = arriving.delays[:, 1] - np.angle(arriving.sizes[:, 1]) / (2.0 * np.pi * CARRIER)
     found = echocal.echo_times(voltage, RATE, method, **WINDOW, **options)  # type: ignore[arg-type]
     off = found.time - arrival
     return off - np.median(off), found
 
 
-def test_an_echo_of_unknown_transducers_is_timed_within_a_hundredth_of_a_cycle(
-    random: np.random.Generator,
+@pytest.mark.parametrize("method", ["matched_filter", "phase"])
+def test_an_echo_of_unknown_transducers_is_timed_as_well_as_is_told(
+    method: str, random: np.random.Generator
 ) -> None:
-    for method in ("matched_filter", "phase"):
-        off, found = timed(random, method, template="mean")
-        assert found.found.all()
-        assert np.abs(off).max() < 0.25e-6, method
-        assert np.std(off) < 3.0 * np.median(found.standard_uncertainty), method
-        assert found.cycle_ambiguity.max() < 0.01, method
+    off, found = timed(random, method, template="mean")
+    assert found.found.all()
+    same = np.abs(off) < 0.5 / CARRIER
+    told = found.cycle_ambiguity.sum()
+    assert (~same).sum() < told + 5.0 * np.sqrt(told) + 3.0
+    assert same.mean() > 0.8
+    score = (off / found.standard_uncertainty)[same]
+    assert 0.6 < np.std(score) < 2.5  # path and board add 10 ns to what the noise does
 
 
 def test_a_comparator_errs_by_cycles_where_the_echo_fades(random: np.random.Generator) -> None:
