@@ -186,6 +186,7 @@ def test_a_unit_that_a_fault_explains_is_no_reason_to_refuse(random: np.random.G
     assert {"unit_mixup", "fixed_speed"} <= {cause.id for cause in diagnosis.causes}
 
 
+@pytest.mark.statistical
 def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
     table = logged(random)
     del table["distance_m"]
@@ -196,9 +197,9 @@ def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
     ]
     assert gains[1].rms_before_m == pytest.approx(gains[0].rms_before_m)
     kept = [gain.rms_after_m for gain in gains if gain.rms_after_m != gain.rms_before_m]
-    # Of 82 draws 80 gave the same to 1e-15; the others differed by 0.6 and 2.6 um, and CI's by 3.6 um.
-    # Under a moving average the first row of a series is approximate, so the weight of such a noise
-    # depends on which end is first. That must be less than these rows can show: the standard error of an RMS.
+    # Of 300 draws 3 differ by more, up to 4.5 mm: another set of effects is selected, as the interval of the
+    # log score is over contiguous pieces of rows. Two more differ by 2 um: noise with a moving average begins
+    # approximately. What is asked is less than these rows can show: the standard error of an RMS.
     standard_error = 5e-4 / np.sqrt(2 * 200)
     assert kept == pytest.approx(kept[:1] * len(kept), abs=standard_error), "one may keep the base"
 

@@ -92,7 +92,7 @@ def test_members_of_a_class_keep_their_odds_beside_a_noise(random: np.random.Gen
     assert 1 / 10 < probability("clock_error") / probability("reference_scale") < 10
 
 
-@pytest.mark.parametrize("hours", [1.0, 30.0])
+@pytest.mark.parametrize("hours", [1.0, pytest.param(30.0, marks=pytest.mark.statistical)])
 def test_an_hour_of_the_sun_is_no_daylight(random: np.random.Generator, hours: float) -> None:
     time = pd.date_range("2026-06-01T10:00", periods=ROWS, freq=pd.Timedelta(hours=hours / ROWS))
     celsius = 20.0 + random.normal(0.0, 0.5, ROWS)

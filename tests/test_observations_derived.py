@@ -44,6 +44,30 @@ def test_later_temperatures_stand_further_down_and_go_on_as_the_last_rows_do() -
     np.testing.assert_allclose(still, 20.0)
 
 
+def test_later_temperatures_are_later_in_time_whatever_the_order_of_the_rows(
+    random: np.random.Generator,
+) -> None:
+    seconds, celsius = np.arange(12.0), random.normal(20.0, 3.0, 12)
+    shuffled = random.permutation(12)
+    found = read(time_s=seconds, temperature_C=celsius)
+    mixed = read(time_s=seconds[shuffled], temperature_C=celsius[shuffled])
+    for rows in range(1, 6):
+        np.testing.assert_array_equal(
+            mixed[f"temperature_later_{rows}"], found[f"temperature_later_{rows}"][shuffled]
+        )
+
+
+def test_a_thermometer_some_rows_late_is_named_with_the_newest_row_first(random: np.random.Generator) -> None:
+    seconds = 60.0 * np.arange(600)
+    air = 15 + 8 * np.sin(seconds / 8e3) + 2 * np.sin(seconds / 1.1e3)
+    recorded = air[np.maximum(np.arange(600) - 3, 0)] + random.normal(0.0, 0.05, 600)
+    distance = random.choice([0.8, 1.6, 2.4], 600)
+    reading = distance * (331.4 + 0.6 * recorded) / (331.4 + 0.6 * air) + random.normal(0.0, 2e-4, 600)
+    log = {"time_s": seconds, "reading_m": reading, "temperature_C": recorded, "distance_m": distance}
+    (cause,) = echocal.diagnose({name: column[::-1].copy() for name, column in log.items()}).causes[:1]
+    assert (cause.id, cause.probability) == ("temperature_timestamp_shift", pytest.approx(1.0, abs=0.01))
+
+
 @pytest.mark.parametrize(
     "labels",
     [

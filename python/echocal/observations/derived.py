@@ -41,7 +41,7 @@ def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.in
     elapsed, temperature = conditions.get("elapsed_time"), conditions.get("temperature")
     if elapsed is not None and temperature is not None:
         found["temperature_rate"] = _rate(elapsed, temperature)
-        found |= {f"temperature_later_{rows}": later for rows, later in _later(temperature)}
+        found |= {f"temperature_later_{rows}": later for rows, later in _later(elapsed, temperature)}
     if elapsed is not None and "radiation" in conditions:
         found["radiation_rate"] = _rate(elapsed, conditions["radiation"])
     if "order" in labels or "group" in labels:
@@ -75,24 +75,30 @@ def _rate(elapsed: Column, values: Column) -> Column:
     return rate
 
 
-def _later(values: Column) -> Iterator[tuple[int, Column]]:
-    """Value so many rows further down; beyond the end, on the straight line of the last rows."""
-    finite = np.isfinite(values)
-    known = values if finite.all() else values[finite]
-    if not len(known):
-        yield from ((rows, np.full(len(values), np.nan)) for rows in range(1, _LATER + 1))
-        return
+def _later(elapsed: Column, values: Column) -> Iterator[tuple[int, Column]]:
+    """Value so many rows later in time; beyond the end, on the straight line of the last rows."""
+    in_order = bool(
+        np.isfinite(values).all() and (np.diff(elapsed) >= 0.0).all() and np.isfinite(elapsed).all()
+    )
+    if in_order:
+        known = values
+    else:
+        rows = np.flatnonzero(np.isfinite(elapsed) & np.isfinite(values))
+        order = rows[np.argsort(elapsed[rows], kind="stable")]
+        known = values[order]
     last = known[-_TREND:]
-    ahead = np.arange(len(last), len(last) + _LATER)
-    beyond = np.polynomial.Polynomial.fit(np.arange(len(last)), last, min(1, len(last) - 1))(ahead)
+    beyond = np.full(_LATER, np.nan)
+    if len(last):
+        ahead = np.arange(len(last), len(last) + _LATER)
+        beyond = np.polynomial.Polynomial.fit(np.arange(len(last)), last, min(1, len(last) - 1))(ahead)
     whole = np.append(known, beyond)
-    for rows in range(1, _LATER + 1):
-        moved = whole[rows : rows + len(known)]
-        if known is not values:
+    for count in range(1, _LATER + 1):
+        moved = whole[count : count + len(known)]
+        if not in_order:
             later = np.full(len(values), np.nan)
-            later[finite] = moved
+            later[order] = moved
             moved = later
-        yield rows, moved
+        yield count, moved
 
 
 def _position(labels: Mapping[str, NDArray[np.int64]]) -> Column:
