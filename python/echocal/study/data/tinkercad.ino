@@ -64,7 +64,7 @@ void loop() {
   float reading = distance * 343.0 / SPEED(celsius);
   Serial.print(duration);
   Serial.print(",");
-  Serial.print(READING(reading) / 100, 3);
+  Serial.print(READING(reading) / 100.0, 3);
   Serial.print(",");
   Serial.println(celsius);
   delay(60);

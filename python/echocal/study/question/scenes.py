@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.study.tables import DISTANCE
 from echocal.virtual_bench.air import speed_of_sound
 from echocal.virtual_bench.echo_time import echo_time
 
