@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.virtual_bench import Resonance, Scene, Sensor, Target, measure
-from echocal.virtual_bench.campaign.campaign import Random
-from echocal.virtual_bench.waveform.fluctuations import Turbulence, remembering
+from echocal.virtual_bench.campaign.campaign import INTERFERENCE, TILT, Random
+from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, Turbulence, remembering
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -15,9 +15,6 @@ Labels = NDArray[np.int64]
 HOUR, DAY = 3600.0, 86400.0
 EACH = 5  # readings of a burst
 _APART = 0.1  # s, between them
-_TILT, _INTERFERENCE = 0.02, 0.12  # rad and 1, of a placement: those of echocal.virtual_bench.simulate
-_INDOORS = Turbulence(way=0.1e-3, log_amplitude=0.05)  # these two, too
-_OUTDOORS = Turbulence(way=0.8e-3, log_amplitude=0.12)
 REFERENCE = 1.0  # m, to the plate of the reference path
 _CLOCK = 1.8e-3  # RMS of five boards with a ceramic resonator: github.com/manitou48/crystals, crystals.txt
 _CLOCK_DRIFT = 1.5e-5  # 1/K, assumed: a third of the 0.3 % that resonators may change over 70 K
@@ -141,7 +138,7 @@ def outdoors(
         unit,
         random,
         name,
-        _OUTDOORS,
+        OUTDOORS,
         seconds=seconds,
         burst=bursts,
         placement=placement,
@@ -182,7 +179,7 @@ def _room(
         unit,
         random,
         name,
-        _INDOORS,
+        INDOORS,
         seconds=seconds,
         burst=np.arange(n) // EACH,
         placement=placement,
@@ -237,8 +234,8 @@ def _staged(
 
     def seen(scene: Scene, sensor: Sensor, path: Labels, moved: Column, what: str) -> Column:
         drawn = turbulence.draw(seconds, scene.distance, path, random(f"{name} turbulence {what}"))
-        louder = drawn[1] * np.exp(_INTERFERENCE * moved[1])
-        target = Target(tilt=_TILT * moved[0] * np.ones(len(seconds)))
+        louder = drawn[1] * np.exp(INTERFERENCE * moved[1])
+        target = Target(tilt=TILT * moved[0] * np.ones(len(seconds)))
         own_scene = replace(scene, target=target, way=drawn[0], louder=louder)
         return measure(own_scene, sensor, random(f"{name} noise {what}"), threads=1).time
 

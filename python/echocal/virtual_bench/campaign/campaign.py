@@ -12,12 +12,16 @@ from echocal.virtual_bench.waveform.fluctuations import Turbulence
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target
 
-__all__ = ["Campaign", "Random", "Surroundings"]
+__all__ = ["INTERFERENCE", "TILT", "Campaign", "Random", "Surroundings"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
+TILT = 0.02  # rad, standard deviation over placements: a hand
+INTERFERENCE = (
+    0.12  # of the logarithm of the pressure, over placements: its echoes from face to target and back
+)
 _REPLICATES = 1000  # above any byte of a name
 
 

@@ -7,15 +7,13 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
-from echocal.virtual_bench.waveform.fluctuations import Turbulence, remembering
+from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, remembering
 
 __all__ = ["DESIGNS", "lay_down"]
 
 Column = NDArray[np.float64]
 
 _HOUR, _DAY = 3600.0, 86400.0
-_INDOORS = Turbulence(way=0.1e-3, log_amplitude=0.05)
-_OUTDOORS = Turbulence(way=0.8e-3, log_amplitude=0.12)  # a ranger's scatter in sun: 2.4 mm at 2 m
 
 Design = Callable[[Random], Campaign]
 DESIGNS: dict[str, Design] = {}
@@ -108,7 +106,7 @@ def _placements(
         order,
         _room(seconds, np.asarray(means)[placement], own),
         reference=_tape(distance, placement, step, own) if n else None,
-        turbulence=_INDOORS,
+        turbulence=INDOORS,
         by_hand=True,
     )
 
@@ -184,7 +182,7 @@ def _log(
         np.zeros(len(seconds), dtype=np.int64),
         around,
         reference=true.copy(),
-        turbulence=_OUTDOORS if air == "open" else _INDOORS,
+        turbulence=OUTDOORS if air == "open" else INDOORS,
         slow_air=0.15 if air == "open" else 0.1,
     )
 

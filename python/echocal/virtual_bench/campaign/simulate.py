@@ -9,22 +9,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.virtual_bench.campaign.campaign import Campaign, Random
+from echocal.virtual_bench.campaign.campaign import INTERFERENCE, TILT, Campaign, Random
 from echocal.virtual_bench.campaign.causes import CAUSES
 from echocal.virtual_bench.campaign.designs import lay_down
 from echocal.virtual_bench.waveform.fluctuations import remembering
 from echocal.virtual_bench.waveform.measure import Echoes, measure
 from echocal.virtual_bench.waveform.scene import Scene
+from echocal.virtual_bench.waveform.sensor import Sensor
 
 __all__ = ["Simulation", "offers", "simulate"]
 
 Column = NDArray[np.float64]
 
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
-_TILT, _INTERFERENCE = (
-    0.02,
-    0.12,
-)  # rad and 1, of a placement: a hand; its own echoes between sensor and target
 _THERMOMETER_NOISE = 0.05  # K, of one reading: DS18B20 datasheet, 12 bits: steps of 0.0625 K
 
 
@@ -96,6 +93,7 @@ def simulate(
     seed: int = 0,
     detector: str = "comparator",
     replicate: int = 0,
+    sensor: Sensor | None = None,
 ) -> Simulation:
     """Run a campaign on the bench.
 
@@ -112,6 +110,8 @@ def simulate(
     replicate : int
         Above 0: the same sensor, places and causes in another campaign, with air, noise and references of
         its own.
+    sensor : Sensor, optional
+        The one that measures; default: an HC-SR04.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def simulate(
     if detector not in ("comparator", "ideal"):
         message = f"detector is 'comparator' or 'ideal', not '{detector}'"
         raise DataError(message)
-    campaign.sensor = campaign.sensor.but(ideal=detector == "ideal")
+    campaign.sensor = (sensor or campaign.sensor).but(ideal=detector == "ideal")
     sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
     scene = _scene(campaign, random)
     echoes = measure(scene, campaign.sensor, random("noise"))
@@ -178,9 +178,9 @@ def _scene(campaign: Campaign, random: Random) -> Scene:
         wind_along=campaign.around.wind_along,
         wind_across=campaign.around.wind_across,
         supply=campaign.around.supply,
-        target=replace(campaign.target, tilt=campaign.target.tilt + _TILT * hand[0]),
+        target=replace(campaign.target, tilt=campaign.target.tilt + TILT * hand[0]),
         way=way,
-        louder=louder * np.exp(_INTERFERENCE * hand[1]),
+        louder=louder * np.exp(INTERFERENCE * hand[1]),
         **campaign.scene,
     )
 
