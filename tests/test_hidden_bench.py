@@ -77,6 +77,7 @@ def test_without_a_cause_a_table_is_its_own_pair(design: str, detector: str) -> 
     assert np.nanmax(np.abs(signal(case))) == 0.0
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("id_", list(CAUSES))
 def test_every_cause_shows_in_some_design(id_: str, random: np.random.Generator) -> None:
     """At its usual size, with the detector that it is measured by."""
