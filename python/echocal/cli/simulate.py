@@ -63,14 +63,14 @@ def command(
     from echocal.virtual_bench import simulate
 
     made = simulate(design, _sizes(cause or [], seed), seed=seed, detector=detector)
-    if out is not None:
-        _write(made.table, out)
     if waveform is not None:
         from echocal.plots.files import save_figure
         from echocal.plots.waveform import waveform_figure
 
         figure = waveform_figure(made.scene, made.campaign.sensor, row=row, seed=seed)
         save_figure(figure, waveform, "simulate")
+    if out is not None:
+        _write(made.table, out)
     truth = made.truth()
     write_json(truth, json)
     if not quiet and json != "-":
@@ -116,6 +116,8 @@ def _tell(truth: dict[str, Any], out: Path | None) -> None:
         console.print(f"  {one['id']} = {one['size']:.4g} {one['unit']}: {one['sentence']}")
     if not truth["causes"]:
         console.print("  nothing is wrong on purpose")
+    for note in truth["notes"]:
+        console.print(f"note: {note}")
     if out is not None:
         console.print(f"written to {out}; next: {truth['diagnose'].replace('TABLE', str(out))}")
 

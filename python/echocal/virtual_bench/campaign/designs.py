@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
+from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
 from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, remembering
 
@@ -29,12 +29,12 @@ def lay_down(name: str, random: Random) -> Campaign:
 
     Raises
     ------
-    DataError
+    UsageError
         If there is no such design.
     """
     if name not in DESIGNS:
         message = f"there is no design '{name}'; there are {', '.join(DESIGNS)}"
-        raise DataError(message)
+        raise UsageError(message)
     return DESIGNS[name](random)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
+from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import INTERFERENCE, TILT, Campaign, Random
 from echocal.virtual_bench.campaign.causes import CAUSES
 from echocal.virtual_bench.campaign.designs import lay_down
@@ -42,6 +42,8 @@ class Simulation:
     seed : int
     detector : str
         The one that measured: some causes act on the comparator and bring it with them.
+    notes : tuple of str
+        Which causes the design hardly shows.
     """
 
     table: pd.DataFrame
@@ -51,6 +53,7 @@ class Simulation:
     causes: dict[str, float]
     seed: int
     detector: str
+    notes: tuple[str, ...]
 
     def truth(self) -> dict[str, Any]:
         """What is true, as a document of JSON."""
@@ -67,6 +70,7 @@ class Simulation:
             "detector": self.detector,
             "rows": len(self.table),
             "causes": staged,
+            "notes": list(self.notes),
             "diagnose": " ".join(words.split()),
         }
 
@@ -119,7 +123,7 @@ def simulate(
 
     Raises
     ------
-    DataError
+    UsageError
         If a name is not known, or a design has not what a cause needs.
 
     Examples
@@ -133,28 +137,36 @@ def simulate(
     campaign = lay_down(design, random)
     if detector not in ("comparator", "ideal"):
         message = f"detector is 'comparator' or 'ideal', not '{detector}'"
-        raise DataError(message)
+        raise UsageError(message)
     campaign.sensor = (sensor or campaign.sensor).but(ideal=detector == "ideal")
     sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
     scene = _scene(campaign, random)
     echoes = measure(scene, campaign.sensor, random("noise"))
     table = _written(campaign, echoes, random)
     used = "ideal" if campaign.sensor.comparator.ideal else "comparator"
-    return Simulation(table, campaign, scene, echoes, sizes, seed, used)
+    notes = tuple(
+        f"{name} hardly shows in the design '{design}', which has no weather of days"
+        for name in sizes
+        if "weather" in CAUSES[name].needs - offers(campaign)
+    )
+    return Simulation(table, campaign, scene, echoes, sizes, seed, used, notes)
 
 
 def _stage(campaign: Campaign, name: str, size: float | None, random: Random) -> float:
     """Stage a cause, and return its size."""
     if name not in CAUSES:
         message = f"the bench cannot stage '{name}'; it stages {', '.join(sorted(CAUSES))}"
-        raise DataError(message)
-    lacks = CAUSES[name].needs - offers(campaign)
+        raise UsageError(message)
+    lacks = CAUSES[name].refused(offers(campaign))
     if lacks:
         message = (
             f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
         )
-        raise DataError(message)
+        raise UsageError(message)
     drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else float(size)
+    if not np.isfinite(drawn):
+        message = f"'{name}' has the size {drawn}; a size is a finite number of {CAUSES[name].unit}"
+        raise UsageError(message)
     CAUSES[name].stage(campaign, drawn, random(f"cause {name}", kept=True))
     return drawn
 

@@ -26,8 +26,8 @@ class Cause:
         Usual sizes; a negative `low` of the same amount means either sign.
     sentence : str
     needs : frozenset of str
-        What a design must have: "time" (hours), "distances", "weather", "visits" (known placements),
-        "reference" (known distances).
+        What a design must have to show it: "time" (hours), "distances", "weather" (days of it), "visits"
+        (known placements), "reference" (known distances).
     in_catalogue : bool
     stage : callable
     """
@@ -40,6 +40,10 @@ class Cause:
     needs: frozenset[str]
     in_catalogue: bool
     stage: Stage
+
+    def refused(self, offered: frozenset[str]) -> frozenset[str]:
+        """What a design lacks without which there is nothing to stage; without weather a cause acts, too."""
+        return self.needs - offered - {"weather"}
 
     def usual(self) -> str:
         """Write the usual sizes."""
