@@ -131,7 +131,7 @@ def shares(record: pd.DataFrame) -> pd.DataFrame:
         error = np.sqrt((spread**2).sum()) / max(groups["size"].sum(), 1)
         gross = (known["off"][here].abs() >= FURTHER).mean()
         found.append((low, high, share, error, gross, len(groups)))
-    return pd.DataFrame(found, columns=["from", "to", "share", "error", "gross", "groups"])
+    return pd.DataFrame(found, columns=["low", "high", "share", "error", "gross", "groups"])
 
 
 def spacing(record: pd.DataFrame) -> tuple[float, float, float]:
@@ -203,6 +203,7 @@ def branches(record: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, float]]:
         "main": float(share.iloc[0]),
         "other": float(share.iloc[1]) if len(share) > 1 else 0.0,
         "rest": float(np.std(rest[inside])),
+        "offset": float(np.median(delay[cycle == 0])),
     }
     return found.assign(cycle=cycle, curve=delay - rest - cycle * period), numbers
 

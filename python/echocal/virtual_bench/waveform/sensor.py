@@ -6,8 +6,32 @@ from typing import Self
 import numpy as np
 
 from echocal.virtual_bench.waveform.burst import Resonance
+from echocal.virtual_bench.waveform.possible import Limits, check
 
 __all__ = ["Comparator", "Sensor"]
+
+_TIME, _SPAN = Limits(0.0, unit="s"), Limits(0.0, above=True, unit="s")
+_COMPARATOR = {
+    "threshold": Limits(0.0, above=True),
+    "raised": Limits(0.0),
+    "recovery": _SPAN,
+    "response_time": Limits(0.0, 1e-5, unit="s"),
+    "blanking": _TIME,
+}
+_SENSOR = {
+    "frequency": Limits(0.0, above=True, unit="Hz"),
+    "cycles": Limits(1.0),
+    "piston": Limits(0.0, above=True, unit="m"),
+    "spacing": Limits(0.0, above=True, unit="m"),
+    "face": Limits(0.0, above=True, unit="m"),
+    "coupling": Limits(0.0),
+    "noise": Limits(0.0),
+    "burst_scatter": Limits(0.0),
+    "supply_gain": Limits(),
+    "zero": _TIME,
+    "tick": _SPAN,
+    "timeout": _SPAN,
+}
 
 
 @dataclass(frozen=True)
@@ -50,6 +74,10 @@ class Comparator:
     response_time: float = 4e-6
     blanking: float = 0.1e-3
     ideal: bool = False
+
+    def __post_init__(self) -> None:
+        for name, limits in _COMPARATOR.items():
+            check(f"comparator.{name}", getattr(self, name), limits)
 
     def at(self, elapsed: np.ndarray) -> np.ndarray:
         """Compute the threshold at times since the burst began [s]."""
@@ -126,6 +154,10 @@ class Sensor:
     zero: float = 0.2e-3
     tick: float = 1e-6
     timeout: float = 36e-3
+
+    def __post_init__(self) -> None:
+        for name, limits in _SENSOR.items():
+            check(f"sensor.{name}", getattr(self, name), limits)
 
     @property
     def chain(self) -> tuple[Resonance, ...]:
