@@ -79,14 +79,15 @@ def test_the_walk_has_either_sign(random: np.random.Generator) -> None:
     """An echo weakens with the distance: at one threshold it comes later. A threshold that sinks faster than
     the echo weakens is crossed earlier.
     """
-    distance = np.linspace(0.3, 1.5, 400)
     temperature = random.uniform(10, 35)
-    slopes = [
-        np.polyfit(distance, measure(Scene(distance, temperature=temperature), sensor, random).delay, 1)[0]
-        for sensor in (FIXED, QUIET)
-    ]
-    assert 15e-6 < slopes[0] < 150e-6  # s/m
-    assert -150e-6 < slopes[1] < -15e-6
+
+    def slope(sensor: Sensor, near: float, far: float) -> float:
+        distance = np.linspace(near, far, 400)
+        delay = measure(Scene(distance, temperature=temperature), sensor, random).delay
+        return float(np.polyfit(distance, delay, 1)[0])
+
+    assert 15e-6 < slope(FIXED, 0.3, 1.5) < 150e-6  # s/m
+    assert -150e-6 < slope(QUIET, 0.15, 0.7) < -15e-6  # from about 0.7 m on, its threshold stands
 
 
 def test_near_targets_are_told_by_a_later_echo_or_by_the_own_burst(random: np.random.Generator) -> None:

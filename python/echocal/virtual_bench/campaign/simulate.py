@@ -21,10 +21,9 @@ __all__ = ["Simulation", "offers", "simulate"]
 Column = NDArray[np.float64]
 
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
-_TILT, _INTERFERENCE = (
-    0.02,
-    0.12,
-)  # rad and 1, of a placement: a hand; its own echoes between sensor and target
+# Of a placement: tilt [rad] and logarithm of the amplitude. The first is an assumption. The second is set by
+# hand: with it as many near placements stand on another cycle as in a real record (docs/virtual-bench.md).
+_TILT, _INTERFERENCE = 0.02, 0.18
 _THERMOMETER_NOISE = 0.05  # K, of one reading: DS18B20 datasheet, 12 bits: steps of 0.0625 K
 
 
