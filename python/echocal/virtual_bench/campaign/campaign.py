@@ -18,10 +18,9 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
-TILT = 0.02  # rad, standard deviation over placements: a hand
-INTERFERENCE = (
-    0.12  # of the logarithm of the pressure, over placements: its echoes from face to target and back
-)
+# Of a placement: tilt [rad] and logarithm of the amplitude. The first is an assumption. The second is set by
+# hand: with it as many near placements stand on another cycle as in a real record (docs/virtual-bench.md).
+TILT, INTERFERENCE = 0.02, 0.18
 _REPLICATES = 1000  # above any byte of a name
 
 

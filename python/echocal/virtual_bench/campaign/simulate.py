@@ -124,7 +124,8 @@ def simulate(
     Raises
     ------
     UsageError
-        If a name is not known, or a design has not what a cause needs.
+        If a name is not known, a design has not what a cause needs, or a size cannot be or brings a scene
+        about that cannot be, such as a target behind the sensor.
 
     Examples
     --------
@@ -140,7 +141,12 @@ def simulate(
         raise UsageError(message)
     campaign.sensor = (sensor or campaign.sensor).but(ideal=detector == "ideal")
     sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
-    scene = _scene(campaign, random)
+    try:
+        scene = _scene(campaign, random)
+    except UsageError as error:
+        given = " and ".join(f"{name}={size:g}" for name, size in sizes.items())
+        message = f"{design} with {given or 'no cause'} cannot be: {error}; give a smaller size"
+        raise UsageError(message) from None
     echoes = measure(scene, campaign.sensor, random("noise"))
     table = _written(campaign, echoes, random)
     used = "ideal" if campaign.sensor.comparator.ideal else "comparator"
@@ -163,10 +169,7 @@ def _stage(campaign: Campaign, name: str, size: float | None, random: Random) ->
             f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
         )
         raise UsageError(message)
-    drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else float(size)
-    if not np.isfinite(drawn):
-        message = f"'{name}' has the size {drawn}; a size is a finite number of {CAUSES[name].unit}"
-        raise UsageError(message)
+    drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else CAUSES[name].check(size)
     CAUSES[name].stage(campaign, drawn, random(f"cause {name}", kept=True))
     return drawn
 
