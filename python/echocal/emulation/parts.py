@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -9,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.emulation.result import Emulation
-from echocal.errors import UsageError
+from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.registry import find_effect
 
@@ -75,7 +76,9 @@ def error_parts(found: Emulation, model: Model) -> pd.DataFrame:
     def distance(
         one: Model, echo: NDArray[np.float64], known: dict[str, NDArray[np.float64]]
     ) -> NDArray[np.float64]:
-        return np.asarray(one.distance(echo, **known))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DomainWarning)  # told when the C was made
+            return np.asarray(one.distance(echo, **known))
 
     exact = distance(_without(model, lambda stage: stage == _THERMOMETER), inputs.echo, true)
     measured = distance(model, inputs.echo, board)
