@@ -1,7 +1,7 @@
 """Measure how many readings a second the virtual bench makes; `--write` puts them into docs/virtual-bench.md.
 
-The machine may be busy. One core: readings by the time that the processor spent on them. Two processes: by the time
-that passed, which is what a user waits; the best of several turns counts.
+The machine may be busy. One core: readings by the time that the processor spent on them. Two processes: by
+the time that passed, which is what a user waits. The best of several turns counts.
 """
 
 import re
@@ -61,8 +61,8 @@ def table() -> str:
         for case in CASES:
             one, two = rates(case, pool)
             lines.append(f"| {case} | {one:,.0f} | {two:,.0f} |")
-    made = f"`python benches/virtual_bench.py --write`: {READINGS:,} readings, best of {TURNS} turns,\n{processor()}."
-    return f"{made}\n\n" + "\n".join(lines) + "\n"
+    made = f"`python benches/virtual_bench.py --write`: {READINGS:,} readings, best of {TURNS} turns"
+    return f"{made},\n{processor()}.\n\n" + "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":
