@@ -74,7 +74,8 @@ def desk_on_the_bench(
 ) -> pd.DataFrame:
     """The same campaign on the bench: a metal plate that a hand places on a desk, 14 cm below the sensor.
 
-    Plate, desk, humidity and temperature are assumptions: the record does not tell the first three.
+    Size and tilt of the plate, the desk and the humidity are assumptions: the record tells a metal target
+    and a mean of 29 degC.
     """
     near, far = np.arange(2, 21) / 100, np.repeat(np.arange(5, 151, 5) / 100, 3)
     sessions = [(f"near {number}", near, 5) for number in range(17 * times)]
