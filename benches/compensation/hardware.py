@@ -9,7 +9,7 @@ import echocal
 from compensation.world import EACH, REFERENCE, Column, Truth, Unit
 from echocal.virtual_bench import air
 from echocal.virtual_bench.campaign.campaign import Random
-from echocal.virtual_bench.campaign.causes.thermometry import lagged
+from echocal.virtual_bench.thermometers import following
 
 SENSOR_EURO = 4.0
 SENSOR_SOURCE = "2.27 to 7.20 $ in three catalogues, listed at flux.ai/vasy_skral/hc-sr04~afv"
@@ -172,7 +172,7 @@ class Device:
         if chosen.kind == "path":
             return self._sonic(truth)
         warmed = truth.temperature + chosen.sun * 1e-3 * truth.radiation / (1 + truth.wind)
-        slow = lagged(warmed, truth.seconds, chosen.lag * np.exp(0.3 * wrong[4]))
+        slow = following(warmed, truth.seconds, chosen.lag * np.exp(0.3 * wrong[4]))
         read = slow + chosen.offset * wrong[0] + chosen.gain * wrong[1] * (slow - 25.0)
         if chosen.volts is None:
             return np.round(np.round(read / chosen.step) * chosen.step, 4)
