@@ -125,7 +125,7 @@ def test_the_error_is_split_into_its_origins(random: np.random.Generator) -> Non
     assert parts["arithmetic"].abs().max() < 0.5, "the bound that is proven"
     # two laws of dry air, and 40 kHz in one of them: 0.32 mm of 1 m at 5 degC, 0.73 mm at 45 degC
     assert (parts["air"] / far).abs().max() < 0.75
-    # the middle of a step of 10 bits stands for it, so nothing is left on average; cut off, it were -0.5 mm of 1 m
+    # the middle of a step of 10 bits stands for it: nothing is left on average; cut off, -0.5 mm of 1 m
     assert (parts["sensors"] / far).mean() == pytest.approx(0.0, abs=0.25)
     with pytest.raises(UsageError, match="where the true distances are known"):
         echocal.error_parts(echocal.emulate("study", temperature=20.0), echocal.Model("cramer"))
