@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
+from echocal.errors import DataError, UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random
 from echocal.virtual_bench.campaign.causes import CAUSES
 from echocal.virtual_bench.campaign.designs import lay_down
@@ -21,10 +21,9 @@ __all__ = ["Simulation", "offers", "simulate"]
 Column = NDArray[np.float64]
 
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
-_TILT, _INTERFERENCE = (
-    0.02,
-    0.12,
-)  # rad and 1, of a placement: a hand; its own echoes between sensor and target
+# Of a placement: tilt [rad] and logarithm of the amplitude. The first is an assumption. The second is set by
+# hand: with it as many near placements stand on another cycle as in a real record (docs/virtual-bench.md).
+_TILT, _INTERFERENCE = 0.02, 0.18
 _THERMOMETER_NOISE = 0.05  # K, of one reading: DS18B20 datasheet, 12 bits: steps of 0.0625 K
 
 
@@ -121,6 +120,8 @@ def simulate(
     ------
     DataError
         If a name is not known, or a design has not what a cause needs.
+    UsageError
+        If a size cannot be, or brings a scene about that cannot be, such as a target behind the sensor.
 
     Examples
     --------
@@ -136,7 +137,12 @@ def simulate(
         raise DataError(message)
     campaign.sensor = campaign.sensor.but(ideal=detector == "ideal")
     sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
-    scene = _scene(campaign, random)
+    try:
+        scene = _scene(campaign, random)
+    except UsageError as error:
+        given = " and ".join(f"{name}={size:g}" for name, size in sizes.items())
+        message = f"{design} with {given or 'no cause'} cannot be: {error}; give a smaller size"
+        raise UsageError(message) from None
     echoes = measure(scene, campaign.sensor, random("noise"))
     table = _written(campaign, echoes, random)
     used = "ideal" if campaign.sensor.comparator.ideal else "comparator"
@@ -154,7 +160,7 @@ def _stage(campaign: Campaign, name: str, size: float | None, random: Random) ->
             f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
         )
         raise DataError(message)
-    drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else float(size)
+    drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else CAUSES[name].check(size)
     CAUSES[name].stage(campaign, drawn, random(f"cause {name}", kept=True))
     return drawn
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.virtual_bench.waveform.possible import Limits, check
+
 __all__ = ["BurstResponse", "Resonance"]
 
 Column = NDArray[np.float64]
@@ -36,6 +38,10 @@ class Resonance:
     center: float | Column = 40e3
     quality: float = 20.0
     drift: float = 0.0
+
+    def __post_init__(self) -> None:
+        check("center of a resonance", self.center, Limits(0.0, above=True, unit="Hz"))
+        check("quality of a resonance", self.quality, Limits(0.5, above=True, way_out="it must ring"))
 
     def at(self, temperature: ArrayLike) -> Column:
         """Compute the center frequency [Hz] at a temperature [degC]."""

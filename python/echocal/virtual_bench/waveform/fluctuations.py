@@ -61,10 +61,19 @@ class Turbulence:
     cell : float
         How far the temperatures of two points know of each other [m]; assumed to be about the height above
         the ground.
+
+    Notes
+    -----
+    The variance of the logarithm of a spherical wave's amplitude is `0.124 C k^(7/6) L^(11/6)` with
+    `C = CT^2 / (4 T^2) + (22 / 12) Cv^2 / c^2` (Tatarskii 1971; Ostashev & Wilson 2015, Acoustics in Moving
+    Inhomogeneous Media). For a way of 2 m at 40 kHz this is a standard deviation of 0.004 with
+    `CT^2 = 0.001 K^2 m^(-2/3)` and `Cv^2 = 0.001 m^(4/3) s^(-2)`, which are assumed for a room, and of 0.03
+    with fifty times as much, assumed for the open by day. The standard deviation of the way and both time
+    constants are assumptions.
     """
 
     way: float = 0.15e-3
-    log_amplitude: float = 0.05
+    log_amplitude: float = 0.004
     time_constant: float = 2.0
     flicker: float = 0.3
     cell: float = 1.0

@@ -6,7 +6,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.errors import UsageError
 from echocal.virtual_bench import air
+from echocal.virtual_bench.waveform.possible import Limits, check, check_length
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target, aperture, directivity, echo_of
 
@@ -18,6 +20,33 @@ Value = float | Column
 Path = tuple[Column, Phasor]  # length [m] and size of what arrives by a path, without the air
 
 _DECIBELS = 20.0
+_CELSIUS = Limits(-273.15, above=True, unit="degC")
+_PART = Limits(0.0, 1.0, way_out="it is a fraction; write 0.5 for 50 %")
+_WIND = Limits(-250.0, 250.0, unit="m/s", way_out="the bench has no wind as fast as sound")
+_PLACE = Limits(0.0, above=True, endless=True, unit="m", way_out="inf stands for none")
+_SIZE = Limits(0.0)
+_POSSIBLE = {
+    "distance": Limits(0.0, above=True, unit="m", way_out="a target stands in front of the sensor"),
+    "temperature": _CELSIUS,
+    "device_temperature": _CELSIUS,
+    "relative_humidity": _PART,
+    "pressure": Limits(0.0, above=True, unit="Pa"),
+    "co2_mole_fraction": _PART,
+    "wind_along": _WIND,
+    "wind_across": _WIND,
+    "supply": Limits(0.0, above=True, way_out="it is a part of the nominal voltage; write 1 for all of it"),
+    "way": Limits(unit="m"),
+    "louder": _SIZE,
+    "floor": _PLACE,
+    "floor_reflectivity": _PART,
+    "wall": _PLACE,
+    "wall_reflectivity": _PART,
+    "object_distance": _PLACE,
+    "object_aside": Limits(unit="m"),
+    "object_size": _SIZE,
+    "other_time": Limits(0.0, endless=True, unit="s", way_out="inf stands for no other sensor"),
+    "other_size": _SIZE,
+}
 
 
 @dataclass(frozen=True)
@@ -52,6 +81,11 @@ class Scene:
         When the burst of another sensor arrives, since the own burst began [s]; infinite: none.
     other_size : float or ndarray, shape (n,)
         Its amplitude.
+
+    Raises
+    ------
+    UsageError
+        If something cannot be, such as a target behind the sensor.
     """
 
     distance: Column
@@ -75,6 +109,31 @@ class Scene:
     object_size: Value = 0.02
     other_time: Value = np.inf
     other_size: Value = 0.3
+
+    def __post_init__(self) -> None:
+        for name, limits in _POSSIBLE.items():
+            value = getattr(self, name)
+            if value is not None:
+                check_length(name, value, len(self))
+                check(name, value, limits)
+        for name, value in vars(self.target).items():
+            check_length(f"target.{name}", value, len(self))
+        self._check_side()
+
+    def _check_side(self) -> None:
+        """Check that the face of the target looks at the sensor."""
+        tilt, offset = np.asarray(self.target.tilt), np.asarray(self.target.offset)
+        front = np.broadcast_to(self.distance * np.cos(tilt) - offset * np.sin(tilt), self.distance.shape)
+        behind = np.flatnonzero(~(front + self.way > 0))
+        if len(behind):
+            one = behind[0]
+            turned, aside = (float(np.broadcast_to(value, front.shape)[one]) for value in (tilt, offset))
+            message = (
+                f"the target of reading {one + 1} shows its back to the sensor: at {self.distance[one]:g} m, "
+                f"{aside:g} m off the axis, a tilt of {turned:g} rad leaves {front[one]:g} m to its plane; "
+                "give a smaller tilt or offset"
+            )
+            raise UsageError(message)
 
     def __len__(self) -> int:
         return len(self.distance)

@@ -7,10 +7,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import fresnel, j1
 
+from echocal.virtual_bench.waveform.possible import Limits, check
+
 __all__ = ["Target", "aperture", "directivity", "echo_of"]
 
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
+
+_EXTENT = Limits(0.0, above=True, endless=True, unit="m")
+_POSSIBLE = {
+    "reflectivity": Limits(0.0, 1.0),
+    "half_width": _EXTENT,
+    "half_height": _EXTENT,
+    "tilt": Limits(-np.pi / 2, np.pi / 2, unit="rad", way_out="turned further, it shows its back"),
+    "offset": Limits(unit="m"),
+    "radius": _EXTENT,
+    "roughness": Limits(0.0, unit="m"),
+}
 
 
 @dataclass(frozen=True)
@@ -31,6 +44,11 @@ class Target:
         Of curvature about the vertical [m]; infinite where it is flat. A pole has the radius of its section.
     roughness : float or ndarray, shape (n,)
         Standard deviation of its surface along the axis [m].
+
+    Raises
+    ------
+    UsageError
+        If something cannot be, such as a width of zero.
     """
 
     reflectivity: float | Column = 1.0
@@ -40,6 +58,10 @@ class Target:
     offset: float | Column = 0.0
     radius: float | Column = np.inf
     roughness: float | Column = 0.0
+
+    def __post_init__(self) -> None:
+        for name, limits in _POSSIBLE.items():
+            check(f"target.{name}", getattr(self, name), limits)
 
     def at(self, rows: NDArray[np.int64]) -> Self:
         """Return the targets of some readings."""

@@ -57,9 +57,13 @@ def polling_jitter(campaign: Campaign, size: float, random: np.random.Generator)
 @cause("1", 0.5, 2.0, "distances")
 def amplitude_walk(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """A comparator has one threshold at all times: a weaker echo crosses it cycles later. 1: an HC-SR04's."""
-    own = campaign.sensor.comparator
-    campaign.sensor = campaign.sensor.but(
-        ideal=False, threshold=size * own.threshold, raised=0.0, blanking=1.2e-3
+    own = campaign.sensor
+    campaign.sensor = own.but(
+        ideal=False,
+        threshold=size * own.comparator.threshold,
+        raised=0.0,
+        blanking=1.6e-3,  # the own burst has sunk below half of the usual threshold then
+        noise=min(size, 1.0) * own.noise,  # or it alone would cross a low threshold
     )
 
 

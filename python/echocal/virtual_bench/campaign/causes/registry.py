@@ -5,11 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign
 
 __all__ = ["CAUSES", "Cause", "cause"]
 
 Stage = Callable[[Campaign, float, np.random.Generator], None]
+
+_MOST = 10.0  # times the largest usual size: more is a slip of the unit
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,24 @@ class Cause:
     def usual(self) -> str:
         """Write the usual sizes."""
         return f"+-{-self.low / 4:g} to {self.high:g}" if self.low < 0 else f"{self.low:g} to {self.high:g}"
+
+    def check(self, size: float) -> float:
+        """Return a size that somebody asks for.
+
+        Raises
+        ------
+        UsageError
+            If it is not a number, or of the wrong sign, or more than ten times the usual.
+        """
+        least = -_MOST * self.high if self.low < 0 else 0.0
+        if not least <= size <= _MOST * self.high or size == 0.0:
+            limits = f"from {least:g} to {_MOST * self.high:g}, and not 0"
+            message = (
+                f"{self.id}={size:g}: its size is {limits} [{self.unit}]; usual is {self.usual()}, "
+                f"and {self.id} without a size draws one"
+            )
+            raise UsageError(message)
+        return float(size)
 
     def draw(self, random: np.random.Generator) -> float:
         """Draw a usual size, log-uniform."""
