@@ -8,6 +8,8 @@ minutes.
 """
 
 import json
+import math
+import re
 import sys
 import warnings
 from dataclasses import dataclass
@@ -26,6 +28,7 @@ from sklearn.ensemble import HistGradientBoostingRegressor
 import echocal
 from echocal.emulation import TRUTH, Emulation
 from echocal.emulation.package import package_of
+from echocal.errors import BoundError
 from echocal.firmware import Firmware
 from echocal.virtual_bench.echo_time import echo_time
 
@@ -74,9 +77,6 @@ DEVICES = {
     "drawn": Device("ideal module, a TMP36 and a HIH-4030 with their tolerances", "ideal", 7),
     "comparator": Device(
         "HC-SR04 with a comparator, ideal thermometer and hygrometer", "comparator", None, NEAR
-    ),
-    "both": Device(
-        "HC-SR04 with a comparator, a TMP36 and a HIH-4030 with their tolerances", "comparator", 7, NEAR
     ),
 }
 
@@ -150,7 +150,14 @@ def _everywhere(device: Device, before: Emulation) -> dict[str, Any]:
     with warnings.catch_warnings(action="ignore"):
         reading = model.distance(table["echo_us"].to_numpy() * 1e-6, **air)
     error = np.round(1e3 * (reading - before.inputs.distance), 3)
+    try:
+        library(model)
+        best = None
+    except BoundError as refused:
+        told = re.search(r"best reachable is ([\d.]+) mm", str(refused))
+        best = float(told[1]) if told else math.nan
     return {
+        "best_error_mm": best,
         "effects": {name: dict(sizes) for name, sizes in model.effects.items()},
         "distance_m": np.round(before.inputs.distance, 4).tolist(),
         "error_mm": error.tolist(),
@@ -160,8 +167,8 @@ def _everywhere(device: Device, before: Emulation) -> dict[str, Any]:
 def ceiling(pings: int) -> float:
     """Return the share within the limit that a correction by distance and air could reach.
 
-    Trees learn the error of the comparator from many readings with the true distance and the true air, and are
-    judged on others. Each reading is the median of some pings.
+    Trees learn the error of the comparator from many readings with the true distance and the true air, and
+    are judged on others. Each reading is the median of some pings.
     """
     device = DEVICES["comparator"]
     learned, judged = (rows(device, campaign, LEARNED, REACH, pings) for campaign in (_FIRST, _SECOND))

@@ -12,7 +12,7 @@ from echocal.study.question.investigation import NEAR
 from echocal.study.question.laws import suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation
 
-__all__ = ["FIGURES", "render"]
+__all__ = ["FIGURES", "filled", "render"]
 
 FIGURES = ("study-question.png", "study-question-next.png")
 """Figures of the page."""
@@ -42,10 +42,10 @@ def render(found: Answer) -> str:
         _told(found),
         words.limits(),
     )
-    return _filled("\n".join(parts))
+    return filled("\n".join(parts))
 
 
-def _filled(text: str) -> str:
+def filled(text: str) -> str:
     """Fill paragraphs and items to lines of 118 characters; tables, headings and commands stay."""
     return re.sub(_PROSE, lambda found: _wrapped(found.group()), text, flags=re.MULTILINE)
 
