@@ -207,7 +207,8 @@ in steps of 25 us, 4.3 mm, and noise decides which crest it is. With the median 
 the trees reach {_percent(several)}. A detector that sees the waveform does not have this limit
 ([echo times](echo-times.md)).{cause}
 - **A log over all 4 m is worse for the first 2 m**: its model, computed in floating point for the same
-rows, reaches {_percent(everywhere)}. One delay for all distances does not exist with a comparator.{_refused(one)}"""
+rows, reaches {_percent(everywhere)}. One delay for all distances does not exist with a comparator.
+{_refused(one)}"""
 
 
 def _refused(one: Record) -> str:

@@ -211,6 +211,24 @@ def test_mistakes_are_one_clear_line(words: str, code: int, message: str, run: R
     assert len(told.strip().splitlines()) == 1
 
 
+def test_a_sketch_that_does_not_compile_is_one_line(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "own.ino").write_text(OWN.replace("long us", "lnog us"), encoding="utf-8")
+    code, told = run(*["emulate", "--temperature", "20", "--sketch", "own.ino"])
+    assert code == 3
+    assert "own.ino:7" in told
+    assert "lnog" in told
+    assert len(told.strip().splitlines()) == 1
+
+
+def test_tools_that_are_missing_are_one_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(silicon.arduino, "missing_for_sketches", lambda: ["libsimavr-dev"])
+    code, told = run(*["emulate", "--temperature", "20"])
+    assert code == 2
+    assert "apt install" in told
+    assert "libsimavr-dev" in told
+    assert len(told.strip().splitlines()) == 1
+
+
 def test_lines_that_nobody_understands_are_shown(tmp_path: Path) -> None:
     (tmp_path / "own.ino").write_text(OWN.replace("Distance", "Quux").replace(" cm", ""), encoding="utf-8")
     request = {"temperature": [20.0, 21.0], "trigger_pin": 9, "echo_pin": 10}

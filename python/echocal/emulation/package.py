@@ -33,8 +33,14 @@ def package_of(model: Model, part: str, *, humidity: bool) -> Firmware:
         message = f"the sketch of a model reads a {_THERMOMETER}, not a {part}: leave out the part"
         raise UsageError(message)
     if humidity:  # coarse, since every combination of three inputs is proven: 40 million
-        codes = {"temperature": _COARSE, "humidity": _HUMIDITIES, "echo": EchoCodes(*_ECHOES)}
-        return generate(model, "avr", package="arduino", **codes)
+        return generate(
+            model,
+            "avr",
+            package="arduino",
+            temperature=_COARSE,
+            humidity=_HUMIDITIES,
+            echo=EchoCodes(*_ECHOES),
+        )
     return generate(model, "avr", package="arduino", temperature=_FINE)
 
 
