@@ -44,8 +44,7 @@ parts are those of the [virtual bench](how-to/virtual-lab.md), which shares no f
 | step | how |
 |---|---|
 | log | the Arduino library of the law `virial` without any effect: {trained} random places and airs |
-| diagnose | `echocal.diagnose(table, base=virial)`, with the temperature and humidity that the device
-printed |
+| diagnose | `echocal.diagnose(table, base=virial)`, with the air as the device printed it |
 | ship | the Arduino library of the diagnosed model, integer arithmetic proven over every input |
 | verify | {tested} other random places and airs; every distance as the device printed it |
 
@@ -95,14 +94,20 @@ def figures(stage: Record, results: Record) -> dict[str, float]:
     }
 
 
+def _cells(stage: Record, results: Record) -> list[str]:
+    own = figures(stage, results)
+    cells = [f"{own['largest']:.1f} %", f"{own['rms']:.2f}", f"{own['below']:.2f}"]
+    return [*cells, f"{100 * own['share']:.1f} %", f"{100 * own['beyond']:.1f} %"]
+
+
 def _summary(results: Record) -> str:
-    rows = []
-    for one in results["devices"].values():
-        for stage, words_of in _STAGES.items():
-            own = figures(one[stage], results)
-            cells = [f"{own['largest']:.1f} %", f"{own['rms']:.2f}", f"{own['below']:.2f}"]
-            cells += [f"{100 * own['share']:.1f} %", f"{100 * own['beyond']:.1f} %"]
-            rows.append([one["title"], words_of, *cells])
+    rows = [
+        [one["title"], words_of, *_cells(one[stage], results)]
+        for one in results["devices"].values()
+        for stage, words_of in _STAGES.items()
+    ]
+    one = results["devices"]["comparator"]
+    rows.append([one["title"], f"{_STAGES['after']}, log over 4 m", *_cells(one["everywhere"], results)])
     reach = results["reach_m"]
     heads = ["device", "firmware", f"largest error from {_FROM:g} m on", "RMS [mm]"]
     heads += [f"95 % of errors below, up to {reach:g} m [mm]", f"within 3 mm up to {reach:g} m", "beyond"]
@@ -111,20 +116,23 @@ def _summary(results: Record) -> str:
 ![Errors before and after](closed-loop.png)
 
 {_table(heads, rows, 5)}
-The study's sketch converts with 343 m/s by `pulseIn()`."""
+The study's sketch converts with 343 m/s by `pulseIn()`. With a comparator, *beyond* is an extrapolation:
+that device logged up to {one["trained_to_m"]:g} m only. The last row is the model of a log over all
+distances, computed in floating point from the same codes.
+"""
 
 
 def _parts(results: Record) -> str:
     rows = []
     for one in results["devices"].values():
         for stage in ("before", "after"):
-            cells = [one["title"], stage]
+            cells = [one["title"], _STAGES[stage]]
             for name in _PARTS:
                 values = np.array(one[stage]["parts_mm"][name], dtype=float)
                 values = values[np.isfinite(values)]
                 cells.append(f"{values.mean():+.2f}, {np.sqrt((values**2).mean()):.2f}")
             rows.append(cells)
-    heads = ["device", "", *[f"{words}" for words in _PARTS.values()]]
+    heads = ["device", "firmware", *_PARTS.values()]
     return f"""## Where the rest comes from
 
 Mean and RMS [mm] of each part of the error; the parts of a row add up to its error (`echocal.error_parts`).
@@ -190,8 +198,8 @@ def _comparator(results: Record) -> str:
     bends = ", ".join(ranges)
     cause = (
         f"""
-- **The model corrects, but does not explain.** {names} is in it, and the bench has none of that. This is a
-wrong finding of the diagnosis. *sensors* and *transducer* in the table above are large because of it, and
+- **The model corrects, but does not explain.** The bench has nothing of {names}. This is a wrong
+finding of the diagnosis. *sensors* and *transducer* in the table above are large because of it, and
 nearly cancel each other."""
         if wrong
         else ""
@@ -200,12 +208,12 @@ nearly cancel each other."""
 m, where 95 % are asked. 95 % of the errors are below {after["below"]:.1f} mm. Without the loop it is
 {_percent(before["share"])}, because the readings are {-_mean(one["before"]):.0f} mm too short on average.
 - **A part of this the model could still correct.** Its mean error is {bends}. Trees that learned from
-{top["learned"]} readings with the true distance and the true air reach {_percent(single)}, so
-{100 * (single - after["share"]):.0f} points are this bend, for which the catalogue has no fitting cause.
+{top["learned"]:,} readings with the true distance and the true air reach {_percent(single)}, so
+{100 * (single - after["share"]):.0f} points are a bend that the model does not follow.
 - **The rest no correction takes away.** The comparator answers at a crest of the carrier, so its error goes
-in steps of 25 us, 4.3 mm, and noise decides which crest it is. With the median of {top["pings"][1]} pings
-the trees reach {_percent(several)}. A detector that sees the waveform does not have this limit
-([echo times](echo-times.md)).{cause}
+in steps of 25 us, 4.3 mm, and distance, air and noise decide which crest it is. With the median of
+{top["pings"][1]} pings the trees reach {_percent(several)}. A detector that sees the waveform does not have
+this limit ([echo times](echo-times.md)).{cause}
 - **A log over all 4 m is worse for the first 2 m**: its model, computed in floating point for the same
 rows, reaches {_percent(everywhere)}. One delay for all distances does not exist with a comparator.
 {_refused(one)}"""
@@ -257,7 +265,7 @@ def _errors(ax: Axes, one: Record, results: Record) -> None:
     ax.set(xlabel="true distance [m]", ylabel="error of the reading [mm]")
     ax.set_title(one["title"], fontsize=9)
     ax.grid(alpha=0.3)
-    ax.legend(fontsize=8, loc="lower left")
+    ax.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2, frameon=False)
 
 
 def _bars(ax: Axes, devices: Record) -> None:
@@ -274,4 +282,4 @@ def _bars(ax: Axes, devices: Record) -> None:
     ax.set_yscale("log")
     ax.set_title("Where the rest comes from", fontsize=9)
     ax.grid(alpha=0.3, axis="y")
-    ax.legend(fontsize=6.5, loc="upper left")
+    ax.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), frameon=False)
