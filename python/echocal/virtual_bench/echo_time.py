@@ -54,7 +54,7 @@ def echo_time(
     Examples
     --------
     >>> f"{echo_time(2.0, 20.0) * 1e6:.0f} us"
-    '11647 us'
+    '11645 us'
     """
     if detector not in DETECTORS:
         message = f"detector is {' or '.join(DETECTORS)}, not '{detector}'"

@@ -42,7 +42,7 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
     """
     omega = 2 * np.pi * received.response.frequency
     ends = start[:, None] + np.arange(2 * cycles + 1) * np.pi / omega
-    phasors = received.phasor(ends)
+    phasors = received.on_grid(start, np.pi / omega, 2 * cycles + 1)
     # The carrier turns by half a turn from end to end.
     turned = phasors * np.exp(1j * omega * start)[:, None]
     turned[:, 1::2] *= -1

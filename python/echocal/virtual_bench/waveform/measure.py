@@ -70,7 +70,7 @@ def measure(
     >>> import numpy as np
     >>> from echocal.virtual_bench import Scene, measure
     >>> echoes = measure(Scene(np.array([0.5, 1.0])), random=np.random.default_rng(1))
-    >>> bool((echoes.time > 2.8e-3).all())
+    >>> bool((echoes.time > 2.7e-3).all())
     True
     """
     sensor, random = sensor or Sensor(), random or np.random.default_rng()
