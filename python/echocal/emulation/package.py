@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import UsageError
-from echocal.firmware import Firmware, generate
+from echocal.firmware import EchoCodes, Firmware, generate
 from echocal.model import Model
 from echocal.silicon import Played, Sketch, compile_sketch
 
@@ -16,7 +16,8 @@ __all__ = ["columns_of_package", "compile_package", "package_of"]
 _METERS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2}
 _SKETCH = "examples/HcSr04/HcSr04.ino"
 _FINE, _COARSE = (0.0625, -20.0, 60.0), (0.25, -20.0, 60.0)  # step and range of the codes [degC]
-_HUMIDITIES = (0.02, 0.0, 1.0)
+_HUMIDITIES = (0.05, 0.0, 1.0)
+_ECHOES = (4.0, 25_600.0)  # tick and longest echo [us]
 _THERMOMETER = "TMP36"  # of the example sketch
 
 
@@ -31,8 +32,15 @@ def package_of(model: Model, part: str, *, humidity: bool) -> Firmware:
     if part != _THERMOMETER:
         message = f"the sketch of a model reads a {_THERMOMETER}, not a {part}: leave out the part"
         raise UsageError(message)
-    if humidity:  # coarse, since every input is proven
-        return generate(model, "avr", package="arduino", temperature=_COARSE, humidity=_HUMIDITIES)
+    if humidity:  # coarse, since every combination of three inputs is proven: 40 million
+        return generate(
+            model,
+            "avr",
+            package="arduino",
+            temperature=_COARSE,
+            humidity=_HUMIDITIES,
+            echo=EchoCodes(*_ECHOES),
+        )
     return generate(model, "avr", package="arduino", temperature=_FINE)
 
 

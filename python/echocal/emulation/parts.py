@@ -60,7 +60,7 @@ def error_parts(found: Emulation, model: Model) -> pd.DataFrame:
     >>> bool(abs(parts.sum(axis="columns") - found.errors()["reading_m"]).max() < 1e-9)
     True
     >>> parts.abs().max().idxmax()
-    'sensors'
+    'air'
     """
     table, inputs = found.table, found.inputs
     if inputs.distance is None or inputs.ideal is None or found.firmware is None:

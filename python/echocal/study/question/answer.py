@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
 from echocal.study.origin import table_law
-from echocal.study.question.comparison import Pattern, Verdict, compare, deviation, pattern_of
+from echocal.study.question.comparison import Pattern, Verdict, compare, deviation, pattern_of, without_steps
 from echocal.study.question.experiment import Readings
 from echocal.study.question.explanations import Explanation, explain
 from echocal.study.question.investigation import NEAR, Investigation
@@ -38,15 +38,15 @@ class Made:
     scatter : tuple of float
         Lowest, median and highest scatter of its tables [mm].
     verdict : Verdict
-    deviation : ndarray, shape (tables, n)
-        Readings less the calculation [mm].
+    smooth : ndarray, shape (n,)
+        Readings less the calculation, without rounding and without what differs in each run [mm].
     """
 
     suspect: Suspect
     pattern: Pattern
     scatter: tuple[float, float, float]
     verdict: Verdict
-    deviation: Column
+    smooth: Column
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,8 @@ def _made(tables: Tables, suspect: Suspect, readings: Readings) -> Made:
     each = [pattern_of(warm, one, own).scatter for one, own in zip(away, readings.reading, strict=True)]
     scatter = (min(each), float(np.median(each)), max(each))
     mean = pattern_of(warm, away.mean(axis=0), readings.reading[0])
-    return Made(suspect, mean, scatter, compare(table, suspect, readings), away)
+    smooth = without_steps(table, suspect, readings)
+    return Made(suspect, mean, scatter, compare(table, suspect, readings), smooth)
 
 
 def _effects(tables: Tables, found: Investigation, made: list[Made], wanted: Pattern) -> Effects:

@@ -9,7 +9,17 @@ from echocal.study.question.experiment import Readings
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import Table
 
-__all__ = ["LIMIT", "Pattern", "Verdict", "compare", "curve", "deviation", "pattern_of"]
+__all__ = [
+    "LIMIT",
+    "Pattern",
+    "Verdict",
+    "compare",
+    "curve",
+    "deviation",
+    "pattern_of",
+    "unrounded",
+    "without_steps",
+]
 
 Column = NDArray[np.float64]
 
@@ -17,6 +27,7 @@ LIMIT = 3.0
 """Standard errors beyond which a suspect is excluded."""
 
 _STEPS = (10, 5, 2)  # mm, of readings that are whole centimeters, half centimeters, ...
+_SMOOTH = 2  # degree of the curve of a suspect: a straight line, and the bend of a law
 _SAME_SIZE = 0.5  # mm: a suspect that moves the readings by less moves them in no direction
 
 
@@ -93,6 +104,24 @@ def curve(table: Table, readings: Readings, size: float | None = None, staged: f
     """Deviation that a suspect makes [mm], mean over its tables, shape (n,); a free one in another size."""
     made = deviation(table, readings.reading).mean(axis=0)
     return np.asarray(made if size is None or staged is None else made * size / staged)
+
+
+def unrounded(table: Table) -> Column:
+    """Calculation of Table 2 before it was rounded to millimeters [m]: its speed is a straight line."""
+    temperature, speed = table.temperature, 1.0 / table.values("measured_distance_calculation_m")
+    return np.asarray(1.0 / np.polyval(np.polyfit(temperature, speed, 1), temperature))
+
+
+def without_steps(table: Table, suspect: Suspect, readings: Readings) -> Column:
+    """Deviation that a suspect makes, without what only this run of the board has [mm], shape (n,).
+
+    Where the count begins and how a reading is rounded differ in each run. So a smooth curve through the rows
+    stands for a suspect, unless the suspect itself cuts off.
+    """
+    away = (readings.reading.mean(axis=0) - unrounded(table)) * 1e3
+    if suspect.cuts_off:
+        return np.asarray(away)
+    return np.asarray(np.polyval(np.polyfit(table.temperature, away, _SMOOTH), table.temperature))
 
 
 def compare(table: Table, suspect: Suspect, readings: Readings) -> Verdict:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from echocal.study.question.comparison import curve, deviation
+from echocal.study.question.comparison import unrounded, without_steps
 from echocal.study.question.experiment import Readings
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import Table
@@ -74,10 +74,10 @@ def explain(
         The most probable first.
     """
     used = ~np.isin(table.temperature, without)
-    wanted = deviation(table)[used]
+    wanted = 1e3 * (table.values("measured_distance_tinkercad_m") - unrounded(table))[used]
     able = [one for one in suspects if one.place not in (_SCATTERS, _NONE) and not one.absent]
-    curves = {one.id: curve(table, readings[one.id])[used] for one in able}
-    groups = [
+    curves = {one.id: without_steps(table, one, readings[one.id])[used] for one in able}
+    groups: list[list[tuple[Suspect, ...]]] = [
         [()],
         [(one,) for one in able],
         [pair for pair in combinations(able, 2) if pair[0].place != pair[1].place],
@@ -106,7 +106,7 @@ def _weigh(
     wanted: Column, own: tuple[Suspect, ...], curves: Mapping[str, Column]
 ) -> tuple[float, float, dict[str, float], dict[str, float]]:
     """Return log evidence, what is left [mm], and the free sizes with their standard deviations."""
-    fixed = sum((curves[one.id] for one in own if one.free is None), np.zeros_like(wanted))
+    fixed = np.sum([np.zeros_like(wanted), *(curves[one.id] for one in own if one.free is None)], axis=0)
     free = [(one, one.free) for one in own if one.free is not None]
     axes = [np.linspace(size.low, size.high, _GRID) for _, size in free]
     units = [curves[one.id] / size.staged for one, size in free]

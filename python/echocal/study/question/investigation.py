@@ -86,7 +86,10 @@ class Investigation:
             }
             temperature = np.array(content["temperature_C"], dtype=np.float64)
         except (OSError, ValueError, KeyError, TypeError) as error:
-            message = f"{path} holds no readings of the study's question: {error}; make them: echocal study --emulate"
+            message = (
+                f"{path} holds no readings of the study's question: {error}; make them: "
+                "echocal study --emulate"
+            )
             raise DataError(message) from None
         told = {name: (parts["told_far"][name], parts["told_near"][name]) for name in parts["told_far"]}
         return cls(temperature, parts["far"], parts["near"], told)

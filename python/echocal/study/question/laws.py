@@ -37,6 +37,7 @@ _LAWS = (
         "law",
         "int or long for the speed cuts its decimals off.",
         _speed("(long)(331.3 + 0.6 * (celsius))"),
+        cuts_off=True,
     ),
     Suspect(
         "law_intercept",
@@ -62,6 +63,7 @@ _TEMPERATURES = (
         "thermometer",
         "map(code, 0, 1023, 0, 50) gives whole degrees below.",
         {"TEMPERATURE(code)": "(map((code), 0, 1023, 0, 50))"},
+        cuts_off=True,
     ),
     Suspect(
         "whole_degrees",
@@ -85,6 +87,7 @@ _TEMPERATURES = (
         "record",
         "The potentiometer was turned before the reading was copied.",
         scene=scenes.next_row,
+        cuts_off=True,  # rows are 1 or 2 degC apart
     ),
     Suspect(
         "hand",

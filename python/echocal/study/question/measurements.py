@@ -31,7 +31,8 @@ class Effects:
     Attributes
     ----------
     far, near : dict of str to float
-        Mean deviation that a suspect makes at 2 m and at the second distance [mm]; of a free one, per unit of its size.
+        Mean deviation that a suspect makes at 2 m and at the second distance [mm]; of a free one, per unit of
+        its size.
     table : Pattern
         Table 2.
     jitter : float
@@ -136,8 +137,8 @@ MEASUREMENTS = (
     Measurement(
         "interrupts_held",
         "interrupts held",
-        f"Touch nothing, put noInterrupts() before pulseIn() and interrupts() behind it: {_READINGS} readings with "
-        "and without.",
+        "Touch nothing, put noInterrupts() before pulseIn() and interrupts() behind it: "
+        f"{_READINGS} readings with and without.",
         (_held,),
         _twice,
     ),
@@ -151,7 +152,8 @@ MEASUREMENTS = (
     Measurement(
         "steps",
         "every step of the program",
-        f"Print `duration`, the distance, the temperature and the speed beside the reading, {_READINGS} times.",
+        "Print `duration`, the distance, the temperature and the speed beside the reading, "
+        f"{_READINGS} times.",
         (_at(_SEEN), _at(("conversion",)), _at(("thermometer", "record")), _at(("law",))),
         _jitter,
     ),

@@ -46,7 +46,7 @@ _TRUE = {
     "target": ("zero_error",),
     "module_factor": ("clock_error", "reference_scale", "interrupt_loss"),
     "law_332": ("speed_intercept",),
-    "latency": ("fixed_delay",),
+    "latency": ("fixed_delay", "zero_error"),  # the program divides it by its speed
 }
 """Causes of the catalogue that a suspect is."""
 
@@ -146,7 +146,7 @@ def _class_of(diagnosis: Diagnosis) -> tuple[str, ...]:
     effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
     if not effects:
         return ()
-    first: Cause = max(effects, key=lambda cause: cause.class_probability)
+    first: Cause = max(effects, key=lambda cause: cause.probability)
     return tuple(sorted((first.id, *first.indistinguishable_from)))
 
 

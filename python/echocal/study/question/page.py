@@ -1,5 +1,7 @@
 """The page of the study's question."""
 
+import re
+import textwrap
 from collections.abc import Sequence
 
 from echocal.study.question import words
@@ -10,12 +12,14 @@ from echocal.study.question.investigation import NEAR
 from echocal.study.question.laws import suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation
 
-__all__ = ["FIGURES", "render"]
+__all__ = ["FIGURES", "filled", "render"]
 
 FIGURES = ("study-question.png", "study-question-next.png")
 """Figures of the page."""
 
 _LISTED = 12  # explanations
+_PROSE = r"^[^\n|#<`! ][^\n]*(?:\n(?!- |\d+\. )[^\n|#<`!][^\n]*)*"
+"""A line of prose or an item, and the lines that continue it."""
 _INVOLVED = 0.02
 _WHY = {
     "sign": "sign",
@@ -38,7 +42,19 @@ def render(found: Answer) -> str:
         _told(found),
         words.limits(),
     )
-    return "\n".join(parts)
+    return filled("\n".join(parts))
+
+
+def filled(text: str) -> str:
+    """Fill paragraphs and items to lines of 118 characters; tables, headings and commands stay."""
+    return re.sub(_PROSE, lambda found: _wrapped(found.group()), text, flags=re.MULTILINE)
+
+
+def _wrapped(item: str) -> str:
+    sign = re.match(r"- |\d+\. |", item)
+    indent = " " * len(sign.group()) if sign else ""
+    text = " ".join(item.split())
+    return textwrap.fill(text, 118, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], right: int = 0) -> str:
@@ -60,8 +76,8 @@ def _members(found: Answer) -> str:
     heads = ["cause", "size that Table 2 needs", "excluded by", "because"]
     return f"""## What the diagnosis says
 
-Verdict: {found.diagnosis.verdict}. At one distance the diagnosis cannot tell these {len(found.members)} causes apart, and says so. What
-is known of Tinkercad excludes most of them.
+Verdict: {found.diagnosis.verdict}. At one distance the diagnosis cannot tell these {len(found.members)}
+causes apart, and says so. What is known of Tinkercad excludes most of them.
 
 {_table(heads, rows)}"""
 
@@ -78,13 +94,18 @@ def _suspects(found: Answer) -> str:
     for one in found.made:
         if one.suspect.place in ("setting", "none"):
             continue
-        free = one.suspect.free is not None
-        cells = [one.suspect.title, one.suspect.place]
-        cells += (
-            [_size(one), "", ""] if free else ["", f"{one.pattern.mean:+.1f}", f"{one.pattern.slope:+.3f}"]
-        )
-        rows.append([*cells, _excluded(one.verdict.excluded_by)])
-    heads = ["suspect", "place", "size that Table 2 needs", "mean [mm]", "slope [mm/K]", "excluded by"]
+        own = one.pattern
+        cells = [_size(one), "", "", ""]
+        if one.suspect.free is None:
+            cells = [
+                "",
+                f"{round(own.mean, 1) + 0.0:+.1f}",
+                f"{words.away(one, found):.1f}",
+                f"{own.slope:+.3f}",
+            ]
+        rows.append([one.suspect.title, one.suspect.place, *cells, _excluded(one.verdict.excluded_by)])
+    heads = ["suspect", "place", "size that Table 2 needs", "mean [mm]", "standard errors from Table 2"]
+    heads += ["slope [mm/K]", "excluded by"]
     explained = "\n".join(f"- *{one.suspect.title}*: {one.suspect.says}" for one in found.made)
     ranges = "\n".join(
         f"- *{one.title}*: {one.free.low:g} to {one.free.high:g} {one.free.unit} ({one.free.why})."
@@ -93,14 +114,14 @@ def _suspects(found: Answer) -> str:
     )
     return f"""## Suspects on the emulated board
 
-Each suspect is one change of the program or of the scene. The program runs on an emulated Arduino UNO for all 27
-temperatures. Mean and slope are those of its readings less the calculation of Table 2. A suspect is excluded where
-it differs by more than {LIMIT:g} standard errors. A suspect without a fixed size has the size that the table needs
-instead.
+Each suspect is one change of the program or of the scene. The program runs on an emulated Arduino UNO for
+all 27 temperatures. Mean and slope are those of its readings less the calculation of Table 2. A suspect is
+excluded where it differs by more than {LIMIT:g} standard errors. A suspect without a fixed size has the
+size that the table needs instead.
 
 {_table(heads, rows)}
-With nothing changed, the board differs from the calculation by {found.of("nothing").pattern.mean:+.2f} mm on average: so neither the
-converter nor the single precision nor the rounding matters.
+With nothing changed, the board differs from the calculation by {found.of("nothing").pattern.mean:+.2f} mm
+on average: so neither the converter nor the single precision nor the rounding matters.
 
 What they are:
 
@@ -137,10 +158,12 @@ def _pairs(found: Answer) -> str:
     heads = ["explanation", "free sizes", "left [mm]", "probability"]
     return f"""## Alone and in pairs
 
-All {len(found.explanations)} explanations with one suspect or two of different places, weighed by the likelihood of the 27
-rows. *Left* is the root mean square that stays. Beforehand, one cause and two causes are equally probable, and so are
-all explanations of the same number; a free size is uniform in its range. So the probabilities hold for this list of
-suspects, not for the world.
+All {len(found.explanations)} explanations with one suspect or two of different places, weighed by the
+likelihood of the 27 rows. *Left* is the root mean square that stays. Beforehand, one cause and two causes
+are equally probable, and so are all explanations of the same number; a free size is uniform in its range.
+So the probabilities hold for this list of suspects, not for the world. Where the count of an echo begins
+and how a reading is rounded differ in each run of the board. So a smooth curve through the rows stands for
+each suspect, unless the suspect itself cuts off.
 
 {_table(heads, rows, 2)}
 How probable it is that a suspect is part of the truth:
@@ -150,14 +173,20 @@ How probable it is that a suspect is part of the truth:
 
 def _scatter(found: Answer) -> str:
     chosen = [one for one in found.made if one.suspect.place == "setting"]
-    chosen += [found.of(name) for name in ("whole_degrees", "pulse_in", "nothing")]
+    chosen += [found.of(name) for name in ("time_steps", "whole_degrees", "pulse_in", "nothing")]
     rows = [
         [one.suspect.title, f"{one.scatter[1]:.2f}", f"{one.scatter[0]:.2f} to {one.scatter[2]:.2f}"]
         for one in chosen
     ]
+    much = [
+        f"*{one.suspect.title}* ({one.scatter[1]:.1f} mm)"
+        for one in found.made
+        if one.suspect.place != "setting" and one.scatter[1] > found.wanted.scatter / 2
+    ]
     return f"""## The scatter
 
-Nothing of the above scatters the rows by {found.wanted.scatter:.1f} mm. Something else must.
+Table 2 scatters by {found.wanted.scatter:.1f} mm. Of the suspects above only these scatter by more than half
+of that: {", ".join(much)}.
 
 {_table(["what scatters", "standard deviation [mm]", "of all its tables"], rows, 2)}
 {words.scatter(found)}
@@ -178,8 +207,8 @@ def _next(found: Answer) -> str:
     numbered = "\n".join(f"{place}. {name}" for place, name in enumerate(named, 1))
     return f"""## Which measurement would have told
 
-The explanations that are left, and how far apart each measurement would set the first one and another, in standard
-deviations:
+The explanations that are left, and how far apart each measurement would set the first one and another, in
+standard deviations:
 
 {numbered}
 
@@ -201,7 +230,9 @@ def _told(found: Answer) -> str:
     heads = ["what the board had", "named from 2 m", f"named from 2 m and {NEAR:g} m"]
     return f"""## Would the diagnosis have found it?
 
-The board measured again, with one suspect and a potentiometer that a hand sets within 1 K, at 2 m and at {NEAR:g} m.
-The diagnosis got these tables and nothing else.
+The board measured again, with one suspect and a potentiometer that a hand sets within 1 K, at 2 m and at
+{NEAR:g} m. The diagnosis got these tables and nothing else.
 
-{_table(heads, rows)}"""
+{_table(heads, rows)}
+{words.told()}
+"""

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from echocal.plots.files import save_figure
 from echocal.study.question.answer import Answer, Made
-from echocal.study.question.comparison import LIMIT
+from echocal.study.question.comparison import LIMIT, unrounded
 from echocal.study.question.page import FIGURES
 
 __all__ = ["draw_outcomes", "draw_rows", "draw_suspects", "save"]
@@ -113,14 +113,12 @@ def draw_rows(found: Answer, axes: Axes) -> None:
         Where to draw.
     """
     table = found.tables.table2
-    away = 1e3 * (
-        table.values("measured_distance_tinkercad_m") - table.values("measured_distance_calculation_m")
-    )
+    away = 1e3 * (table.values("measured_distance_tinkercad_m") - unrounded(table))
     axes.plot(table.temperature, away, "D", color=TABLE, markersize=5, label="Table 2")
     for color, one in zip(_LINES, found.explanations[:_SHOWN], strict=False):
         total = np.zeros(len(table))
         for own in one.suspects:
-            made = found.of(own.id).deviation.mean(axis=0)
+            made = found.of(own.id).smooth
             total = total + (made if own.free is None else made * one.sizes[own.id] / own.free.staged)
         name = " and\n".join(own.title for own in one.suspects)
         axes.plot(
@@ -130,7 +128,7 @@ def draw_rows(found: Answer, axes: Axes) -> None:
             linewidth=1.3,
             label=f"{name} ({100 * one.probability:.0f} %)",
         )
-    loss = found.of("pulse_in").deviation.mean(axis=0)
+    loss = found.of("pulse_in").smooth
     axes.plot(table.temperature, loss, color=GRAY, linewidth=1.0, linestyle="--", label="pulseIn() alone")
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set(xlabel="temperature [°C]", ylabel="reading less calculation [mm]")

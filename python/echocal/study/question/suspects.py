@@ -55,6 +55,8 @@ class Suspect:
         From the trigger to the rise of ECHO [s]; default: drawn, so that the phase to `millis()` is.
     absent : str
         Why Tinkercad cannot have it; empty if it can.
+    cuts_off : bool
+        Whether the steps of its rows belong to it.
     """
 
     id: str
@@ -67,6 +69,7 @@ class Suspect:
     tables: int = 2
     silence: float | None = None
     absent: str = ""
+    cuts_off: bool = False
 
 
 _RANDOM_TABLES = 20
@@ -141,8 +144,9 @@ SUSPECTS = (
         "time_steps",
         "ECHO falls with the simulator's next step",
         "module",
-        "A simulator that updates pins every 100 us lengthens each echo by 0 to 100 us.",
+        "A simulator that updates its pins in steps lengthens each echo by a part of a step.",
         scene=scenes.late(0.0, 100e-6),
+        free=Free("step", "us", 0.0, 200.0, 100.0, "judgement: 5,000 updates a second, or more"),
         tables=_RANDOM_TABLES,
     ),
     Suspect(
@@ -208,6 +212,7 @@ SUSPECTS = (
             "DURATION()": "pulseIn(echoPin, HIGH)",
             "CENTIMETERS(duration)": "((long)((duration) * 0.0343 / 2))",
         },
+        cuts_off=True,
     ),
     Suspect(
         "whole_cm",
@@ -215,6 +220,7 @@ SUSPECTS = (
         "record",
         "The reading is printed without decimals.",
         {"READING(centimeters)": "round(centimeters)"},
+        cuts_off=True,
     ),
     Suspect(
         "halved_integer",
