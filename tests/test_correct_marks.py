@@ -44,6 +44,7 @@ def planted(
 
 
 @SAME
+@pytest.mark.statistical
 def test_the_same_rows_have_the_same_reason(
     fault: Fault, random: np.random.Generator, tmp_path: Path
 ) -> None:

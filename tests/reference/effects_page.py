@@ -43,7 +43,7 @@ effect needs one row only:
 | quantity | derived from |
 |---|---|
 | `temperature_rate`, `radiation_rate` | the row before and the row after, over at least 30 s |
-| `temperature_later_1` to `temperature_later_5` | rows further down |
+| `temperature_later_1` to `temperature_later_5` | rows later in time |
 | `position_in_group` | `group` or `order` |
 | `hour_angle` | time of day and `--time-zone` (local clock) |
 
