@@ -68,6 +68,11 @@ def test_a_cause_that_needs_days_is_staged_in_an_evening_and_a_note_says_so(tmp_
     assert "hardly" not in told
 
 
+def test_a_reading_of_the_device_gets_stuck_as_an_echo_time_does() -> None:
+    table = simulate("quick", {"fixed_speed": None, "stuck_reading": None}).table
+    assert table["reading_cm"].value_counts().max() >= 8
+
+
 def test_a_waveform_is_drawn_and_a_parquet_file_holds_the_table(tmp_path: Path) -> None:
     picture, out = tmp_path / "heard.png", tmp_path / "log.parquet"
     code, told = run("--design", "quick", "--row", 7, "--waveform", picture, "-o", out)
@@ -88,6 +93,10 @@ def test_a_waveform_is_drawn_and_a_parquet_file_holds_the_table(tmp_path: Path) 
         (["--design", "bench", "--detector", "perfect"], "'comparator' or 'ideal', not 'perfect'"),
         (["--design", "bench", "--row", "401", "--waveform", "x.png"], "401"),
         (["--design", "bench", "--cause", "drift=nan"], "nan"),
+        (
+            ["--design", "quick", "--cause", "fixed_speed", "--cause", "divisor"],
+            "two causes say how the device",
+        ),
     ],
 )
 def test_what_is_refused(

@@ -100,9 +100,12 @@ def test_a_burst_through_resonances_is_what_lsim_computes(random: np.random.Gene
     assert np.abs(response.envelope(time[None])).max() <= response.peak
 
 
-def first_lasting(over: Column, rate: float, comparator: Comparator) -> NDArray[np.int64]:
-    """First sample above 0 from which the voltage stays above 0 until the output answers; -1: none."""
-    ahead = round(comparator.response_time * rate)
+def first_lasting(over: Column, rate: float, comparator: Comparator, more: int = 0) -> NDArray[np.int64]:
+    """First sample above 0 from which the voltage stays above 0 until the output answers; -1: none.
+
+    `more` samples longer: a crossing before the first sample may last for one less, or need one more.
+    """
+    ahead = round(comparator.response_time * rate) + more
     above = over > 0
     above = above[:, : above.shape[1] - ahead] & above[:, ahead:]
     return np.where(above.any(axis=1), above.argmax(axis=1), -1)
@@ -157,10 +160,12 @@ def test_readings_are_the_first_crossings_of_the_whole_waveform(random: np.rando
         echo = measure(scene, sensor, random).time
         elapsed, voltage = waveform(scene, sensor, sample_rate=2.5e6)
         over = np.where(elapsed > sensor.comparator.blanking, voltage / sensor.comparator.at(elapsed), 0.0)
-        # 62 samples a cycle know the width of a crest to a tenth, which is 3 % of its height.
+        # A crest, or what a step of the threshold leaves of it, may last for a sample more or less.
         early, late = (
             np.where(first < 0, np.inf, elapsed[first] + sensor.comparator.response_time)
-            for first in (first_lasting(over - level, 2.5e6, sensor.comparator) for level in (0.97, 1.03))
+            for first in (
+                first_lasting(over - 1 - 0.005 * more, 2.5e6, sensor.comparator, more) for more in (-1, 1)
+            )
         )
         told = np.where(np.isnan(echo), np.inf, echo)
         assert (told >= early - tolerance).all()

@@ -1,6 +1,5 @@
 """A core, its compiler, and the simulator that plays it."""
 
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -126,9 +125,3 @@ def definitions(made: Generated) -> tuple[str, str]:
     """Return the macros by which a program for the board knows the function and its temperature."""
     warm = made.report["device"]["conditions"][0].get("type", "i16")
     return f"-DDISTANCE={function(made)}", f"-DCODE={'uint16_t' if warm == 'u16' else 'int16_t'}"
-
-
-def lines_of_numbers(text: str) -> list[list[int]]:
-    """Return the numbers of the lines that hold nothing else."""
-    lines = (line.split() for line in text.splitlines() if re.fullmatch(r"[0-9 ]+", line))
-    return [[int(word) for word in line] for line in lines]

@@ -75,8 +75,6 @@ class Campaign:
         True distance of the target [m].
     placement : ndarray of int, shape (n,)
         Number of the place of the target, from 0: as it was put up once, whenever it is looked at.
-    order : ndarray of int, shape (n,)
-        Of a reading in its burst, from 0.
     around : Surroundings
     reference : ndarray, shape (n,), or None
         Distance that is written down [m]; None where nobody knows it.
@@ -108,7 +106,6 @@ class Campaign:
     seconds: Column
     distance: Column
     placement: Labels
-    order: Labels
     around: Surroundings
     reference: Column | None
     unknown_constant: bool = False

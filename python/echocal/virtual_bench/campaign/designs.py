@@ -86,12 +86,9 @@ def _weather(seconds: Column, random: np.random.Generator, open_air: float = 1.0
     )
 
 
-def _placements(
-    name: str, visits: list[float], each: int, means: list[float], random: Random, *, step: float = 1e-3
-) -> Campaign:
+def _placements(name: str, visits: list[float], each: int, means: list[float], random: Random) -> Campaign:
     """A room in which somebody places a target and reads it some times; a mean temperature each visit."""
     own = random("design")
-    n = len(visits) * each
     placement = np.repeat(np.arange(len(visits)), each)
     order = np.tile(np.arange(each), len(visits))
     start = np.cumsum(own.uniform(25.0, 70.0, len(visits)) + 0.2 * each)
@@ -103,9 +100,8 @@ def _placements(
         seconds,
         distance + own.normal(0.0, 0.2e-3, len(visits))[placement],
         placement,
-        order,
         _room(seconds, np.asarray(means)[placement], own),
-        reference=_tape(distance, placement, step, own) if n else None,
+        reference=_tape(distance, placement, 1e-3, own),
         turbulence=INDOORS,
         by_hand=True,
     )
@@ -179,7 +175,6 @@ def _log(
         seconds,
         true,
         moved.astype(np.int64),
-        np.zeros(len(seconds), dtype=np.int64),
         around,
         reference=true.copy(),
         turbulence=OUTDOORS if air == "open" else INDOORS,

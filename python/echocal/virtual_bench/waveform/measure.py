@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.crossing import first_crossing
-from echocal.virtual_bench.waveform.received import Noise, NoiseAlone, Received
+from echocal.virtual_bench.waveform.received import HEARD, Noise, NoiseAlone, Received
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
@@ -19,7 +19,6 @@ Column = NDArray[np.float64]
 
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache
 _WINDOWS = ((0, 8), (8, 16))  # first period after a beginning, and how many: most cross in the first window
-_HEARD = 6e-3  # s, after which a burst has died away
 _SIGMAS = 6.0  # of the noise: what is rarer is left to the noise alone
 
 
@@ -133,14 +132,14 @@ def _crossed(signal: Received, sensor: Sensor, random: np.random.Generator) -> C
 
 def _loud(signal: Received, peak: float, begin: Column, end: Column, sensor: Sensor) -> NDArray[np.bool_]:
     """Whether what is heard in a window may reach the threshold: seldom does the burst on the board."""
-    heard = (signal.delays < end[:, None]) & (signal.delays > begin[:, None] - _HEARD)
+    heard = (signal.delays < end[:, None]) & (signal.delays > begin[:, None] - HEARD)
     most = peak * (np.abs(signal.sizes) * heard).sum(axis=1) + _SIGMAS * sensor.noise
     return np.asarray(most > np.minimum(sensor.comparator.at(begin), sensor.comparator.at(end)))
 
 
 def _jitter(signal: Received, sensor: Sensor, random: np.random.Generator) -> Column:
-    """Scatter of a detector that knows the front: the noise over the slope of the carrier."""
-    slope = 2 * np.pi * sensor.frequency * np.abs(signal.sizes[:, 1]) * 0.4
+    """Scatter of a detector that knows the front: the noise over the steepest slope of the carrier."""
+    slope = 2 * np.pi * sensor.frequency * np.abs(signal.sizes[:, 1]) * signal.response.peak
     return np.asarray(random.normal(size=len(slope)) * sensor.noise / slope)
 
 

@@ -10,14 +10,14 @@ from scipy.signal import lfilter
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Noise", "NoiseAlone", "Received"]
+__all__ = ["HEARD", "Noise", "NoiseAlone", "Received"]
 
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
 _EDGES = 200  # of the stretches in which the threshold counts as constant, 3 % of the time each
 _NEVER = 1e-9  # expected crossings
-_OVER = 6e-3  # s, after which a burst has died away: exp(-pi f t / Q) is 1e-11 at 40 kHz and a quality of 30
+HEARD = 6e-3  # s, after which a burst has died away: exp(-pi f t / Q) is 1e-11 at 40 kHz and a quality of 30
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ class Received:
         total = np.zeros(elapsed.shape, dtype=complex)
         for path in range(self.delays.shape[1]):
             since = elapsed - self.delays[:, path][shape]
-            inside = (since > 0) & (since < _OVER)
+            inside = (since > 0) & (since < HEARD)
             heard = np.flatnonzero(inside.any(axis=tuple(range(1, since.ndim))))
             if len(heard) == 0:
                 continue

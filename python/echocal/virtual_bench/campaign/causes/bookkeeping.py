@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign
 from echocal.virtual_bench.campaign.causes.registry import cause
 
@@ -15,6 +16,12 @@ def device(campaign: Campaign, speed: float, step_cm: float = 0.0) -> None:
     """Let the device compute its reading itself, with one speed [m/s], cut off to a step [cm]."""
 
     def reckon(table: pd.DataFrame) -> pd.DataFrame:
+        if "echo_us" not in table:
+            message = (
+                "two causes say how the device computes its reading; give one of fixed_speed, divisor, "
+                "reading_quantization and mistyped_rows"
+            )
+            raise UsageError(message)
         centimeters = _CENTIMETERS * 0.5 * speed * 1e-6 * table["echo_us"]
         if step_cm:
             centimeters = np.floor(centimeters / step_cm) * step_cm
@@ -23,6 +30,11 @@ def device(campaign: Campaign, speed: float, step_cm: float = 0.0) -> None:
         return made
 
     campaign.logger.append(reckon)
+
+
+def _measured(table: pd.DataFrame) -> str:
+    """Column that holds what the sensor measured."""
+    return "echo_us" if "echo_us" in table else "reading_cm"
 
 
 @cause("m/s", 335.0, 350.0, "reference")
@@ -49,7 +61,7 @@ def timeout(campaign: Campaign, size: float, random: np.random.Generator) -> Non
     lost = random.uniform(size=len(campaign)) < size
 
     def write(table: pd.DataFrame) -> pd.DataFrame:
-        column = "echo_us" if "echo_us" in table else "reading_cm"
+        column = _measured(table)
         number = 38000.0 if column == "echo_us" else 651.7
         return table.assign(**{column: np.where(lost, number, table[column])})
 
@@ -83,9 +95,10 @@ def stuck_reading(campaign: Campaign, size: float, random: np.random.Generator) 
     rows = slice(first, first + max(8, min(int(size), len(campaign) // 10)))
 
     def write(table: pd.DataFrame) -> pd.DataFrame:
-        echo = table["echo_us"].to_numpy().copy()
-        echo[rows] = echo[first]
-        return table.assign(echo_us=echo)
+        column = _measured(table)
+        values = table[column].to_numpy().copy()
+        values[rows] = values[first]
+        return table.assign(**{column: values})
 
     campaign.logger.append(write)
 

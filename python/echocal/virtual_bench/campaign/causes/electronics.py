@@ -18,19 +18,19 @@ def fixed_delay(campaign: Campaign, size: float, random: np.random.Generator) ->
 
 @cause("m", -1.5e-2, 1.5e-2, "reference")
 def zero_error(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The ruler's zero is not the face of the sensor."""
+    """The ruler's zero is before the face of the sensor, so it tells too little; negative: too much."""
     campaign.distance += size
 
 
 @cause("1", -0.005, 0.005)
 def clock_error(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The clock of the timer runs fast or slow."""
+    """The clock of the timer runs fast; with a negative size slow."""
     campaign.pulse.append(lambda seconds: seconds * (1 + size))
 
 
 @cause("1/K", -1.5e-4, 1.5e-4)
 def clock_temperature_coefficient(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The clock's frequency follows the temperature."""
+    """The clock's frequency rises with the temperature; with a negative size it falls."""
     celsius = campaign.device_temperature
     campaign.pulse.append(lambda seconds: seconds * (1 + size * (celsius - 25.0)))
 
@@ -87,13 +87,13 @@ def supply_voltage(campaign: Campaign, size: float, random: np.random.Generator)
 
 @cause("m", -1e-2, 1e-2, "time")
 def drift(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The mount creeps."""
+    """The mount creeps away from the target; with a negative size toward it."""
     campaign.distance += size * (campaign.seconds - campaign.seconds[0]) / np.ptp(campaign.seconds)
 
 
 @cause("m", -1e-2, 1e-2, "time")
 def step_change(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The sensor is knocked once."""
+    """The sensor is knocked once, away from the target; with a negative size toward it."""
     first, last = campaign.seconds[[0, -1]]
     campaign.distance += size * (campaign.seconds > first + random.uniform(0.25, 0.75) * (last - first))
 

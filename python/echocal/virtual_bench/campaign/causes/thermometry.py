@@ -11,13 +11,13 @@ __all__: list[str] = []
 
 @cause("K", -2.0, 2.0)
 def temperature_offset(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The thermometer reads too low or too high by a constant."""
+    """The thermometer reads too low by a constant; with a negative size too high."""
     campaign.thermometer.append(lambda recorded: recorded - size)
 
 
 @cause("1", -0.08, 0.08)
 def temperature_gain(campaign: Campaign, size: float, random: np.random.Generator) -> None:
-    """The thermometer's scale is wrong."""
+    """The thermometer's scale is wrong: it reads too low above 0 degC; with a negative size too high."""
     campaign.thermometer.append(lambda recorded: recorded / (1 + size))
 
 
