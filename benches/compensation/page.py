@@ -208,7 +208,7 @@ def filters(results: Record) -> str:
     heads = ["filter", "timer capture", "an hour after a move", "whole centimeters", "an hour after a move"]
     return f"""## Which filter
 
-RMS error in summer and winter [mm] behind the line through all marks. The target is moved every three hours
+RMS error in summer and winter [mm] after the line through all marks. The target is moved every three hours
 and read every half hour. *An hour after a move* leaves out the first two bursts at each place. Both Kalman
 filters have their variances from the training, by maximum likelihood.
 

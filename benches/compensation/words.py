@@ -128,7 +128,7 @@ def _thermometers(results: Record) -> str:
         f"{line['htu31d']:.1f} mm without the shield. A second HC-SR04 that looks at a plate "
         f"({price['path']:.1f} €) gives {line['path']:.1f} mm. An LM35 without a negative supply reads "
         f"nothing below 0 °C: {line['lm35']:.1f} mm. A potentiometer that is set once is no "
-        f"thermometer: {line['hand']:.1f} mm. If the detector did not walk, it would be "
+        f"thermometer: {line['hand']:.1f} mm. With a detector without time walk it would be "
         f"{clean['tmp36']:.1f} mm with the TMP36, {clean['ds18b20']:.1f} mm with the DS18B20, "
         f"{clean['htu31d']:.1f} mm with the HTU31D, and {clean['shield']:.1f} mm with its shield."
     )
@@ -149,10 +149,10 @@ def _humidity(results: Record) -> str:
     dry, half, line, study = (_rms(results, Setting(BEST, method=m), "summer") for m in names)
     clean = [_rms(results, Setting(BEST, method=m, oracle="detector"), "summer") for m in names]
     return (
-        f"**Humidity.** In summer, behind a line through all marks: {dry:.1f} mm with dry air, "
+        f"**Humidity.** In summer, after a line through all marks: {dry:.1f} mm with dry air, "
         f"{half:.1f} mm with 50 %, {line:.1f} mm with the measured humidity, and {study:.1f} mm with "
         f"the study's formula. The line takes a part of a wrong law away, since it fits a scale. With a "
-        f"detector that does not walk: {clean[0]:.2f}, {clean[1]:.2f}, {clean[2]:.2f} and {clean[3]:.2f} mm."
+        f"detector without time walk: {clean[0]:.2f}, {clean[1]:.2f}, {clean[2]:.2f} and {clean[3]:.2f} mm."
     )
 
 
@@ -161,8 +161,8 @@ def _walk(results: Record) -> str:
     best = max((_within(results, Setting(BEST, method=name), "nominal"), ALL[name].label) for name in ALL)
     return (
         f"**The data sheet.** At 20 °C {_within(results, line, 'nominal'):.2f} of the values are within "
-        f"3 mm behind the line, and {best[0]:.2f} with the best method ({best[1]}); in summer and "
-        f"winter {_within(results, line, 'other'):.2f}. With a detector that does not walk it would be "
+        f"3 mm after the line, and {best[0]:.2f} with the best method ({best[1]}); in summer and "
+        f"winter {_within(results, line, 'other'):.2f}. With a detector without time walk it would be "
         f"{_within(results, ideal, 'nominal'):.2f} and {_within(results, ideal, 'other'):.2f}, and with "
         f"the true air as well {_within(results, both, 'other'):.2f}. What is left after a thermometer "
         "and a ruler is the comparator: it takes another cycle of the echo, 4.3 mm each, when the "
@@ -185,7 +185,7 @@ def _causes(results: Record) -> str:
         f"effect at all for {empty}: there even a constant error of more than a centimeter stays. "
         "`echocal.calibrate` before `echocal.diagnose` avoids this "
         f"({_rms(results, Setting(BEST, method='both')):.1f} mm). The diagnosis then adds an effect for "
-        f"{results['devices'] - added.get(NOTHING, 0)} devices. With a detector that does not walk, "
+        f"{results['devices'] - added.get(NOTHING, 0)} devices. With a detector without time walk, "
         f"`diagnose` leaves {clean['named']:.2f} mm and the line {clean['line']:.2f} mm."
     )
 

@@ -83,14 +83,14 @@ def losses(random: np.random.Generator) -> list[Row]:
     return [
         (name, told, f"{anchors.reach(target, far, random):.2f}", "")
         for name, target, told in (
-            ("plate of 33 x 38 mm is told up to [m]", figures.PLATE, "1.52 to 1.85"),
-            ("steel rule of 25 mm is told up to [m]", figures.RULE, "2.15 to 2.45"),
+            ("plate of 33 x 38 mm is detected up to [m]", figures.PLATE, "1.52 to 1.85"),
+            ("steel rule of 25 mm is detected up to [m]", figures.RULE, "2.15 to 2.45"),
         )
     ]
 
 
 def panel(random: np.random.Generator) -> pd.Series:
-    """Angle off the axis up to which the edge of a parallel panel is told [degree], by distance [m]."""
+    """Angle off the axis up to which the edge of a parallel panel is detected [degree], by distance [m]."""
     far = np.union1d(np.linspace(0.15, 2.6, 25), list(figures.PANEL)).round(3)
     return pd.Series({place: anchors.angle_of_an_edge(place, random) for place in far})
 
@@ -99,7 +99,7 @@ def section(real: pd.DataFrame, bench: pd.DataFrame, angles: pd.Series, random: 
     """The table of the page."""
     found = [*rows(real, bench), *losses(random)]
     for far, angle in figures.PANEL.items():
-        name = f"edge of a parallel panel at {100 * far:.0f} cm is told up to [degree]"
+        name = f"edge of a parallel panel at {100 * far:.0f} cm is detected up to [degree]"
         found.append((name, f"{angle:.0f}", f"{angles[far]:.0f}", f"{angles[far] - angle:+.0f}"))
     head = "| | record | bench | difference |\n|---|---:|---:|---:|\n"
     return head + "".join(f"| {' | '.join(row)} |\n" for row in found)

@@ -95,7 +95,7 @@ def _probable(found: Answer) -> str:
     shares = involved(found.explanations)
     parts = [f"*{suspect(name).title}* ({_percent(share)})" for name, share in list(shares.items())[:5]]
     return f"""**The most probable of {len(found.explanations)} explanations, alone or in pairs, are**
-{", ".join(first)}. So Table 2 does not say which it was. Parts of the truth are most probably
+{", ".join(first)}. So Table 2 does not say which it was. Most probably involved, alone or in a pair, are
 {", ".join(parts)}."""
 
 
@@ -119,9 +119,9 @@ def _steps(found: Answer) -> tuple[float, float]:
 
 def _measurement(found: Answer) -> str:
     best = found.outcomes[0]
-    return f"""**The measurement that would have told most**: {best.measurement.title}. It is expected to
-give what is true a probability of {_percent(best.expected_probability)}; from Table 2 alone it is
-{_percent(_now(found))}."""
+    return f"""**The measurement that would have told most**: {best.measurement.title}. After it the
+true explanation is expected to have a probability of {_percent(best.expected_probability)}; from Table 2
+alone it is {_percent(_now(found))}."""
 
 
 def _now(found: Answer) -> float:
@@ -184,8 +184,9 @@ codes of a 10-bit converter ([its numbers](study.md)).
 After the {-loss:.1f} mm that `pulseIn()` loses, a step of {step:.0f} us brings the mean of Table 2. Then
 both scatter by {made:.2f} mm; Table 2 has {found.wanted.scatter:.2f} mm.
 
-The first seven rows scatter by {early:.1f} mm, the other twenty by {late:.1f} mm. A hand may become
-steadier, and steps do not. This was looked for after the numbers were seen, so it has no probability here."""
+The first seven rows scatter by {early:.1f} mm, the other twenty by {late:.1f} mm. A person may set
+the potentiometer better and better; the steps of a simulator stay as they are. This was looked for after the
+numbers were seen, so it has no probability here."""
 
 
 def next_measurement(found: Answer) -> str:
