@@ -32,7 +32,6 @@ _THERE = {
 }
 """Causes that the air and the module of a device have; its thermometer and its hygrometer are ideal."""
 _FROM = 0.5  # m: an error of a few millimeters is a large share of less
-_COLORS = {"ideal": "#1f4e79", "comparator": "#c55a11"}
 
 HEAD = """# The loop closed on silicon
 

@@ -129,8 +129,8 @@ def _corrected(model: echocal.Model) -> Correction:
 
 
 _SPAN = 1800.0  # s, over which a rate is taken
-_NAMES = ("delay [us]", "scale", "offset [K]", "gain [1/K]", "lag [s]", "walk [us/m]")
 _BOUNDS = ((-300.0, 300.0), (0.98, 1.02), (-3.0, 3.0), (-0.1, 0.1), (0.0, 1800.0), (-30.0, 30.0))
+"""Of delay [us], scale, offset [K], gain [1/K], lag [s], and walk [us/m]: judgements."""
 
 
 def _physical(values: Column, log: pd.DataFrame) -> Column:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -130,13 +130,7 @@ def emulate(
         message = f"no column '{next(iter(asked))}': the table has {', '.join(inputs.names) or 'none'}"
         raise UsageError(message)
     thermometer, random = _thermometer(part, seed)
-    made = package_of(sketch, thermometer.name, humidity=humidity) if isinstance(sketch, Model) else None
-    made = sketch if isinstance(sketch, Firmware) else made
-    if made is not None:
-        program = compile_package(made)
-    else:
-        options = () if own else _options(thermometer.name)
-        program = silicon.compile_sketch(cast("str | Path", sketch), libraries=libraries, options=options)
+    program, made = _compiled(sketch, thermometer.name, humidity, libraries, own=own)
     played = silicon.play(
         program,
         inputs.echo,
@@ -154,6 +148,22 @@ def emulate(
         told = understood(played, asked) if own else columns_of(played)
     name = "C of the model" if made is not None else str(sketch)
     return Emulation(_joined(told, inputs), inputs, played, name, made)
+
+
+def _compiled(
+    sketch: str | Path | Model | Firmware,
+    part: str,
+    humidity: bool,
+    libraries: Iterable[str | Path],
+    *,
+    own: bool,
+) -> tuple[silicon.Sketch, Firmware | None]:
+    """Compile a sketch, or the library of a model with its example; return the library, too."""
+    made = package_of(sketch, part, humidity=humidity) if isinstance(sketch, Model) else sketch
+    if isinstance(made, Firmware):
+        return compile_package(made), made
+    options = () if own else _options(part)
+    return silicon.compile_sketch(made, libraries=libraries, options=options), None
 
 
 def _inputs(
