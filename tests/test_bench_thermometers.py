@@ -121,3 +121,12 @@ def test_the_echo_time_is_the_way_out_and_back() -> None:
     fast = 0.13  # m/s more at 40 kHz: oxygen and nitrogen have relaxed (Morfey & Howell 1980)
     assert 2 * 2.0 / echo_time(2.0, 20.0) == pytest.approx(slow + fast, abs=0.03)
     assert echo_time(2.0, 40.0, 0.9) < echo_time(2.0, 40.0) < echo_time(2.0, 0.0)
+
+
+def test_a_comparator_without_a_seed_has_nothing_random(random: np.random.Generator) -> None:
+    distance = random.uniform(0.3, 3.0, 50)
+    once, again = (echo_time(distance, 20.0, 0.5, detector="comparator") for _ in range(2))
+    np.testing.assert_array_equal(once, again)
+    noisy = [echo_time(distance, 20.0, 0.5, detector="comparator", seed=seed) for seed in (1, 1, 2)]
+    np.testing.assert_array_equal(noisy[0], noisy[1])
+    assert (noisy[0] != noisy[2]).any()

@@ -120,6 +120,8 @@ def _tell(truth: dict[str, Any], out: Path | None) -> None:
         console.print(f"note: {note}")
     if out is not None:
         console.print(f"written to {out}; next: {truth['diagnose'].replace('TABLE', str(out))}")
+    else:
+        console.print("no table is written: give --out FILE")
 
 
 def _list() -> None:

@@ -18,7 +18,7 @@ _BEFORE, _AFTER = 0.1, 0.9  # ms about the front of the echo
 
 
 def waveform_figure(scene: Scene, sensor: Sensor | None = None, *, row: int = 1, seed: int = 0) -> Figure:
-    """Draw one reading: the whole time, and the echo alone.
+    """Draw one reading, with noise of its own: the whole time, and the echo alone.
 
     Parameters
     ----------
@@ -70,7 +70,10 @@ def plot_waveform(
     listening = seconds >= sensor.comparator.blanking
     ax.plot(milliseconds, voltage, lw=0.6, color="C0", label="voltage before the comparator")
     ax.plot(milliseconds[listening], threshold[listening], color="C3", lw=1.0, label="threshold")
-    crossed = np.flatnonzero((voltage > threshold) & listening)
+    above = (voltage > threshold) & listening
+    # The voltage must stay above the threshold until the output answers.
+    answers = round(sensor.comparator.response_time / (seconds[1] - seconds[0]))
+    crossed = np.flatnonzero(above[: len(above) - answers] & above[answers:])
     if len(crossed):
         ax.axvline(milliseconds[crossed[0]], color="C2", lw=1.0, label="crossing")
     ax.set_xlabel("time since the burst began [ms]")

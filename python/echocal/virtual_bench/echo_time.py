@@ -39,7 +39,7 @@ def echo_time(
     detector : {"ideal", "comparator"}
         "ideal": 2 d / c, c the speed of a burst at 40 kHz. "comparator": an HC-SR04 before a wall of 0.6 m.
     seed : int, optional
-        Of the noise of the comparator; default: no noise.
+        Of the noise of the comparator and of the bursts; default: no noise, and one burst like another.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def echo_time(
     if detector == "ideal":
         return 2.0 * np.asarray(distance) / speed_of_sound(*air, frequency=Sensor.frequency, group=True)
     scene = scene_of(distance, *air)
-    sensor = Sensor() if seed is not None else Sensor(noise=0.0)
+    sensor = Sensor() if seed is not None else Sensor(noise=0.0, burst_scatter=0.0)
     return measure(scene, sensor, np.random.default_rng(seed)).time
 
 
