@@ -41,7 +41,7 @@ they agree.
 A device logs a table, the diagnosis makes a model of it, the model becomes C, and the corrected device
 measures at other places in other air. All of it runs on the [emulated board](emulate.md): the table that is
 diagnosed and the table that is verified are what the device itself printed. The air, the module and the
-parts are those of the [virtual bench](how-to/virtual-lab.md), which shares no formula with the diagnosis.
+parts are those of the [virtual bench](virtual-bench.md), which shares no code with the diagnosis.
 
 | step | how |
 |---|---|
