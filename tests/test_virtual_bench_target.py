@@ -55,7 +55,10 @@ def ours(target: Target, distance: float) -> complex:
 
 @pytest.mark.parametrize("radius", [np.inf, 0.02, 0.1, 1.0])
 def test_a_target_that_shows_its_foot(random: np.random.Generator, radius: float) -> None:
-    """Amplitude to 15 % and phase to 0.5 rad, which is 2 us; plates of 6 cm to walls, tilted and aside."""
+    """Amplitude to 20 % and phase to 0.3 rad, 1.2 us; plates of 6 cm to walls, and poles, tilted.
+
+    Of 1,320 draws the worst were 17 % and 0.21 rad off.
+    """
     for _ in range(4):
         width = min(random.uniform(0.03, 0.3), 1.4 * radius)
         reach = 0.6 * width / (1 + random.uniform(0.4, 1.5) / radius) if np.isfinite(radius) else 0.6 * width
@@ -63,8 +66,8 @@ def test_a_target_that_shows_its_foot(random: np.random.Generator, radius: float
         target = Target(half_width=width, half_height=random.uniform(0.03, 0.3), radius=radius)
         target = replace(target, tilt=random.uniform(-1, 1) * reach / distance)
         expected, found = kirchhoff(target, distance), ours(target, distance)
-        assert abs(found) == pytest.approx(abs(expected), rel=0.15)
-        assert abs(np.angle(found / expected)) < 0.5
+        assert abs(found) == pytest.approx(abs(expected), rel=0.2)
+        assert abs(np.angle(found / expected)) < 0.3
 
 
 def test_an_edge_that_is_all_that_returns(random: np.random.Generator) -> None:
@@ -113,7 +116,10 @@ def test_the_beam_is_a_pistons() -> None:
 
 
 def test_the_floor_and_a_target_return_two_ways_round(random: np.random.Generator) -> None:
-    """By the image of the receiver in the floor, integrated over the target alone."""
+    """By the image of the receiver in the floor, integrated over the target alone.
+
+    Of 160 draws the worst was 23 % off, and 9 % in the delay.
+    """
     for _ in range(4):
         below, distance = random.uniform(0.15, 0.3), random.uniform(0.8, 2.0)
         half = below * random.uniform(0.7, 1.0)
@@ -123,9 +129,9 @@ def test_the_floor_and_a_target_return_two_ways_round(random: np.random.Generato
         delays, sizes = scene.paths(sensor)
         lost = abs(sizes[0, 1] / ours(target, distance))  # by the air, over a way that is nearly as long
         expected = 2 * kirchhoff(target, distance, mirror=below)
-        assert abs(sizes[0, 4]) == pytest.approx(lost * abs(expected), rel=0.35)
+        assert abs(sizes[0, 4]) == pytest.approx(lost * abs(expected), rel=0.3)
         further = np.hypot(distance, below) - distance
-        assert delays[0, 4] - delays[0, 1] == pytest.approx(2 * further / 344.0, rel=0.2)
+        assert delays[0, 4] - delays[0, 1] == pytest.approx(2 * further / 344.0, rel=0.12)
 
 
 def test_a_wall_is_heard_again_by_the_face_of_the_sensor() -> None:

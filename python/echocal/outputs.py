@@ -12,7 +12,7 @@ from typing import Any
 from echocal.errors import UsageError, writing
 
 __all__ = ["WriteError", "opened_output", "refuse_name", "replace_all", "replace_text", "replacing"]
-__all__ += ["csv_text", "spreadsheet_safe"]
+__all__ += ["csv_text", "spreadsheet_safe", "write_table"]
 
 _NAMED = 50  # characters of the file's name that its unfinished copy shows
 
@@ -158,6 +158,25 @@ def replace_text(path: str | Path, text: str, *, newline: str | None = None) -> 
     """
     with replacing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline=newline)
+
+
+def write_table(table: Any, path: Path) -> None:
+    """Write a table of pandas as .parquet, or else as CSV; complete or not at all.
+
+    Raises
+    ------
+    UsageError
+        If Parquet lacks its library, or the file cannot be written.
+    """
+    if path.suffix.lower() != ".parquet":
+        replace_text(path, csv_text(table), newline="")
+        return
+    try:
+        with replacing(path) as unfinished:
+            table.to_parquet(unfinished, index=False)
+    except ImportError:
+        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
+        raise UsageError(message) from None
 
 
 def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:

@@ -11,7 +11,7 @@ from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Json, Quiet, write_json
 from echocal.errors import UsageError
-from echocal.outputs import csv_text, replace_text, replacing
+from echocal.outputs import write_table
 
 _METHODS = "matched_filter, phase, envelope, threshold"
 
@@ -129,15 +129,8 @@ def _write(file: Path, echoes: Any, full_scale: float | None, out: Path | None, 
 
     scale = full_scale_of(file) if full_scale is None else full_scale
     table = echo_table(echoes, columns_beside(file), scale)
-    if out is not None and out.suffix.lower() == ".csv":
-        replace_text(out, csv_text(table), newline="")
-    elif out is not None:
-        try:
-            with replacing(out) as unfinished:
-                table.to_parquet(unfinished, index=False)
-        except ImportError:
-            message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-            raise UsageError(message) from None
+    if out is not None:
+        write_table(table, out)
     document = {
         "schema": "echocal.echo_times/1",
         "method": echoes.method,

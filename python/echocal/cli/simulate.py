@@ -1,7 +1,7 @@
 """``echocal simulate``: a table of a campaign on the virtual bench."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -10,10 +10,7 @@ from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import Json, Quiet, write_json
 from echocal.errors import UsageError
-from echocal.outputs import replace_text, replacing
-
-if TYPE_CHECKING:
-    import pandas as pd
+from echocal.outputs import write_table
 
 _ENDINGS = (".csv", ".parquet")
 
@@ -62,7 +59,7 @@ def command(
     )
     from echocal.virtual_bench import simulate
 
-    made = simulate(design, _sizes(cause or [], seed), seed=seed, detector=detector)
+    made = simulate(design, _sizes(cause or []), seed=seed, detector=detector)
     if waveform is not None:
         from echocal.plots.files import save_figure
         from echocal.plots.waveform import waveform_figure
@@ -70,14 +67,14 @@ def command(
         figure = waveform_figure(made.scene, made.campaign.sensor, row=row, seed=seed)
         save_figure(figure, waveform, "simulate")
     if out is not None:
-        _write(made.table, out)
+        write_table(made.table, out)
     truth = made.truth()
     write_json(truth, json)
     if not quiet and json != "-":
         _tell(truth, out)
 
 
-def _sizes(words: list[str], seed: int) -> dict[str, float | None]:
+def _sizes(words: list[str]) -> dict[str, float | None]:
     """Read `ID=SIZE` pairs; a cause without a size has None."""
     sizes: dict[str, float | None] = {}
     for word in words:
@@ -93,18 +90,6 @@ def _sizes(words: list[str], seed: int) -> dict[str, float | None]:
             )
             raise UsageError(message) from None
     return sizes
-
-
-def _write(table: "pd.DataFrame", path: Path) -> None:
-    if path.suffix == ".csv":
-        replace_text(path, table.to_csv(index=False, lineterminator="\n"))
-        return
-    try:
-        with replacing(path) as unfinished:
-            table.to_parquet(unfinished, index=False)
-    except ImportError:
-        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
 
 
 def _tell(truth: dict[str, Any], out: Path | None) -> None:
