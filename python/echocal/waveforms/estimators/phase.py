@@ -4,7 +4,7 @@ import numpy as np
 
 from echocal.waveforms.detection import Detection
 from echocal.waveforms.estimators.common import Estimate, Request, weights_of
-from echocal.waveforms.estimators.envelope import Rise, rise_of, spread_of
+from echocal.waveforms.estimators.envelope import rise_of, spread_of
 
 __all__ = ["phase"]
 
@@ -24,7 +24,7 @@ def phase(request: Request, found: Detection) -> Estimate:
     at_peak = float(reference.peak_time[0]) - origin
     template_phase = np.angle(request.reference.passed.carried(reference.peak_time)[0])[0]
     coarse = rise.time - float(reference.time[0]) + origin
-    time = _refined(request, found, rise, coarse, at_peak, float(template_phase))
+    time = _refined(request, found, coarse, at_peak, float(template_phase))
     _, slope = found.passed.carried(time + at_peak)
     noise = found.noise * request.plan.band_pass.noise_gain
     rough = spread_of(request, found, rise)
@@ -37,7 +37,7 @@ def phase(request: Request, found: Detection) -> Estimate:
 
 
 def _refined(
-    request: Request, found: Detection, rise: Rise, coarse: np.ndarray, at_peak: float, template_phase: float
+    request: Request, found: Detection, coarse: np.ndarray, at_peak: float, template_phase: float
 ) -> np.ndarray:
     angular = 2.0 * np.pi * request.plan.carrier
     time = coarse
