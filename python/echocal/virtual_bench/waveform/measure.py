@@ -19,9 +19,8 @@ Column = NDArray[np.float64]
 
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache
 _WINDOWS = ((0, 8), (8, 16))  # first period after a beginning, and how many: most cross in the first window
-_STEEPEST = (
-    0.4  # slope of an echo over that of its endless carrier, set by hand; an HC-SR04's has 0.23 at most
-)
+# Slope of an echo over that of its endless carrier, set by hand; that of an HC-SR04 is 0.23 at most.
+_STEEPEST = 0.4
 _SIGMAS = 6.0  # of the noise: what is rarer is left to the noise alone
 
 
