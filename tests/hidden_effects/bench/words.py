@@ -9,7 +9,8 @@ The tables above come from equations of the same form as the engine's. This part
 tables of two other kinds:
 
 - *Bench-made*: `echocal.virtual_bench` simulates the waveform behind the comparator, in designs as people
-  run them. Its laws of the air, its echo and its comparator share no code and no formula with the engine.
+  run them. It shares no code with the engine. Its law of the air, its echo and its comparator are others.
+  Some causes have one form only, and it is the same in both: a delay is a sum, a wrong clock is a factor.
   Sizes are the usual ones of the bench.
 - *Real*: the records of [real records](real-records.md), with what an analyst found by hand. The engine was
   developed with these records in view, so they are no blind test.
@@ -28,7 +29,8 @@ and the base is the default.
   (`amplitude_walk`, `fixed_delay` and its class, `cycle_slip`, `cycle_offset`). With both detectors slow and
   turbulent air, the error of the reference, dispersion and the spacing of the transducers are true.
   A planted cause that is always there anyway is left out of the parts that are named.
-- *false alarms*: part of the tables without a cause in which an effect is named that is not true.
+- *false alarms*: part of the tables without a cause in which an effect is named that is not true, and
+  that is not told together with one that is.
 - *one cause: named*: its name, or one of its class, with more than 0.9. The class has every cause whose
   influence on these rows has a cosine of at least 0.99 with that of the planted one, both by finite
   differences on the bench.

@@ -19,8 +19,6 @@ Column = NDArray[np.float64]
 
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache
 _WINDOWS = ((0, 8), (8, 16))  # first period after a beginning, and how many: most cross in the first window
-# Slope of an echo over that of its endless carrier, set by hand; that of an HC-SR04 is 0.23 at most.
-_STEEPEST = 0.4
 _SIGMAS = 6.0  # of the noise: what is rarer is left to the noise alone
 
 
@@ -141,7 +139,7 @@ def _loud(signal: Received, peak: float, begin: Column, end: Column, sensor: Sen
 
 def _jitter(signal: Received, sensor: Sensor, random: np.random.Generator) -> Column:
     """Scatter of a detector that knows the front: the noise over the steepest slope of the carrier."""
-    slope = 2 * np.pi * sensor.frequency * np.abs(signal.sizes[:, 1]) * _STEEPEST
+    slope = 2 * np.pi * sensor.frequency * np.abs(signal.sizes[:, 1]) * signal.response.peak
     return np.asarray(random.normal(size=len(slope)) * sensor.noise / slope)
 
 

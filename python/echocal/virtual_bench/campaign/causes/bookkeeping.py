@@ -13,7 +13,7 @@ _CENTIMETERS = 100.0
 
 
 def device(campaign: Campaign, speed: float, step_cm: float = 0.0) -> None:
-    """Let the device compute its reading itself, with one speed [m/s], cut off to a step [cm]."""
+    """Let the device compute its reading with one speed [m/s], cut off to a step [cm] or in two decimals."""
 
     def reckon(table: pd.DataFrame) -> pd.DataFrame:
         if "echo_us" not in table:
@@ -23,8 +23,7 @@ def device(campaign: Campaign, speed: float, step_cm: float = 0.0) -> None:
             )
             raise UsageError(message)
         centimeters = _CENTIMETERS * 0.5 * speed * 1e-6 * table["echo_us"]
-        if step_cm:
-            centimeters = np.floor(centimeters / step_cm) * step_cm
+        centimeters = np.floor(centimeters / step_cm) * step_cm if step_cm else np.round(centimeters, 2)
         made = table.drop(columns="echo_us")
         made.insert(1, "reading_cm", centimeters)
         return made
