@@ -7,7 +7,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
 from echocal.cli._tables import Json, Quiet, write_json
 from echocal.errors import UsageError
 from echocal.outputs import replace_text, replacing
@@ -51,7 +51,8 @@ def command(
     if design is None:
         message = "simulate needs a design: --design bench; --list shows all"
         raise UsageError(message)
-    if out is not None and out.suffix not in _ENDINGS:
+    refuse_picture(waveform)
+    if out is not None and out.suffix.lower() not in _ENDINGS:
         message = f"{out} has the ending '{out.suffix}'; a table is .csv or .parquet"
         raise UsageError(message)
     check_outputs(
@@ -96,7 +97,7 @@ def _sizes(words: list[str], seed: int) -> dict[str, float | None]:
 
 
 def _write(table: "pd.DataFrame", path: Path) -> None:
-    if path.suffix == ".csv":
+    if path.suffix.lower() == ".csv":
         replace_text(path, table.to_csv(index=False, lineterminator="\n"))
         return
     try:
