@@ -132,6 +132,10 @@ def test_the_error_is_split_into_its_origins(random: np.random.Generator) -> Non
     assert (parts["sensors"] / far).mean() == pytest.approx(0.0, abs=0.25)
     with pytest.raises(UsageError, match="where the true distances are known"):
         echocal.error_parts(echocal.emulate("study", temperature=20.0), echocal.Model("cramer"))
+    with pytest.raises(UsageError, match="the C on the board was made from"):
+        echocal.error_parts(found, echocal.Model("linear", known))
+    with pytest.raises(UsageError, match="model is of the type str; give the Model"):
+        echocal.error_parts(found, "cramer")  # type: ignore[arg-type]
 
 
 def test_an_own_sketch_is_read_as_a_log(run: Run, tmp_path: Path) -> None:

@@ -78,6 +78,10 @@ def command(
     refuse_picture(plot)
     _refuse_ending(out)
     from echocal.waveforms import echo_times, read_waveforms  # SciPy takes a second to import
+    from echocal.waveforms.captures import positive
+
+    if full_scale is not None:
+        positive("full_scale", full_scale, "unit of the waveform")
 
     waveform, rate = read_waveforms(file, sample_rate, column=column)
     with counted_bar(quiet, "timing echoes") as tell:

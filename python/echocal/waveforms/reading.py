@@ -122,6 +122,9 @@ def _npy(path: Path, column: str | None) -> Read:
     except MemoryError:
         message = f"{path} has, by its header, more samples than fit into memory; split it, if that is right"
         raise DataError(message) from None
+    if not found.size:
+        message = f"{path} holds an array of the shape {found.shape}; nothing to time"
+        raise DataError(message)
     if found.dtype.kind not in "fiu" or found.ndim == 0:
         message = (
             f"{path} holds {found.dtype} of the shape {found.shape}; captures are arrays of real numbers"
