@@ -317,6 +317,39 @@ def test_lines_that_tell_nothing_are_one_short_line(prints: str, message: str, t
     assert len(told) < 600
 
 
+def test_a_sketch_that_is_silent_at_its_first_echo_keeps_its_header(tmp_path: Path) -> None:
+    text = """
+void setup() {
+  Serial.begin(9600); pinMode(9, OUTPUT); pinMode(10, INPUT);
+  Serial.println("echo_us,reading_cm");
+}
+void loop() {
+  digitalWrite(9, HIGH); delayMicroseconds(10); digitalWrite(9, LOW);
+  long us = pulseIn(10, HIGH, 30000UL);
+  if (us > 0) { Serial.print(us); Serial.print(","); Serial.println(us / 58.0); }
+  delay(60);
+}
+"""
+    (tmp_path / "own.ino").write_text(text, encoding="utf-8")
+    rows = {"temperature_C": [20.0] * 4, "echo_us": [np.nan, 5800.0, 8700.0, 11600.0]}
+    found = echocal.emulate(tmp_path / "own.ino", rows, trigger_pin=9, echo_pin=10)
+    assert found.table["reading_m"].to_numpy() == pytest.approx(
+        [np.nan, 1.0, 1.5, 2.0], rel=0.01, nan_ok=True
+    )
+
+
+def test_a_sketch_that_prints_at_every_third_echo_is_told_so(tmp_path: Path) -> None:
+    text = OWN.replace("void loop", "int n;\nvoid loop").replace(
+        "Serial.print(", "if (n % 3 == 0) Serial.print("
+    )
+    text = text.replace("Serial.println(", "if (n % 3 == 0) Serial.println(").replace(
+        "delay(60)", "n++; delay(60)"
+    )
+    (tmp_path / "own.ino").write_text(text.replace("Distance", "Quux"), encoding="utf-8")
+    with pytest.raises(DataError, match=r"4 of 6 echoes have no line: print one for each"):
+        echocal.emulate(tmp_path / "own.ino", temperature=(20.0, 25.0, 1.0), trigger_pin=9, echo_pin=10)
+
+
 def test_a_sketch_with_a_byte_order_mark_and_returns_compiles(tmp_path: Path) -> None:
     text = "\ufeff" + OWN.replace("\n", "\r\n")
     (tmp_path / "own.ino").write_bytes(text.encode("utf-8"))

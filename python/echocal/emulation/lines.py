@@ -55,8 +55,9 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
             "measurement with Serial.println"
         )
         raise DataError(message)
+    first = next(filter(None, printed))
     rows = [line or _SILENT for line in printed]
-    text = "\n".join([*_header(played, rows[0]), *rows, ""])
+    text = "\n".join([*_header(played, first), *rows, ""])
     with tempfile.TemporaryDirectory(prefix="echocal-") as name, warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)  # rows without an echo are counted elsewhere
         path = Path(name) / "lines of the sketch"
@@ -66,11 +67,13 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
         except DataError as error:
             reason = str(error).partition("; echocal inspect")[0].replace(f"{path} ", "its output ")
             reason = _LONG.sub(lambda match: _cut(match[0]), reason)
-            message = f"the lines of the sketch are not understood{_shown(rows[0])}: {reason}"
+            silent = printed.count("")
+            some = f"; {silent} of {len(printed)} echoes have no line: print one for each" if silent else ""
+            message = f"the lines of the sketch are not understood{_shown(first)}: {reason}{some}"
             raise DataError(message) from None
     if len(found) != len(rows):
         message = (
-            f"the sketch prints {len(found)} rows of values for {len(rows)} echoes{_shown(rows[0])}: print "
+            f"the sketch prints {len(found)} rows of values for {len(rows)} echoes{_shown(first)}: print "
             "one line for each measurement"
         )
         raise DataError(message)
