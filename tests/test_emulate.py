@@ -338,6 +338,20 @@ void loop() {
     )
 
 
+@pytest.mark.parametrize("last", ["", "float celsius = (analogRead(A0) * 5.0 / 1024 - 0.5) * 100;"])
+def test_a_sketch_that_waits_before_it_prints_tells_of_its_own_echo(last: str, tmp_path: Path) -> None:
+    text = "void setup() { Serial.begin(9600); pinMode(9, OUTPUT); pinMode(10, INPUT); }\nvoid loop() {"
+    text += "digitalWrite(9, HIGH); delayMicroseconds(10); digitalWrite(9, LOW); long us = pulseIn(10, HIGH);"
+    text += f'delay(60); {last} Serial.print("Distance: "); Serial.print(us / 58.0); Serial.print(" cm");'
+    text += 'Serial.print(", Temperature: "); Serial.print(celsius); Serial.print(" C");' if last else ""
+    (tmp_path / "own.ino").write_text(f"{text} Serial.println(); }}\n", encoding="utf-8")
+    rows = {"temperature_C": [0.0, 10.0, 20.0, 30.0], "distance_m": [0.5, 1.0, 1.5, 2.0]}
+    found = echocal.emulate(tmp_path / "own.ino", rows, trigger_pin=9, echo_pin=10).table
+    assert found["reading_m"].to_numpy() == pytest.approx(rows["distance_m"], rel=0.05)
+    if last:
+        assert found["temperature_C"].to_numpy() == pytest.approx(rows["temperature_C"], abs=0.6)
+
+
 def test_a_sketch_that_prints_at_every_third_echo_is_told_so(tmp_path: Path) -> None:
     text = OWN.replace("void loop", "int n;\nvoid loop").replace(
         "Serial.print(", "if (n % 3 == 0) Serial.print("

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.silicon.arduino import SIMULATOR_WAY_OUT, Sketch, simulated_uno
-from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of
+from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of, told_late
 
 __all__ = ["TIME_OUT", "Played", "play", "refuse_impossible"]
 
@@ -32,6 +32,7 @@ _TYPICAL = 10e-3  # s
 _MOST_PATIENCE = 3600.0  # s
 _LEAST_REFERENCE = 1.8  # V, the lowest supply of the chip by its data sheet
 _REHEARSED = 3  # rows
+_SHORTER = 0.7  # the last echo of a second rehearsal, over the others
 _NOT_LOADED = 127  # exit code of the loader where a library is missing
 
 
@@ -133,6 +134,10 @@ def play(
     rehearsed = board.run(np.repeat(typical, _REHEARSED, axis=0), Habit(), None)
     _refuse_silent(rehearsed, board, min(_REHEARSED, len(rows)))
     habit = habit_of(rehearsed)
+    if habit.lines_before:
+        shorter = np.repeat(typical, _REHEARSED, axis=0)
+        shorter[-1, 1] *= _SHORTER
+        habit = told_late(habit, rehearsed, board.run(shorter, Habit(), None))
     log = board.run(rows, habit, progress)
     _refuse_silent(log, board, len(rows))
     before, lines = rows_of(log, habit, len(rows))
