@@ -230,6 +230,11 @@ def test_the_command_takes_every_option(made: Array, run: Run) -> None:
         ("a.npy --sample-rate 192000 --template b.npy", 3, "no file b.npy"),
         ("a.npy --sample-rate 192000 --template a.npy", 2, "template has the shape (3, 1400); give one echo"),
         ("absent.npy --sample-rate 192000", 3, "no file absent.npy"),
+        ("none.npy --sample-rate 192000 --plot a.png", 3, "array of the shape (0, 1400); nothing to time"),
+        ("a.npy --sample-rate 192000 --full-scale 0", 2, "full_scale is 0.0; give a number above 0"),
+        ("a.npy --sample-rate 192000 --full-scale nan", 2, "full_scale is nan; give a number above 0"),
+        ("vast.npy --sample-rate 192000", 3, "by its header, more samples than fit into memory"),
+        ("rates.parquet", 3, "sample_rate_Hz is None, which is no number"),
         ("taken.parquet", 2, "the file has columns that the table makes: echo_us; rename them"),
     ],
 )
@@ -237,7 +242,12 @@ def test_the_command_says_in_a_line_what_is_wrong(
     words: str, code: int, told: str, made: Array, run: Run
 ) -> None:
     np.save("a.npy", made)
+    np.save("none.npy", made[:0])
+    with Path("vast.npy").open("wb") as file:
+        told_there = {"descr": "<f8", "fortran_order": False, "shape": (10**15, 8)}
+        np.lib.format.write_array_header_1_0(file, told_there)
     pa.parquet.write_table(lists(made, echo_us=[1.0] * 3, sample_rate_Hz=[RATE] * 3), "taken.parquet")
+    pa.parquet.write_table(lists(made, sample_rate_Hz=[RATE, None, RATE]), "rates.parquet")
     ended, line = run("echo-times", *words.split())
     assert (ended, line.count("\n")) == (code, 1)
     assert told in line

@@ -46,6 +46,12 @@ def echo() -> Echo:
         (ZEROS, {"start": 5e-3, "stop": 4e-3}, echocal.UsageError, "the window is 0.005 .. 0.004 s"),
         (ZEROS, {"stop": 1.0}, echocal.UsageError, "and a capture 0 .. 0.007 s (3500 samples)"),
         (ZEROS, {"start": np.nan}, echocal.UsageError, "start is nan; give a time [s]"),
+        (ZEROS, {"sample_rate": 1e15}, echocal.UsageError, "only 3500: too short; give longer captures"),
+        (ZEROS, {"carrier": 1.0}, echocal.UsageError, "only 3500: too short; give longer captures"),
+        (ZEROS, {"carrier": 3000.0}, echocal.UsageError, "only 3500: too short; give longer captures"),
+        (ZEROS, {"bandwidth": 1e-9}, echocal.UsageError, "give at least 303 Hz, or longer captures"),
+        (ZEROS, {"method": ["phase"]}, echocal.UsageError, "method is ['phase']; there are threshold"),
+        (ZEROS, {"template": 1j * np.arange(50)}, echocal.UsageError, 'give samples, "mean" or None'),
         (ZEROS[:, :600], {}, echocal.UsageError, "only 600: too short; give longer captures"),
         (1j * ZEROS, {}, echocal.DataError, "waveform has the type complex128; give real numbers"),
         (ZEROS > 0, {}, echocal.DataError, "waveform has the type bool; give real numbers"),
@@ -139,3 +145,13 @@ def test_a_burst_of_other_transducers_is_a_template() -> None:
     made[3000 : 3000 + len(narrow)] = narrow
     found = echocal.echo_times(made, RATE, template=narrow, noise=1e-3)
     assert found.time == pytest.approx(6e-3, abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["matched_filter", "phase", "envelope", "threshold"])
+@pytest.mark.filterwarnings("error")
+def test_captures_of_nothing_have_no_echo_and_no_warning(method: str) -> None:
+    """Zeros, a converter's constant, and what is not finite."""
+    captures = np.zeros((4, 3500))
+    captures[1], captures[2], captures[3] = 3.3, np.inf, np.nan
+    found = echocal.echo_times(captures, RATE, method)
+    assert found.reasons.tolist() == ["no_echo", "no_echo", "not_finite", "not_finite"]

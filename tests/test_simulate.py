@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,10 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.cli import app
+from echocal.errors import UsageError
 from echocal.virtual_bench import CAUSES, DESIGNS, Sensor, simulate
+from echocal.virtual_bench.campaign.campaign import Random
+from echocal.virtual_bench.campaign.designs import lay_down
 from echocal.virtual_bench.campaign.simulate import offers
 
 
@@ -97,6 +101,10 @@ def test_a_waveform_is_drawn_and_a_parquet_file_holds_the_table(tmp_path: Path) 
             ["--design", "quick", "--cause", "fixed_speed", "--cause", "divisor"],
             "two causes say how the device",
         ),
+        (["--design", "bench", "--cause", "divisor=1e-300"], "divisor=1e-300: its size is"),
+        (["--design", "bench", "--cause", "divisor=58.4"], "divisor=58.4: its size is a whole number"),
+        (["--design", "bench", "--waveform", "x.gif"], "x.gif has the ending '.gif'; a plot is .png"),
+        (["--design", "bench", "--waveform", "x"], "x has no ending; a plot is .png"),
     ],
 )
 def test_what_is_refused(
@@ -117,3 +125,32 @@ def test_a_file_of_another_kind_is_not_replaced(tmp_path: Path) -> None:
     assert code != 0
     assert "--force" in told
     assert out.read_text() == "mine\n"
+
+
+@pytest.mark.parametrize("ending", ["CSV", "Parquet"])
+def test_an_ending_in_capitals_is_the_same(ending: str, tmp_path: Path) -> None:
+    code, told = run("--design", "quick", "-o", tmp_path / f"log.{ending}")
+    assert code == 0, told
+
+
+@pytest.mark.parametrize("wrong", [{"seed": -1}, {"seed": 1.5}, {"seed": "a"}, {"replicate": -1}])
+def test_a_seed_is_a_whole_number(wrong: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match="give a whole number of 0 or more"):
+        simulate("quick", **wrong)
+
+
+@pytest.mark.parametrize("size", ["1", [1.0], 1j, True])
+def test_a_size_is_a_number(size: Any) -> None:
+    with pytest.raises(UsageError, match="its size is a number"):
+        simulate("quick", {"zero_error": size})
+
+
+@pytest.mark.parametrize("name", sorted(CAUSES))
+def test_no_size_is_too_small_to_be_computed(name: str) -> None:
+    """The least size that is accepted gives a table of finite numbers or gaps."""
+    design = next(one for one in DESIGNS if not CAUSES[name].refused(offers(lay_down(one, Random(0)))))
+    least = 1.0 if CAUSES[name].whole else 1e-6 * CAUSES[name].high
+    made = simulate(design, {name: least})
+    assert not np.isinf(made.table.select_dtypes("number").to_numpy(dtype=float)).any()
+    with pytest.raises(UsageError, match="its size is from"):
+        simulate(design, {name: 1e-9 * CAUSES[name].high})

@@ -14,7 +14,7 @@ from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "PlotFormat", "check_outputs", "made_in", "pass_on"]
+__all__ = ["Force", "Output", "PlotFormat", "check_outputs", "made_in", "pass_on", "refuse_picture"]
 
 Force: TypeAlias = Annotated[
     bool, typer.Option("--force", help="Replace existing files that this command did not make.")
@@ -100,6 +100,20 @@ def _refuse_replacing(option: str, file: Path) -> None:
         "it since: choose another name, or replace it with --force"
     )
     raise UsageError(message)
+
+
+def refuse_picture(path: Path | None) -> None:
+    """Refuse a picture of another format than those that the help names.
+
+    Raises
+    ------
+    UsageError
+        If the ending is none of them.
+    """
+    if path is not None and path.suffix.lower() not in (".png", ".svg", ".pdf"):
+        told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
+        message = f"{path} has {told}; a plot is .png, .svg or .pdf"
+        raise UsageError(message)
 
 
 def pass_on(text: str, target: Path | str | None) -> None:

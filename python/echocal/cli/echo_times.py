@@ -7,7 +7,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
 from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Json, Quiet, write_json
 from echocal.errors import UsageError
@@ -75,8 +75,13 @@ def command(
         inputs=[file, None if template in (None, "mean") else template],
         force=force,
     )
-    _refuse_endings(out, plot)
+    refuse_picture(plot)
+    _refuse_ending(out)
     from echocal.waveforms import echo_times, read_waveforms  # SciPy takes a second to import
+    from echocal.waveforms.captures import positive
+
+    if full_scale is not None:
+        positive("full_scale", full_scale, "unit of the waveform")
 
     waveform, rate = read_waveforms(file, sample_rate, column=column)
     with counted_bar(quiet, "timing echoes") as tell:
@@ -103,13 +108,9 @@ def command(
         Console(highlight=False, soft_wrap=True).print(str(echoes), markup=False)
 
 
-def _refuse_endings(out: Path | None, plot: Path | None) -> None:
+def _refuse_ending(out: Path | None) -> None:
     if out is not None and out.suffix.lower() not in (".csv", ".parquet"):
         message = f"cannot write '{out.suffix}' ({out}); endings: .csv, .parquet"
-        raise UsageError(message)
-    if plot is not None and plot.suffix.lower() not in (".png", ".svg", ".pdf"):
-        told = f"the ending '{plot.suffix}'" if plot.suffix else "no ending"
-        message = f"{plot} has {told}; a plot is .png, .svg or .pdf"
         raise UsageError(message)
 
 

@@ -12,7 +12,7 @@ from rich.table import Table
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._options import from_stdin
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
 from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Columns, Json, Quiet, column_requests, noted, notes, toml_files, write_json
 from echocal.emulation import TRUTH, Emulation, emulate, error_parts
@@ -99,7 +99,7 @@ def command(
     followed = None if model is None else Model.load(model)
     with noted(quiet), counted_bar(quiet, "measuring") as tell:
         found = emulate(
-            followed or sketch or "study",
+            followed or ("study" if sketch is None else sketch),
             None if data is None else from_stdin(data),
             **ranges,
             columns=column_requests(columns),
@@ -139,6 +139,7 @@ def _refuse(
     force: bool,
 ) -> None:
     """Refuse what cannot be, before anything is compiled."""
+    refuse_picture(waveform)
     inputs = [data, model, sketch, *toml_files(columns), *(library or ())]
     check_outputs(
         Output("--out", out, _made_by.table("emulate")),

@@ -7,7 +7,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
 from echocal.cli._tables import Json, Quiet, write_json
 from echocal.errors import UsageError
 from echocal.outputs import write_table
@@ -48,7 +48,8 @@ def command(
     if design is None:
         message = "simulate needs a design: --design bench; --list shows all"
         raise UsageError(message)
-    if out is not None and out.suffix not in _ENDINGS:
+    refuse_picture(waveform)
+    if out is not None and out.suffix.lower() not in _ENDINGS:
         message = f"{out} has the ending '{out.suffix}'; a table is .csv or .parquet"
         raise UsageError(message)
     check_outputs(

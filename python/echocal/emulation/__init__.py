@@ -22,10 +22,12 @@ from echocal.model import Model
 from echocal.sweep.grid import Range
 from echocal.virtual_bench.hygrometers import HIH4030
 from echocal.virtual_bench.thermometers import PARTS, AnalogThermometer
+from echocal.virtual_bench.waveform.possible import check_seed
 
 __all__ = ["PARTS_OF_ERROR", "TRUTH", "Emulation", "emulate", "error_parts"]
 
 _BITS = 10
+_PINS = 7, 8  # TRIG and ECHO of the sketches of this package
 _OPTIONS = {"TMP36": (), "LM35": ("-DLM35",), "potentiometer": ("-DPOTENTIOMETER",)}
 """Options of the compiler with which the sketches of this package read a part."""
 
@@ -106,7 +108,7 @@ def emulate(
     Raises
     ------
     UsageError
-        If a tool is not installed, or a request makes no sense.
+        If a tool is not installed, an argument is impossible, or a request makes no sense.
     DataError
         If the table lacks what the board needs, or the sketch does not compile, trigger or print.
 
@@ -122,10 +124,13 @@ def emulate(
     if adc_bits != _BITS:
         message = f"the converter of an ATmega328P has {_BITS} bits, not {adc_bits}"
         raise UsageError(message)
+    _refuse(sketch, trigger_pin, echo_pin, seed)
+    libraries = [libraries] if isinstance(libraries, str | Path) else list(libraries)
+    silicon.refuse_impossible(reference_voltage, trigger_pin, echo_pin, time_out, patience)
     silicon.refuse_missing()
     inputs = _inputs(table, columns or {}, detector, seed, temperature, distance, relative_humidity, pressure)
     asked = {name: request for name, request in (columns or {}).items() if name not in inputs.names}
-    own = not isinstance(sketch, Model | Firmware) and sketch not in silicon.SKETCHES
+    own = _is_own(sketch)
     if asked and not own:
         message = f"no column '{next(iter(asked))}': the table has {', '.join(inputs.names) or 'none'}"
         raise UsageError(message)
@@ -166,6 +171,25 @@ def _compiled(
     return silicon.compile_sketch(made, libraries=libraries, options=options), None
 
 
+def _is_own(sketch: str | Path | Model | Firmware) -> bool:
+    return not isinstance(sketch, Model | Firmware) and sketch not in silicon.SKETCHES
+
+
+def _refuse(sketch: str | Path | Model | Firmware, trigger_pin: int, echo_pin: int, seed: int | None) -> None:
+    """Refuse what is no sketch, pins that a sketch of this package does not have, and what is no seed."""
+    if not isinstance(sketch, str | Path | Model | Firmware):
+        message = f"sketch is {sketch!r}; give a name, a file, a Model or a Firmware"
+        raise UsageError(message)
+    if not _is_own(sketch) and (trigger_pin, echo_pin) != _PINS:
+        message = (
+            f"the pins are {trigger_pin} and {echo_pin}, and the sketches of this package have TRIG at "
+            f"{_PINS[0]} and ECHO at {_PINS[1]}: leave the pins out, or give a sketch of your own"
+        )
+        raise UsageError(message)
+    if seed is not None:
+        check_seed("seed", seed)
+
+
 def _inputs(
     table: Any, columns: Mapping[str, str], detector: str, seed: int | None, *ranges: Range | None
 ) -> Inputs:
@@ -190,6 +214,9 @@ def _thermometer(
             message = f"part '{part}' {why}; there are {analog}"
             raise UsageError(message)
         return (found.ideal() if random is None else found.drawn(random)), random
+    if not isinstance(part, AnalogThermometer):
+        message = f"part is {part!r}; give a name such as 'tmp36', or an AnalogThermometer"
+        raise UsageError(message)
     return part, random
 
 

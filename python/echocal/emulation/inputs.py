@@ -15,7 +15,7 @@ from echocal.errors import DataError, DataWarning, UsageError
 from echocal.observations import Observations, plan, read_observations
 from echocal.observations.source import load
 from echocal.sweep.grid import Range, axis
-from echocal.virtual_bench.echo_time import echo_time
+from echocal.virtual_bench.echo_time import check_air, echo_time
 
 __all__ = ["Inputs", "from_ranges", "from_table"]
 
@@ -94,6 +94,7 @@ def from_ranges(
     if pressure is not None:
         kept["pressure_hPa"] = dense / 100.0
     ideal = echo_time(far, warm, damp, dense)
+    _refuse_none(ideal, UsageError)
     echo = echo_time(far, warm, damp, dense, detector=detector, seed=seed)
     return Inputs(echo, warm, damp, far, ideal, kept=kept, pressure=dense)
 
@@ -121,6 +122,11 @@ def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int
         warnings.simplefilter("ignore", DataWarning)  # a row without echo is a missed echo here
         found = read_observations(table, columns, trust=[plan.EVERYTHING])
     warm, damp, dense = (_air(found, *one) for one in _AIR)
+    try:
+        check_air(warm, damp, dense)
+    except UsageError as error:
+        message = f"the table cannot be: {error}"
+        raise DataError(message) from None
     far = found.reference_distance
     ideal = None if far is None else echo_time(far, warm, damp, dense)
     if not timed:
@@ -128,6 +134,7 @@ def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int
             message = "the table has neither echo times (echo_us) nor distances of the target (distance_m)"
             raise DataError(message)
         _refuse_gaps("distance", ideal)
+        _refuse_none(ideal, DataError)
     if timed:
         echo = np.where(found.echo_time > 0.0, found.echo_time, np.nan)
     else:
@@ -165,6 +172,14 @@ def _seconds(found: Observations) -> Column | None:
     if found.time is None:
         return found.conditions.get("elapsed_time")
     return np.asarray((found.time - found.time[0]) / np.timedelta64(1, "s"), dtype=np.float64)
+
+
+def _refuse_none(ideal: Column, refusal: type[UsageError | DataError]) -> None:
+    """Refuse a target that is not in front of the sensor."""
+    behind = np.flatnonzero(ideal <= 0.0)
+    if len(behind):
+        message = f"the distance of row {behind[0] + 1} is not above 0 m: put the target before the sensor"
+        raise refusal(message)
 
 
 def _refuse_gaps(name: str, values: Column) -> None:

@@ -1,5 +1,6 @@
 """From the lines of a sketch to columns."""
 
+import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -15,10 +16,15 @@ from echocal.silicon import Played
 __all__ = ["columns_of", "understood"]
 
 _SILENT = "no echo"
+_SHOWN = 80  # characters of a line in a message
+_LONG = re.compile(rf"\S{{{_SHOWN + 1},}}")
 
 
 def columns_of(played: Played) -> pd.DataFrame:
     """Return what a sketch of this package prints: a header, and one line of numbers for each row."""
+    if not played.before:
+        message = "the sketch printed no header before its first row: are its echoes too short to be seen?"
+        raise DataError(message)
     names = played.before[-1].split(",")
     rows = [(lines[0].split(",") if lines else []) for lines in played.rows]
     filled = [row if len(row) == len(names) else [""] * len(names) for row in rows]
@@ -41,8 +47,17 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
     DataError
         If neither a reading nor an echo time is found in each row.
     """
-    rows = [", ".join(line for line in lines if line.strip()) or _SILENT for lines in played.rows]
-    text = "\n".join([*_header(played, rows[0]), *rows, ""])
+    printed = [", ".join(line for line in lines if line.strip()) for lines in played.rows]
+    if not any(printed):
+        said = next((line for line in played.lines if line.strip()), "")
+        message = (
+            f"the sketch prints no line for any of {len(printed)} echoes{_shown(said)}: end the line of each "
+            "measurement with Serial.println"
+        )
+        raise DataError(message)
+    first = next(filter(None, printed))
+    rows = [line or _SILENT for line in printed]
+    text = "\n".join([*_header(played, first), *rows, ""])
     with tempfile.TemporaryDirectory(prefix="echocal-") as name, warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)  # rows without an echo are counted elsewhere
         path = Path(name) / "lines of the sketch"
@@ -50,12 +65,15 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
         try:
             found = read_observations(path, columns, reading_speed=343.0)  # only what is printed is taken
         except DataError as error:
-            reason = str(error).partition("; echocal inspect")[0]
-            message = f"the lines of the sketch are not understood, as '{rows[0]}': {reason}"
+            reason = str(error).partition("; echocal inspect")[0].replace(f"{path} ", "its output ")
+            reason = _LONG.sub(lambda match: _cut(match[0]), reason)
+            silent = printed.count("")
+            some = f"; {silent} of {len(printed)} echoes have no line: print one for each" if silent else ""
+            message = f"the lines of the sketch are not understood{_shown(first)}: {reason}{some}"
             raise DataError(message) from None
     if len(found) != len(rows):
         message = (
-            f"the sketch prints {len(found)} rows of values for {len(rows)} echoes, as '{rows[0]}': print "
+            f"the sketch prints {len(found)} rows of values for {len(rows)} echoes{_shown(first)}: print "
             "one line for each measurement"
         )
         raise DataError(message)
@@ -67,6 +85,15 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
     }
     kept = {name: np.round(values, 9) for name, values in told.items() if values is not None}
     return pd.DataFrame(kept)
+
+
+def _shown(line: str) -> str:
+    """Return a line for a message."""
+    return f", as '{_cut(line)}'" if line else ""
+
+
+def _cut(line: str) -> str:
+    return line if len(line) <= _SHOWN else f"{line[:_SHOWN]}..."
 
 
 def _percent(share: np.ndarray | None) -> np.ndarray | None:

@@ -49,7 +49,7 @@ def error_parts(found: Emulation, model: Model) -> pd.DataFrame:
     Raises
     ------
     UsageError
-        If true distances are not known, or the sketch is none of a model.
+        If true distances are not known, or the sketch is none of this model.
 
     Examples
     --------
@@ -62,9 +62,19 @@ def error_parts(found: Emulation, model: Model) -> pd.DataFrame:
     >>> parts.abs().max().idxmax()
     'air'
     """
+    for name, given, kind in (("found", found, Emulation), ("model", model, Model)):
+        if not isinstance(given, kind):
+            message = f"{name} is of the type {type(given).__name__}; give the {kind.__name__}"
+            raise UsageError(message)
     table, inputs = found.table, found.inputs
     if inputs.distance is None or inputs.ideal is None or found.firmware is None:
         message = "an error is split for the C of a model, and where the true distances are known"
+        raise UsageError(message)
+    if found.firmware.report["model_hash"] != model.hash:  # the difference would be told as one of arithmetic
+        message = (
+            f"the model has the hash {model.hash[:12]}, and the C on the board was made from "
+            f"{found.firmware.report['model_hash'][:12]}: give that model"
+        )
         raise UsageError(message)
     board = {"temperature": table["temperature_C"].to_numpy()}
     true = {"temperature": inputs.temperature}

@@ -57,6 +57,10 @@ _PACKAGES = {
 }
 
 
+SIMULATOR_WAY_OUT = f"to install what it needs: apt install {' '.join(_PACKAGES['libsimavr-dev'])}"
+"""What to do where the simulator cannot be built or started."""
+
+
 @dataclass(frozen=True)
 class Sketch:
     """A compiled sketch.
@@ -134,9 +138,14 @@ def compile_sketch(
     """
     refuse_missing()
     main = _file_of(sketch)
+    folders = [Path(path) for path in libraries]
+    for folder in folders:
+        if not folder.is_dir():
+            message = f"library {folder} is no folder: name the one with the library's headers or its src"
+            raise UsageError(message)
     with tempfile.TemporaryDirectory(prefix="echocal-") as name:
         folder = Path(name)
-        parts, places = _parts(main, [Path(path) for path in libraries])
+        parts, places = _parts(main, folders)
         flags = (*options, *(f"-I{place}" for place in places))
         with ThreadPoolExecutor(2) as pool:
             jobs = [
@@ -159,9 +168,17 @@ def simulated_uno() -> Path:
     name = f"uno-{hashlib.sha256(source.read_bytes() + config).hexdigest()[:16]}"
 
     def fill(folder: Path) -> None:
-        run("gcc", "-O2", "-Wall", "-Wextra", "-Werror", source, "-o", folder / "uno", "-lsimavr", "-lm")
+        words = ("-O2", "-Wall", "-Wextra", "-Werror", source, "-o", folder / "uno", "-lsimavr", "-lm")
+        code, _, said = attempt("gcc", *words)
+        if code != 0:
+            message = f"gcc cannot build the simulated UNO: {_first_line(said)}; {SIMULATOR_WAY_OUT}"
+            raise UsageError(message)
 
     return kept(name, fill) / "uno"
+
+
+def _first_line(said: str) -> str:
+    return next(iter(said.strip().splitlines()), "no reason is told")
 
 
 @cache
@@ -226,7 +243,8 @@ def _of_the_core(parts: Iterable[Path]) -> list[Path]:
 
 def _compiled(source: Path, out: Path, flags: Sequence[str]) -> Path:
     if source.suffix == ".ino":
-        text = with_prototypes(source.read_text(encoding="utf-8", errors="replace"), str(source))
+        written = source.read_text(encoding="utf-8-sig", errors="replace")
+        text = with_prototypes(written, str(source))
         read = out.with_suffix(".ino")
         read.write_text(text, encoding="utf-8")
     else:
@@ -257,7 +275,7 @@ def _link(out: Path, objects: Sequence[Path]) -> None:
 def _refuse(said: str, pattern: re.Pattern[str], source: Path | None) -> None:
     """Raise the first error; one within a header with the place in the sketch that it comes from."""
     match = pattern.search(said)
-    told = next(iter(said.strip().splitlines()), "no reason is told")
+    told = _first_line(said)
     if match:
         told = f"{match['where']}: {match['what']}"
         own = re.search(rf"{re.escape(str(source))}:\d+", said[match.end() :])

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CLOCK", "Habit", "Line", "Log", "codes_of", "habit_of", "rows_of"]
+__all__ = ["CLOCK", "Habit", "Line", "Log", "codes_of", "habit_of", "rows_of", "told_late"]
 
 CLOCK = 16_000_000
 """Cycles in a second."""
@@ -138,6 +138,36 @@ def _habit_of_the_first_loop(log: Log) -> Habit:
     early = [at for *_, at in log.conversions if at < begin]
     ended = [log.written_at(line)[1] for line in log.lines]
     return Habit(bool(early), sum(max(early, default=begin) < last <= begin for last in ended))
+
+
+def told_late(habit: Habit, log: Log, other: Log) -> Habit:
+    """Return a habit less what a sketch tells of an echo only after its wait.
+
+    Parameters
+    ----------
+    habit : Habit
+        Of `habit_of`.
+    log, other : Log
+        Runs that differ in their last echo: a line that differs, too, tells of that echo, not of the next.
+    """
+    if len(log.ends) != len(other.ends):
+        return habit
+    lines, others = (_of_the_last_loop(one) for one in (log, other))
+    alike = 0
+    for line, text in zip(lines[::-1], others[::-1], strict=False):
+        if line.text != text.text:
+            break
+        alike += 1
+    if alike >= habit.lines_before:
+        return habit
+    told = log.written_at(lines[-1 - alike])[0] if alike < len(lines) else 0
+    after = any(told <= at < log.ends[-1] for *_, at in log.conversions)
+    return Habit(habit.early and after, alike)
+
+
+def _of_the_last_loop(log: Log) -> list[Line]:
+    begin, end = log.ends[-2:]
+    return [line for line in log.lines if begin < log.written_at(line)[1] <= end]
 
 
 def rows_of(log: Log, habit: Habit, count: int) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

@@ -4,16 +4,18 @@ import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import DataError, EchocalError, UsageError
-from echocal.silicon.arduino import Sketch, simulated_uno
-from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of
+from echocal.silicon.arduino import SIMULATOR_WAY_OUT, Sketch, simulated_uno
+from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of, told_late
 
-__all__ = ["TIME_OUT", "Played", "play"]
+__all__ = ["TIME_OUT", "Played", "play", "refuse_impossible"]
 
 TIME_OUT = 38e-3
 """Length of ECHO without an echo [s]: HC-SR04 data sheet, ElecFreaks 2011; modules of others give none."""
@@ -25,9 +27,13 @@ Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 
 _PINS, _ANALOG = 20, 2
-_LONGEST = 10.0  # s, of one echo
+_SHORTEST, _LONGEST = 1e-6, 10.0  # s, of one echo
+_TYPICAL = 10e-3  # s
+_MOST_PATIENCE = 3600.0  # s
 _LEAST_REFERENCE = 1.8  # V, the lowest supply of the chip by its data sheet
 _REHEARSED = 3  # rows
+_SHORTER = 0.7  # the last echo of a second rehearsal, over the others
+_NOT_LOADED = 127  # exit code of the loader where a library is missing
 
 
 @dataclass(frozen=True)
@@ -114,17 +120,24 @@ def play(
     >>> [line.split(",")[1] for line, in played.rows], played.codes[:, 0].tolist()
     (['0.995', '2.000'], [143, 143])
     """
+    refuse_impossible(reference_voltage, trigger_pin, echo_pin, time_out, patience)
     rows = _rows(echo, silence, voltages, time_out)
-    _refuse_impossible(reference_voltage, trigger_pin, echo_pin)
     board = _Board(sketch, trigger_pin, echo_pin, reference_voltage * 1e3, patience)
     if not len(rows):
         log = board.run(rows, Habit(), None)
         return Played(tuple(line.text for line in log.lines), [], np.empty((0, 2), np.int64), log.end / CLOCK)
     heard = rows[rows[:, 1] > 0.0]
-    first = heard[:1] if len(heard) else np.array([[SILENCE * 1e6, 1e4, 0.0, 0.0]])
-    rehearsed = board.run(np.repeat(first, _REHEARSED, axis=0), Habit(), None)
+    if len(heard):  # a sketch may not see an echo that is very short or very long
+        typical = heard[[np.abs(np.log(heard[:, 1] * 1e-6 / _TYPICAL)).argmin()]]
+    else:
+        typical = np.array([[SILENCE * 1e6, _TYPICAL * 1e6, 0.0, 0.0]])
+    rehearsed = board.run(np.repeat(typical, _REHEARSED, axis=0), Habit(), None)
     _refuse_silent(rehearsed, board, min(_REHEARSED, len(rows)))
     habit = habit_of(rehearsed)
+    if habit.lines_before:
+        shorter = np.repeat(typical, _REHEARSED, axis=0)
+        shorter[-1, 1] *= _SHORTER
+        habit = told_late(habit, rehearsed, board.run(shorter, Habit(), None))
     log = board.run(rows, habit, progress)
     _refuse_silent(log, board, len(rows))
     before, lines = rows_of(log, habit, len(rows))
@@ -154,7 +167,7 @@ class _Board:
 
 def _listened(words: Sequence[str], given: int, count: int, progress: Progress | None) -> Log:
     log, begun = Log(), 0
-    with subprocess.Popen(words, stdin=given, stdout=subprocess.PIPE, text=True, errors="replace") as board:
+    with tempfile.TemporaryFile("w+", errors="replace") as said, _started(words, given, said) as board:
         try:
             for line in board.stdout or ():
                 begun += log.add(line)
@@ -163,10 +176,29 @@ def _listened(words: Sequence[str], given: int, count: int, progress: Progress |
         except BaseException:
             board.kill()
             raise
+        said.seek(0)
+        reason = said.read().strip().partition("\n")[0]
+    if board.returncode == _NOT_LOADED:
+        message = f"the simulated UNO does not start: {reason}; {SIMULATOR_WAY_OUT}"
+        raise UsageError(message)
     if board.returncode != 0:
-        message = f"the simulated UNO ended with exit code {board.returncode}"
+        told = f": {reason}" if reason else ""
+        message = f"the simulated UNO ended with exit code {board.returncode}{told}"
         raise EchocalError(message)
     return log
+
+
+def _started(words: Sequence[str], given: int, said: IO[str]) -> "subprocess.Popen[str]":
+    try:
+        return subprocess.Popen(
+            words, stdin=given, stdout=subprocess.PIPE, stderr=said, text=True, errors="replace"
+        )
+    except OSError as error:
+        message = (
+            f"the simulated UNO cannot be started: {words[0]}: {error.strerror}; remove this folder and run "
+            "again, or set ECHOCAL_CACHE to a folder in which programs may run"
+        )
+        raise UsageError(message) from None
 
 
 def _rows(echo: ArrayLike, silence: ArrayLike, voltages: ArrayLike, time_out: float | None) -> Column:
@@ -175,10 +207,10 @@ def _rows(echo: ArrayLike, silence: ArrayLike, voltages: ArrayLike, time_out: fl
     if lengths.ndim != 1:
         message = f"echo has shape {lengths.shape}; one echo time for each trigger is expected"
         raise UsageError(message)
-    impossible = np.flatnonzero((lengths <= 0.0) | (lengths > _LONGEST))
+    impossible = np.flatnonzero((lengths < _SHORTEST) | (lengths > _LONGEST))
     if len(impossible):
         message = (
-            f"echo {impossible[0] + 1} is {lengths[impossible[0]]:g} s; expected is more than 0 and at most "
+            f"echo {impossible[0] + 1} is {lengths[impossible[0]]:g} s; expected is {_SHORTEST:g} to "
             f"{_LONGEST:g} s, or NaN for a missed echo"
         )
         raise UsageError(message)
@@ -202,11 +234,27 @@ def _rows(echo: ArrayLike, silence: ArrayLike, voltages: ArrayLike, time_out: fl
     return np.column_stack([first * 1e6, lengths * 1e6, both * 1e3])
 
 
-def _refuse_impossible(reference_voltage: float, trigger_pin: int, echo_pin: int) -> None:
-    if not _LEAST_REFERENCE <= reference_voltage <= 5.5:
-        message = (
-            f"reference_voltage is {reference_voltage:g} V; an ATmega328P takes {_LEAST_REFERENCE} to 5.5 V"
-        )
+def refuse_impossible(
+    reference_voltage: float,
+    trigger_pin: int,
+    echo_pin: int,
+    time_out: float | None = None,
+    patience: float = 1.0,
+) -> None:
+    """Refuse what no board, module or run can have.
+
+    Raises
+    ------
+    UsageError
+        If a value is not a number or out of its range.
+    """
+    for name, value, most in (("time_out", time_out, _LONGEST), ("patience", patience, _MOST_PATIENCE)):
+        if value is not None and not (isinstance(value, Real) and _SHORTEST <= value <= most):
+            message = f"{name} is {value!r} s; expected is {_SHORTEST:g} to {most:g} s"
+            raise UsageError(message)
+    if not (isinstance(reference_voltage, Real) and _LEAST_REFERENCE <= reference_voltage <= 5.5):
+        told = f"{reference_voltage:g} V" if isinstance(reference_voltage, Real) else repr(reference_voltage)
+        message = f"reference_voltage is {told}; an ATmega328P takes {_LEAST_REFERENCE} to 5.5 V"
         raise UsageError(message)
     for name, pin in (("trigger_pin", trigger_pin), ("echo_pin", echo_pin)):
         if pin not in range(2, _PINS):

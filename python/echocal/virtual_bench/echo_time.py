@@ -4,15 +4,46 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import UsageError
-from echocal.virtual_bench.air import speed_of_sound
+from echocal.virtual_bench.air import saturation_pressure, speed_of_sound
 from echocal.virtual_bench.waveform.measure import measure
+from echocal.virtual_bench.waveform.possible import Limits, check
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["DETECTORS", "echo_time", "scene_of"]
+__all__ = ["DETECTORS", "check_air", "echo_time", "scene_of"]
 
 DETECTORS = ("ideal", "comparator")
 """Which module times the echo: one that tells `2 d / c`, or an HC-SR04 with its comparator."""
+
+# Wider than any outdoor air, and narrower than what a slip of the unit makes of it.
+_AIR = {
+    "temperature": Limits(-100.0, 100.0, unit="degC", way_out="write degrees Celsius"),
+    "relative_humidity": Limits(0.0, 1.0, way_out="it is a fraction; write 0.5 for 50 %"),
+    "pressure": Limits(1e4, 1e6, unit="Pa", way_out="1013 hPa are 101300 Pa"),
+}
+
+
+def check_air(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: ArrayLike) -> None:
+    """Refuse air that cannot be, or is no air of a bench.
+
+    Parameters
+    ----------
+    temperature, relative_humidity, pressure : array_like
+        [degC], [1], [Pa]; broadcast together.
+
+    Raises
+    ------
+    UsageError
+        If a value is out of its range, or the air would hold more vapor than its pressure.
+
+    Examples
+    --------
+    >>> check_air(20.0, 0.5, 101325.0)
+    """
+    for name, value in zip(_AIR, (temperature, relative_humidity, pressure), strict=True):
+        check(name, value, _AIR[name])
+    vapor = np.asarray(relative_humidity) * saturation_pressure(temperature)
+    check("vapor over pressure", vapor / np.asarray(pressure), Limits(0.0, 0.5, way_out="give drier air"))
 
 
 def echo_time(
@@ -49,7 +80,7 @@ def echo_time(
     Raises
     ------
     UsageError
-        If there is no such detector.
+        If there is no such detector, or no such air.
 
     Examples
     --------
@@ -60,6 +91,7 @@ def echo_time(
         message = f"detector is {' or '.join(DETECTORS)}, not '{detector}'"
         raise UsageError(message)
     air = (temperature, relative_humidity, pressure)
+    check_air(*air)
     if detector == "ideal":
         return 2.0 * np.asarray(distance) / speed_of_sound(*air, frequency=Sensor.frequency, group=True)
     scene = scene_of(distance, *air)

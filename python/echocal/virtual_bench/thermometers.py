@@ -198,6 +198,10 @@ def _seconds(time: ArrayLike, shape: tuple[int, ...]) -> Column:
     if seconds.shape != shape or seconds.ndim != 1:
         message = f"time has shape {seconds.shape} and temperature {shape}: one time for each temperature"
         raise UsageError(message)
+    gaps = np.flatnonzero(~np.isfinite(seconds))
+    if len(gaps):
+        message = f"time has no value in row {gaps[0] + 1}: one that lags needs the time of each reading"
+        raise UsageError(message)
     falls = np.flatnonzero(np.diff(seconds) < 0.0)
     if len(falls):
         row = int(falls[0])

@@ -15,7 +15,7 @@ from scipy.fft import fft, ifft, irfft, next_fast_len
 
 from echocal.waveforms.template import Template
 
-__all__ = ["Baseband", "Filter", "Plan"]
+__all__ = ["Baseband", "Filter", "Plan", "reach_of"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -42,6 +42,11 @@ _NODES = np.arange(-2, 4)
 
 _FWHM = 2.0 * np.sqrt(np.log(2.0))
 """Full width at half of the power, in standard deviations of a Gaussian amplitude."""
+
+
+def reach_of(bandwidth: float) -> float:
+    """Time [s] by which a band-pass spreads a sample, to each side."""
+    return float(_WIDTHS * _FWHM / (2.0 * np.pi * bandwidth))
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,7 @@ class Plan:
     @property
     def reach(self) -> float:
         """Time [s] by which the band-pass spreads a sample, to each side."""
-        return float(_WIDTHS * _FWHM / (2.0 * np.pi * self.bandwidth))
+        return reach_of(self.bandwidth)
 
     @cached_property
     def count(self) -> int:
@@ -221,7 +226,7 @@ class Baseband:
     def at(self, time: Real) -> tuple[Complex, Complex]:
         """Return the envelope and its derivative [1/s] at times [s] of each capture, shape (n, ...)."""
         place = time * self.rate
-        left = np.floor(place)
+        left = np.floor(np.where(np.isfinite(place), place, 0.0))  # no time, no value: the weights are NaN
         weights, slopes = _lagrange(place - left)
         rows = np.arange(len(time)).reshape(-1, *(1,) * time.ndim)
         index = (left.astype(int)[..., None] + _NODES) % self.values.shape[-1]

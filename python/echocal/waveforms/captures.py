@@ -55,6 +55,7 @@ class Captures:
             finite = np.asarray(np.isfinite(block).all(axis=-1))
             if not finite.all():
                 block = np.where(finite[:, None], block, 0.0)
+            block = block - block[:, :1]  # so that a constant leaves nothing, not even a rounding error
             yield place, block - block.mean(axis=-1, keepdims=True), finite
 
 

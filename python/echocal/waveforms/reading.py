@@ -119,6 +119,12 @@ def _npy(path: Path, column: str | None) -> Read:
     except (OSError, ValueError, EOFError) as error:
         message = f"{path} cannot be read: {error}"
         raise DataError(message) from None
+    except MemoryError:
+        message = f"{path} has, by its header, more samples than fit into memory; split it, if that is right"
+        raise DataError(message) from None
+    if not found.size:
+        message = f"{path} holds an array of the shape {found.shape}; nothing to time"
+        raise DataError(message)
     if found.dtype.kind not in "fiu" or found.ndim == 0:
         message = (
             f"{path} holds {found.dtype} of the shape {found.shape}; captures are arrays of real numbers"
@@ -201,15 +207,20 @@ def _readable(path: Path, pa: Any) -> Iterator[None]:
 
 
 def _rate(path: Path, stated: list[Any]) -> float | None:
-    try:
-        rates = sorted({float(rate) for rate in stated})
-    except (TypeError, ValueError):
-        message = f"{path}: {SAMPLE_RATE_COLUMN} is {stated[0]!r}, which is no number"
-        raise DataError(message) from None
+    rates = sorted({_number(path, rate) for rate in stated})
     if len(rates) > 1:
         message = f"{path} has several sample rates ({rates[0]:g} to {rates[-1]:g} Hz); split it by them"
         raise DataError(message)
     return positive(SAMPLE_RATE_COLUMN, rates[0], "Hz") if rates else None
+
+
+def _number(path: Path, rate: Any) -> float:
+    try:
+        return float(rate)
+    except (TypeError, ValueError):
+        told = rate.decode(errors="replace") if isinstance(rate, bytes) else rate
+        message = f"{path}: {SAMPLE_RATE_COLUMN} is {told!r}, which is no number"
+        raise DataError(message) from None
 
 
 def list_column(path: Path, schema: Any, column: str | None) -> str:

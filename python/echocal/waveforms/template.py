@@ -99,12 +99,18 @@ def model_burst(
     >>> len(burst), round(float(abs(burst).max()), 3)
     (1474, 0.999)
     """
-    decay = 2.0 * quality_factor  # time constant in radians of the carrier
     phase_end = 2.0 * np.pi * cycles
     step = 2.0 * np.pi * carrier / sample_rate
-    phase = np.asarray(step * np.arange(int((phase_end + _DECAYS * decay) / step) + 1), dtype=np.float64)
+    count = _length(sample_rate, carrier, cycles, quality_factor)
+    phase = np.asarray(step * np.arange(count), dtype=np.float64)
     response = _driven(phase, quality_factor) - _driven(phase - phase_end, quality_factor)
     return np.asarray(response / envelope_maximum(response))
+
+
+def _length(sample_rate: float, carrier: float, cycles: int, quality_factor: float) -> int:
+    """Samples of the model burst."""
+    decay = 2.0 * quality_factor  # time constant in radians of the carrier
+    return int((2.0 * np.pi * cycles + _DECAYS * decay) / (2.0 * np.pi * carrier / sample_rate)) + 1
 
 
 def envelope_maximum(samples: NDArray[np.float64]) -> float:
@@ -145,27 +151,33 @@ def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, cou
     UsageError
         If the template is no echo, or longer than a capture.
     """
-    if given is None:
-        samples = model_burst(sample_rate, carrier=carrier)
-        name, way = "the model burst", "give longer captures, or template= with a shorter echo"
-    else:
-        samples = _checked(given)
-        name, way = "template", "cut the template to the echo"
-    if len(samples) >= count:
+    if given is None:  # its length is known before it is computed: at a wrong rate it would fill the memory
+        way = "give longer captures, or template= with a shorter echo"
+        _refuse_length("the model burst", _length(sample_rate, carrier, CYCLES, QUALITY_FACTOR), count, way)
+        return Template(model_burst(sample_rate, carrier=carrier), sample_rate)
+    samples = _checked(given)
+    _refuse_length("template", len(samples), count, "cut the template to the echo")
+    return Template(samples, sample_rate)
+
+
+def _refuse_length(name: str, length: int, count: int, way: str) -> None:
+    if length >= count:
         message = (
-            f"{name} has {len(samples)} samples, and a capture (from start to stop) only {count}: too short; "
-            f"{way}"
+            f"{name} has {length} samples, and a capture (from start to stop) only {count}: too short; {way}"
         )
         raise UsageError(message)
-    return Template(samples, sample_rate)
 
 
 def _checked(given: ArrayLike) -> NDArray[np.float64]:
     try:
-        samples = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        message = f'template is {given!r}; give samples, "mean" or None'
-        raise UsageError(message) from None
+        values = np.asarray(given)
+    except ValueError:  # lists of unequal lengths
+        values = np.asarray(None)
+    if values.dtype.kind not in "fiu":
+        told = repr(given) if isinstance(given, str) else f"of the type {values.dtype}"
+        message = f'template is {told}; give samples, "mean" or None'
+        raise UsageError(message)
+    samples = values.astype(np.float64)
     if samples.ndim != 1 or len(samples) < 4:
         message = f"template has the shape {samples.shape}; give one echo of at least 4 samples"
         raise UsageError(message)

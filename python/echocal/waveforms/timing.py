@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import UsageError
 from echocal.waveforms.averaged import averaged
-from echocal.waveforms.baseband import Plan
+from echocal.waveforms.baseband import Plan, reach_of
 from echocal.waveforms.captures import Captures, captures_of, per_capture, positive
 from echocal.waveforms.detection import detect
 from echocal.waveforms.estimators import ESTIMATORS, Request
@@ -111,7 +111,7 @@ def echo_times(
     >>> echoes.reasons
     array(['', 'not_finite'], dtype='<U15')
     """
-    if method not in ESTIMATORS:
+    if not isinstance(method, str) or method not in ESTIMATORS:
         message = f"method is {method!r}; there are {', '.join(ESTIMATORS)}"
         raise UsageError(message)
     sample_rate, carrier = positive("sample_rate", sample_rate, "Hz"), positive("carrier", carrier, "Hz")
@@ -145,13 +145,26 @@ def _refuse_band(sample_rate: float, carrier: float, bandwidth: float) -> None:
         raise UsageError(message)
 
 
+def _refuse_narrow(captures: Captures, bandwidth: float) -> None:
+    """Refuse a band-pass that answers for longer than a capture lasts."""
+    duration = captures.count / captures.sample_rate
+    if 2.0 * reach_of(bandwidth) > duration:
+        message = (
+            f"bandwidth is {bandwidth:g} Hz: such a band-pass answers for {2.0 * reach_of(bandwidth):g} s, "
+            f"and a capture (from start to stop) lasts {duration:g} s; give at least "
+            f"{2.0 * reach_of(1.0) / duration:.3g} Hz, or longer captures"
+        )
+        raise UsageError(message)
+
+
 def _template(
     given: ArrayLike | str | None, captures: Captures, carrier: float, bandwidth: float
 ) -> Template:
     rate = captures.sample_rate
-    if isinstance(given, str) and given == "mean":
-        return averaged(captures, carrier, bandwidth)
-    return template_of(None if given is None else given, rate, carrier, captures.count)
+    of_captures = isinstance(given, str) and given == "mean"
+    template = template_of(None if of_captures else given, rate, carrier, captures.count)
+    _refuse_narrow(captures, bandwidth)
+    return averaged(captures, carrier, bandwidth) if of_captures else template
 
 
 def _parts(

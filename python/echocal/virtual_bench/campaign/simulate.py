@@ -14,6 +14,7 @@ from echocal.virtual_bench.campaign.causes import CAUSES
 from echocal.virtual_bench.campaign.designs import lay_down
 from echocal.virtual_bench.waveform.fluctuations import remembering
 from echocal.virtual_bench.waveform.measure import Echoes, measure
+from echocal.virtual_bench.waveform.possible import check_seed
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
@@ -134,6 +135,8 @@ def simulate(
     >>> len(made.table)
     48
     """
+    check_seed("seed", seed)
+    check_seed("replicate", replicate)
     random = Random(seed, replicate)
     campaign = lay_down(design, random)
     if detector not in ("comparator", "ideal"):

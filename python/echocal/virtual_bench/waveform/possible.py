@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from echocal.errors import UsageError
 
-__all__ = ["Limits", "check", "check_length"]
+__all__ = ["Limits", "check", "check_length", "check_seed"]
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,19 @@ def check(name: str, value: ArrayLike, limits: Limits) -> None:
     unit = f" {limits.unit}" if limits.unit else ""
     message = f"{name} is {wrong:g}{unit}{place}; it must be {limits.told()}"
     raise UsageError(f"{message}: {limits.way_out}" if limits.way_out else message)
+
+
+def check_seed(name: str, seed: object) -> None:
+    """Check the seed of random numbers.
+
+    Raises
+    ------
+    UsageError
+        If it is no whole number of 0 or more.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        message = f"{name} is {seed!r}; give a whole number of 0 or more"
+        raise UsageError(message)
 
 
 def check_length(name: str, value: ArrayLike, count: int) -> None:

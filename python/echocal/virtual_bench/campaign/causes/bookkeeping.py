@@ -42,10 +42,10 @@ def fixed_speed(campaign: Campaign, size: float, random: np.random.Generator) ->
     device(campaign, size)
 
 
-@cause("us/cm", 57.0, 59.0, "reference", in_catalogue=False)
+@cause("us/cm", 57.0, 59.0, "reference", in_catalogue=False, whole=True)
 def divisor(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The device divides the microseconds by a round number: 57, 58 or 59."""
-    device(campaign, 2e4 / round(size))
+    device(campaign, 2e4 / size)
 
 
 @cause("cm", 1.0, 1.0, "reference")

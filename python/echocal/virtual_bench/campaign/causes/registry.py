@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -13,6 +14,7 @@ __all__ = ["CAUSES", "Cause", "cause"]
 Stage = Callable[[Campaign, float, np.random.Generator], None]
 
 _MOST = 10.0  # times the largest usual size: more is a slip of the unit
+_LEAST = 1e-6  # of the largest usual size: less shows in no table
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,8 @@ class Cause:
         (known placements), "reference" (known distances).
     in_catalogue : bool
     stage : callable
+    whole : bool
+        Whether its size is a whole number.
     """
 
     id: str
@@ -43,6 +47,7 @@ class Cause:
     needs: frozenset[str]
     in_catalogue: bool
     stage: Stage
+    whole: bool = False
 
     def refused(self, offered: frozenset[str]) -> frozenset[str]:
         """What a design lacks without which there is nothing to stage; without weather a cause acts, too."""
@@ -58,15 +63,22 @@ class Cause:
         Raises
         ------
         UsageError
-            If it is not a number, or of the wrong sign, or more than ten times the usual.
+            If it is not a number, or of the wrong sign, or more than ten times the usual, or less than a
+            millionth of it.
         """
+        if isinstance(size, bool) or not isinstance(size, Real):
+            message = f"{self.id}={size!r}: its size is a number [{self.unit}], or None for a usual one"
+            raise UsageError(message)
         least = -_MOST * self.high if self.low < 0 else 0.0
-        if not least <= size <= _MOST * self.high or size == 0.0:
+        if not least <= size <= _MOST * self.high or abs(size) < _LEAST * self.high:
             limits = f"from {least:g} to {_MOST * self.high:g}, and not 0"
             message = (
                 f"{self.id}={size:g}: its size is {limits} [{self.unit}]; usual is {self.usual()}, "
                 f"and {self.id} without a size draws one"
             )
+            raise UsageError(message)
+        if self.whole and size != round(size):
+            message = f"{self.id}={size:g}: its size is a whole number [{self.unit}]; usual is {self.usual()}"
             raise UsageError(message)
         return float(size)
 
@@ -76,21 +88,28 @@ class Cause:
             return float(
                 random.choice([-1, 1]) * np.exp(random.uniform(np.log(-self.low / 4), np.log(self.high)))
             )
-        return float(np.exp(random.uniform(np.log(self.low), np.log(self.high))))
+        size = float(np.exp(random.uniform(np.log(self.low), np.log(self.high))))
+        return float(round(size)) if self.whole else size
 
 
 CAUSES: dict[str, Cause] = {}
 
 
 def cause(
-    unit: str, low: float, high: float, *needs: str, id: str = "", in_catalogue: bool = True
+    unit: str,
+    low: float,
+    high: float,
+    *needs: str,
+    id: str = "",
+    in_catalogue: bool = True,
+    whole: bool = False,
 ) -> Callable[[Stage], Stage]:
     """Register a function that stages a cause; its name is the id, its docstring the sentence."""
 
     def register(stage: Stage) -> Stage:
         name = id or stage.__name__
         sentence = (stage.__doc__ or "").strip().splitlines()[0]
-        CAUSES[name] = Cause(name, unit, low, high, sentence, frozenset(needs), in_catalogue, stage)
+        CAUSES[name] = Cause(name, unit, low, high, sentence, frozenset(needs), in_catalogue, stage, whole)
         return stage
 
     return register
