@@ -13,8 +13,8 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-_BOUGHT = {
-    "cramer": ("as bought, Cramer 1993", "#888888", "s"),
+BOUGHT = {
+    "cramer": ("as bought", "#888888", "s"),
     "zeroed": ("zero at one mark", "#c55a11", "^"),
     "line": ("line through all marks", "#1f4e79", "o"),
     "named": ("named causes", "#2e8b57", "D"),
@@ -23,7 +23,8 @@ _BOUGHT = {
 _SHORT = {name: own.label for name, own in THERMOMETERS.items()} | {
     "none": "none: 343 m/s",
     "hand": "potentiometer,\nset once",
-    "shield": "HTU31D in a shield",
+    "shield": "DHT22 in a shield",
+    "hih4030": "DS18B20\nand HIH-4030",
     "path": "second HC-SR04,\nplate at 1 m",
 }
 _WEATHER = {
@@ -49,7 +50,7 @@ def save(results: dict[str, Any], path: Path) -> None:
 
 def _euro(ax: Axes, figures: dict[str, Any]) -> None:
     bought = sorted(THERMOMETERS, key=lambda name: THERMOMETERS[name].euro)
-    for shift, (method, (label, color, marker)) in enumerate(_BOUGHT.items()):
+    for shift, (method, (label, color, marker)) in enumerate(BOUGHT.items()):
         points = []
         for place, name in enumerate(bought):
             used = "fixed" if (name, method) == ("none", "cramer") else method
@@ -94,6 +95,6 @@ def _methods(ax: Axes, figures: dict[str, Any]) -> None:
     ax.set(xscale="log", xlabel="RMS error, 0.2 to 4 m [mm]")
     ax.set_xticks([3, 10, 30, 100, 300, 1000, 3000], ["3", "10", "30", "100", "300", "1000", "3000"])
     ax.minorticks_off()
-    ax.set_title("Which method: HTU31D in a shield, timer capture", fontsize=10)
+    ax.set_title("Which method: DHT22 in a shield, timer capture", fontsize=10)
     ax.grid(alpha=0.3)
     ax.legend(fontsize=8, loc="center right", bbox_to_anchor=(1.0, 0.62))

@@ -20,17 +20,10 @@ Correction = Callable[[pd.DataFrame], Column]
 
 @dataclass(frozen=True)
 class Method:
-    """A way from a log to distances.
-
-    Attributes
-    ----------
-    label : str
-    learn : callable
-        Takes the training log and a seed, returns the correction of a log [m].
-    """
+    """A way from a log to distances."""
 
     label: str
-    learn: Callable[[pd.DataFrame, int], Correction]
+    learn: Callable[[pd.DataFrame, int], Correction]  # training log and seed to the correction of a log [m]
 
 
 def fixed(log: pd.DataFrame) -> Column:
