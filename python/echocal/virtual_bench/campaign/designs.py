@@ -71,25 +71,10 @@ def weather(
     humidity: float = 0.65,
     noon: float = 900.0,
 ) -> Surroundings:
-    """Air outdoors: days, weather, sun, wind.
+    """Air outdoors, or behind a thin wall: days, weather, sun, wind.
 
-    Parameters
-    ----------
-    seconds : ndarray, shape (n,)
-        [s]; a day begins at 0.
-    random : numpy.random.Generator
-    open_air : float
-        1 in the open, 0 behind a thin wall: factor of wind and sun.
-    mean, swing : tuple of float
-        Lowest and highest mean of the temperature [degC], and of half of what it changes in a clear day [K].
-    humidity : float
-        Mean of the relative humidity.
-    noon : float
-        Radiation at noon without clouds [W/m2].
-
-    Returns
-    -------
-    Surroundings
+    `open_air` is the factor of wind and sun, `mean` the range of the mean temperature [degC], `swing` that of
+    half of what a clear day changes [K], and `noon` the radiation at a clear noon [W/m2].
     """
     n, hours = len(seconds), seconds / _HOUR % 24
     sun = np.maximum(0.0, np.sin(2 * np.pi * (hours - 6) / 24))
