@@ -34,6 +34,11 @@ _WEATHER = {
 }
 
 
+def bought(name: str, method: str) -> Setting:
+    """Return the configuration of a thermometer; as bought, one without has a fixed speed."""
+    return Setting(name, method="fixed" if (name, method) == ("none", "cramer") else method)
+
+
 def draw(results: dict[str, Any]) -> Figure:
     """Draw both panels."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(13.5, 6.4), layout="constrained")
@@ -49,21 +54,20 @@ def save(results: dict[str, Any], path: Path) -> None:
 
 
 def _euro(ax: Axes, figures: dict[str, Any]) -> None:
-    bought = sorted(THERMOMETERS, key=lambda name: THERMOMETERS[name].euro)
+    order = sorted(THERMOMETERS, key=lambda name: THERMOMETERS[name].euro)
     for shift, (method, (label, color, marker)) in enumerate(BOUGHT.items()):
         points = []
-        for place, name in enumerate(bought):
-            used = "fixed" if (name, method) == ("none", "cramer") else method
-            key = Setting(name, method=used).key
-            if key in figures:
-                points.append((place + 0.13 * (shift - 2), *figures[key]["other"]["all"]["rms"]))
+        for place, name in enumerate(order):
+            known = figures.get(bought(name, method).key)
+            if known:
+                points.append((place + 0.13 * (shift - 2), *known["other"]["all"]["rms"]))
         x, y, low, high = zip(*points, strict=True)
         spread = [[a - b for a, b in zip(y, low, strict=True)], [b - a for a, b in zip(y, high, strict=True)]]
         ax.errorbar(x, y, spread, fmt=marker, color=color, label=label, ms=5, lw=1)
     ax.axhline(LIMIT, color="black", lw=0.8, ls="--", label="the data sheet's 3 mm")
-    clean = [figures[Setting(name, oracle="detector").key]["other"]["all"]["rms"][0] for name in bought]
+    clean = [figures[Setting(name, oracle="detector").key]["other"]["all"]["rms"][0] for name in order]
     ax.plot(
-        range(len(bought)),
+        range(len(order)),
         clean,
         "o",
         mfc="none",
@@ -71,8 +75,8 @@ def _euro(ax: Axes, figures: dict[str, Any]) -> None:
         ms=5,
         label="line, no time walk: no product",
     )
-    names = [f"{_SHORT[name]}\n{SENSOR_EURO + THERMOMETERS[name].euro:.1f} €" for name in bought]
-    ax.set_xticks(range(len(bought)), names, rotation=90, fontsize=8)
+    names = [f"{_SHORT[name]}\n{SENSOR_EURO + THERMOMETERS[name].euro:.1f} €" for name in order]
+    ax.set_xticks(range(len(order)), names, rotation=90, fontsize=8)
     ax.set(yscale="log", ylabel="RMS error in summer and winter, 0.2 to 4 m [mm]")
     ax.set_yticks([1, 2, 3, 5, 10, 20, 50], ["1", "2", "3", "5", "10", "20", "50"])
     ax.minorticks_off()

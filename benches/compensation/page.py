@@ -84,9 +84,7 @@ def hardware(results: Record) -> str:
         warm = results["kelvin"].get(name)
         cells = [own.label, f"{SENSOR_EURO + own.euro:.1f}"]
         cells += [f"{warm[season]:.2g}" if warm else "-" for season in ("summer", "winter")]
-        settings = [Setting(name, method=method) for method in figure.BOUGHT]
-        if name == "none":
-            settings[0] = Setting(name, method="fixed")
+        settings = [figure.bought(name, method) for method in figure.BOUGHT]
         for setting in (*settings, Setting(name, oracle="detector")):
             known = figures.get(setting.key)
             cells.append(number(known["other"]["all"]["rms"]) if known else "-")

@@ -194,7 +194,7 @@ def _learning(results: Record) -> str:
         f"{of('boosting_left', 'spring')} in the same and {of('boosting_left')} in other weather, and by "
         f"{of('boosting_left', trained='room')} when they were trained in a room; the line by "
         f"{of('line', 'spring')}, {of('line')} and {of('line', trained='room')}. Trees that see the distance "
-        f"alone leave {of('boosting_echo')}. They name nothing, and nothing warns where they have seen no row."
+        f"alone leave {of('boosting_echo')}. Trees name nothing, and nothing warns where they have no row."
     )
 
 
@@ -207,7 +207,7 @@ def _filters(results: Record) -> str:
     return (
         f"**Filters**: {single:.2f} mm with one reading, {mean:.2f} mm with the mean of five, {middle:.2f} "
         f"mm with their median, and {gated:.2f} mm with the Kalman filter that begins anew. A false echo is "
-        "meters off: a median leaves it out, a mean does not. "
+        "up to meters off: a median leaves it out, a mean does not. "
         f"In whole centimeters the median has {coarse[0]:.2f} mm, and this Kalman filter {coarse[1]:.2f} mm. "
         f"A moving mean over bursts gives {moving['settled']['rms'][0]:.2f} mm of a target at rest and "
         f"{moving['all']['rms'][0]:.0f} mm of one that moves."
