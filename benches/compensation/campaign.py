@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,19 +17,15 @@ from compensation.world import Column, Truth
 from echocal.virtual_bench.campaign.campaign import Random
 
 TRAINED = {"spring": "five days in spring, 20 placements", "room": "an evening in a room, 16 placements"}
-TESTED = {
-    "nominal": "a room at 20 °C",
-    "spring": "another week in spring",
-    "summer": "summer",
-    "winter": "winter",
-}
+TESTED = {"nominal": "a room at 20 °C", "spring": "another week in spring"}
+TESTED |= {"summer": "summer", "winter": "winter"}
 BANDS = {"all": (0.2, 4.0), "to_1_m": (0.2, 1.0), "to_2_m": (1.0, 2.0), "to_4_m": (2.0, 4.0)}
 LIMIT = 3.0  # mm: the data sheet of the HC-SR04
 BEST = "shield"
 NOTHING = "no effect"
 ALL: dict[str, Method] = METHODS | LEARNERS
-_DAYS = 6.0
-_SHORT = ("fixed", "cramer", "zeroed", "line", "named")
+_FALSE = 300.0  # us, 5 cm: more than ten cycles of the echo
+SHORT = ("fixed", "cramer", "zeroed", "line", "named")
 _REACH, _LEARNED = (0.2, 1.0, 2.0, 4.0), (0.3, 1.0, 2.0, 3.5)
 Record = dict[str, Any]
 
@@ -61,17 +58,16 @@ class Setting:
 
 
 def draw(seed: int, trained: str) -> Drawn:
-    """Draw a device, its training and its tests."""
-    random = Random(seed)
-    unit = world.draw_unit(random("unit"))
+    """Draw a device, its training and its tests: replicates of one seed, with air and noise of their own."""
+    random, unit = partial(Random, seed), world.draw_unit(Random(seed)("unit"))
     if trained == "room":
-        first = world.bench("bench", unit, random)
+        training = world.bench(unit, random(1))
     else:
-        first = world.outdoors("training", world.SEASONS[trained], unit, random, 5.0, 6.0, _LEARNED)
-    tested = {"nominal": world.nominal("nominal", unit, random, _REACH)}
-    for name, season in world.SEASONS.items():
-        tested[name] = world.outdoors(name, season, unit, random, _DAYS, 3.0, _REACH)
-    return Drawn(Device(unit, random, first), first, tested, seed)
+        training = world.outdoors(trained, unit, random(2), 5.0, 6.0, _LEARNED)
+    tested = {"nominal": world.nominal(unit, random(3), _REACH)}
+    for number, season in enumerate(world.SEASONS, 4):
+        tested[season] = world.outdoors(season, unit, random(number), 6.0, 3.0, _REACH)
+    return Drawn(Device(unit, random(), training), training, tested, seed)
 
 
 def settings() -> list[Setting]:
@@ -80,19 +76,18 @@ def settings() -> list[Setting]:
 
 
 def _settings() -> Iterator[Setting]:
-    for name, own in THERMOMETERS.items():
-        bare = ("fixed",) if own.kind == "none" else ("study", "cramer", "named", "boosting_left")
+    for name in THERMOMETERS:
+        bare = ("fixed",) if name == "none" else ("cramer", "named", "boosting_left")
         yield from (Setting(name, method=method) for method in (*bare, "zeroed", "line"))
+        yield Setting(name, oracle="detector")
     for trained in TRAINED:
         yield from (Setting(BEST, method=method, trained=trained) for method in ALL)
     for firmware in FIRMWARE:
-        yield from (Setting(BEST, firmware, method) for method in _SHORT)
+        yield from (Setting(BEST, firmware, method) for method in SHORT)
     for firmware in ("capture", "whole_cm"):
         yield from (Setting(BEST, firmware, filter=name) for name in FILTERS)
-    for oracle in ("air", "detector", "both"):
-        yield from (Setting(BEST, method=method, oracle=oracle) for method in ("zeroed", "line"))
-    yield from (Setting(name, oracle="detector") for name in THERMOMETERS)
-    for method in ("dry_line", "half_line", "study_line", "named", "both"):
+    yield from (Setting(BEST, oracle=oracle) for oracle in ("air", "both"))
+    for method in ("dry_line", "half_line", "study_line", "named"):
         yield Setting(BEST, method=method, oracle="detector")
 
 
@@ -105,7 +100,7 @@ def run(drawn: Drawn, chosen: list[Setting]) -> tuple[Record, Record]:
     for one in order:
         bare = Setting(one.thermometer, one.firmware, one.method, one.trained, oracle=one.oracle).key
         if bare not in learned:
-            log = _log(drawn, drawn.trained, one)
+            log = without_false(_log(drawn, drawn.trained, one), drawn.trained)
             learned = {bare: (ALL[one.method].learn(log, drawn.seed), log)}
         correct, log = learned[bare]
         shaped = made(one.filter, lambda correct=correct, log=log: correct(log), drawn.trained)  # type: ignore[misc]
@@ -126,7 +121,7 @@ def warmth(drawn: Drawn) -> Record:
         for test, truth in drawn.tested.items():
             log = drawn.device.log(truth, name)
             if "temperature_C" in log:
-                error = log["temperature_C"].to_numpy() - truth.temperature
+                error = log["temperature_C"].to_numpy() - truth.around.temperature
                 found.setdefault(name, {})[test] = float(np.nanmean(error**2))
     return found
 
@@ -136,8 +131,16 @@ def _log(drawn: Drawn, truth: Truth, one: Setting) -> pd.DataFrame:
     ideal = one.oracle in ("detector", "both")
     log = drawn.device.log(truth, one.thermometer, one.firmware, ideal=ideal)
     if one.oracle in ("air", "both"):
-        return log.assign(temperature_C=truth.temperature, humidity_percent=100 * truth.humidity)
+        around = truth.around
+        return log.assign(temperature_C=around.temperature, humidity_percent=100 * around.relative_humidity)
     return log
+
+
+def without_false(log: pd.DataFrame, truth: Truth) -> pd.DataFrame:
+    """Leave out what nobody would learn from: readings that are far from the median of their burst."""
+    echo = log["echo_us"]
+    far = (echo - echo.groupby(truth.burst).transform("median")).abs() > _FALSE
+    return log.assign(echo_us=echo.mask(far))
 
 
 def figures(corrected: Column, truth: Truth) -> Record:

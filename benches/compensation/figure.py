@@ -13,8 +13,8 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-_BOUGHT = {
-    "cramer": ("as bought, Cramer 1993", "#888888", "s"),
+BOUGHT = {
+    "cramer": ("as bought", "#888888", "s"),
     "zeroed": ("zero at one mark", "#c55a11", "^"),
     "line": ("line through all marks", "#1f4e79", "o"),
     "named": ("named causes", "#2e8b57", "D"),
@@ -23,7 +23,8 @@ _BOUGHT = {
 _SHORT = {name: own.label for name, own in THERMOMETERS.items()} | {
     "none": "none: 343 m/s",
     "hand": "potentiometer,\nset once",
-    "shield": "HTU31D in a shield",
+    "shield": "DHT22 in a shield",
+    "hih4030": "DS18B20\nand HIH-4030",
     "path": "second HC-SR04,\nplate at 1 m",
 }
 _WEATHER = {
@@ -31,6 +32,11 @@ _WEATHER = {
     "summer": ("summer", "#c55a11", "^"),
     "winter": ("winter", "#1f4e79", "s"),
 }
+
+
+def bought(name: str, method: str) -> Setting:
+    """Return the configuration of a thermometer; as bought, one without has a fixed speed."""
+    return Setting(name, method="fixed" if (name, method) == ("none", "cramer") else method)
 
 
 def draw(results: dict[str, Any]) -> Figure:
@@ -48,21 +54,20 @@ def save(results: dict[str, Any], path: Path) -> None:
 
 
 def _euro(ax: Axes, figures: dict[str, Any]) -> None:
-    bought = sorted(THERMOMETERS, key=lambda name: THERMOMETERS[name].euro)
-    for shift, (method, (label, color, marker)) in enumerate(_BOUGHT.items()):
+    order = sorted(THERMOMETERS, key=lambda name: THERMOMETERS[name].euro)
+    for shift, (method, (label, color, marker)) in enumerate(BOUGHT.items()):
         points = []
-        for place, name in enumerate(bought):
-            used = "fixed" if (name, method) == ("none", "cramer") else method
-            key = Setting(name, method=used).key
-            if key in figures:
-                points.append((place + 0.13 * (shift - 2), *figures[key]["other"]["all"]["rms"]))
+        for place, name in enumerate(order):
+            known = figures.get(bought(name, method).key)
+            if known:
+                points.append((place + 0.13 * (shift - 2), *known["other"]["all"]["rms"]))
         x, y, low, high = zip(*points, strict=True)
         spread = [[a - b for a, b in zip(y, low, strict=True)], [b - a for a, b in zip(y, high, strict=True)]]
         ax.errorbar(x, y, spread, fmt=marker, color=color, label=label, ms=5, lw=1)
     ax.axhline(LIMIT, color="black", lw=0.8, ls="--", label="the data sheet's 3 mm")
-    clean = [figures[Setting(name, oracle="detector").key]["other"]["all"]["rms"][0] for name in bought]
+    clean = [figures[Setting(name, oracle="detector").key]["other"]["all"]["rms"][0] for name in order]
     ax.plot(
-        range(len(bought)),
+        range(len(order)),
         clean,
         "o",
         mfc="none",
@@ -70,8 +75,8 @@ def _euro(ax: Axes, figures: dict[str, Any]) -> None:
         ms=5,
         label="line, no time walk: no product",
     )
-    names = [f"{_SHORT[name]}\n{SENSOR_EURO + THERMOMETERS[name].euro:.1f} €" for name in bought]
-    ax.set_xticks(range(len(bought)), names, rotation=90, fontsize=8)
+    names = [f"{_SHORT[name]}\n{SENSOR_EURO + THERMOMETERS[name].euro:.1f} €" for name in order]
+    ax.set_xticks(range(len(order)), names, rotation=90, fontsize=8)
     ax.set(yscale="log", ylabel="RMS error in summer and winter, 0.2 to 4 m [mm]")
     ax.set_yticks([1, 2, 3, 5, 10, 20, 50], ["1", "2", "3", "5", "10", "20", "50"])
     ax.minorticks_off()
@@ -94,6 +99,6 @@ def _methods(ax: Axes, figures: dict[str, Any]) -> None:
     ax.set(xscale="log", xlabel="RMS error, 0.2 to 4 m [mm]")
     ax.set_xticks([3, 10, 30, 100, 300, 1000, 3000], ["3", "10", "30", "100", "300", "1000", "3000"])
     ax.minorticks_off()
-    ax.set_title("Which method: HTU31D in a shield, timer capture", fontsize=10)
+    ax.set_title("Which method: DHT22 in a shield, timer capture", fontsize=10)
     ax.grid(alpha=0.3)
     ax.legend(fontsize=8, loc="center right", bbox_to_anchor=(1.0, 0.62))

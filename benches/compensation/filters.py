@@ -45,28 +45,16 @@ def _over(function: Callable[..., Column], rows: Column) -> Column:
 
 @dataclass(frozen=True)
 class Kalman:
-    """A scalar Kalman filter: the distance walks at random, readings have noise.
+    """A filter of one state: the distance walks at random. Kalman 1960, doi:10.1115/1.3662552."""
 
-    Kalman 1960, doi:10.1115/1.3662552, with one state.
-
-    Attributes
-    ----------
-    walk : float
-        Variance that a second adds [m2/s].
-    noise : float
-        Variance of a reading [m2].
-    gate : bool
-        Whether it begins anew at a reading that is far off.
-    """
-
-    walk: float
-    noise: float
-    gate: bool = False
+    walk: float  # m2/s, variance that a second adds
+    noise: float  # m2, variance of a value
+    gate: bool = False  # whether it begins anew at a value that is far off
 
     def __call__(self, distance: Column, seconds: Column) -> Column:
-        """Filter readings, and return the state at the end of each burst; NaN of one without an echo."""
-        states = self.run(distance, seconds)[0][EACH - 1 :: EACH]
-        return np.where(np.isfinite(distance.reshape(-1, EACH)).any(axis=1), states, np.nan)
+        """Filter the medians of bursts; NaN where one has no echo."""
+        middle = median(distance, seconds)
+        return np.where(np.isfinite(middle), self.run(middle, last(seconds, seconds))[0], np.nan)
 
     def run(self, distance: Column, seconds: Column) -> tuple[Column, float]:
         """Filter readings; return the states and the log likelihood of the readings."""
@@ -109,8 +97,8 @@ FILTERS = {
     "median": "median of a burst of 5",
     "mean": "mean of a burst of 5",
     "moving": "moving mean of three bursts",
-    "kalman": "Kalman filter, random walk",
-    "gated": "Kalman filter for a target at rest, begins anew after a move",
+    "kalman": "Kalman filter of medians, random walk",
+    "gated": "Kalman filter of medians, for a target at rest, begins anew after a move",
 }
 
 
@@ -119,4 +107,5 @@ def made(name: str, training: Callable[[], Column], truth: Truth) -> Filter:
     plain: dict[str, Filter] = {"last": last, "median": median, "mean": mean, "moving": moving}
     if name in plain:
         return plain[name]
-    return Kalman.fitted(training(), truth.seconds, truth.placement if name == "gated" else None)
+    placement = truth.placement[::EACH] if name == "gated" else None
+    return Kalman.fitted(median(training(), truth.seconds), last(truth.seconds, truth.seconds), placement)

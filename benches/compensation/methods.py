@@ -20,17 +20,10 @@ Correction = Callable[[pd.DataFrame], Column]
 
 @dataclass(frozen=True)
 class Method:
-    """A way from a log to distances.
-
-    Attributes
-    ----------
-    label : str
-    learn : callable
-        Takes the training log and a seed, returns the correction of a log [m].
-    """
+    """A way from a log to distances."""
 
     label: str
-    learn: Callable[[pd.DataFrame, int], Correction]
+    learn: Callable[[pd.DataFrame, int], Correction]  # training log and seed to the correction of a log [m]
 
 
 def fixed(log: pd.DataFrame) -> Column:
@@ -44,11 +37,10 @@ def study(log: pd.DataFrame) -> Column:
 
 
 def cramer(log: pd.DataFrame, damp: float | None = None) -> Column:
-    """Distance by Cramer 1993, at a humidity or at that of the log; 50 %, 1013.25 hPa where it has none."""
+    """Distance by Cramer 1993, at a humidity or at that of the log; 50 % where it has none."""
     measured = log["humidity_percent"].to_numpy() / 100 if "humidity_percent" in log else 0.5
-    pressure = 100 * log["pressure_hPa"].to_numpy() if "pressure_hPa" in log else 101325.0
-    given = (log["temperature_C"].to_numpy(), measured if damp is None else damp, pressure)
-    return 0.5 * np.asarray(echocal.speed_of_sound(*given)) * _MICRO * log["echo_us"].to_numpy()
+    speed = echocal.speed_of_sound(log["temperature_C"].to_numpy(), measured if damp is None else damp)
+    return 0.5 * np.asarray(speed) * _MICRO * log["echo_us"].to_numpy()
 
 
 def physics(log: pd.DataFrame) -> Column:
@@ -80,21 +72,19 @@ def calibrated(log: pd.DataFrame, seed: int) -> Correction:
     return _corrected(_calibrated(log))
 
 
-def named(log: pd.DataFrame, seed: int) -> Correction:
-    """Name the causes, and keep those that hold in another campaign."""
-    return _corrected(diagnosed(log, seed).model.transferable())
+def named(*, calibrated: bool = False, smooth: bool = False) -> Callable[[pd.DataFrame, int], Correction]:
+    """Name the causes, and keep those that hold in another campaign.
 
+    Delay and clock may be calibrated before; a smooth correction of what no cause explains may follow, where
+    the diagnosis offers one.
+    """
 
-def smooth(log: pd.DataFrame, seed: int) -> Correction:
-    """The same with the smooth correction of what no cause explains, where the diagnosis offers one."""
-    found = diagnosed(log, seed)
-    offered = found.smooth is not None and found.smooth.offered
-    return _corrected((found.model_with_smooth if offered else found.model).transferable())
+    def learn(log: pd.DataFrame, seed: int) -> Correction:
+        found = diagnosed(log, seed, calibrated)
+        offered = smooth and found.smooth is not None and found.smooth.offered
+        return _corrected((found.model_with_smooth if offered else found.model).transferable())
 
-
-def calibrated_named(log: pd.DataFrame, seed: int) -> Correction:
-    """Fit the delay and the clock, then name the causes of what is left."""
-    return _corrected(diagnosed(log, seed, calibrated=True).model.transferable())
+    return learn
 
 
 def diagnosed(log: pd.DataFrame, seed: int, calibrated: bool = False) -> echocal.Diagnosis:
@@ -150,32 +140,28 @@ def _residual(values: Column, log: pd.DataFrame) -> Column:
     return left[np.isfinite(left)]
 
 
-def hybrid(log: pd.DataFrame, seed: int) -> Correction:
-    """Search globally by differential evolution, then locally by least squares.
+def optimized(*, globally: bool) -> Callable[[pd.DataFrame, int], Correction]:
+    """Search globally by differential evolution, then locally by least squares; or only the latter.
 
     The idea of the phased hybrid optimization that the study cites (Li et al.), on a physical model.
     """
-    thin = log.iloc[:: max(1, len(log) // 240)]
 
-    def cost(values: Column) -> float:
-        return float(np.mean(2 * (np.sqrt(1 + 0.25 * _residual(values, thin) ** 2) - 1)))
+    def learn(log: pd.DataFrame, seed: int) -> Correction:
+        thin, (low, high) = log.iloc[:: max(1, len(log) // 240)], np.array(_BOUNDS).T
+        start = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 
-    found = differential_evolution(cost, _BOUNDS, seed=seed, polish=False, maxiter=40, popsize=8, tol=1e-4)
-    return _local(log, found.x)
+        def cost(values: Column) -> float:
+            return float(np.mean(2 * (np.sqrt(1 + 0.25 * _residual(values, thin) ** 2) - 1)))
 
+        if globally:
+            options = {"polish": False, "maxiter": 40, "popsize": 8, "tol": 1e-4}
+            start = differential_evolution(cost, _BOUNDS, seed=seed, **options).x
+        inside, scale = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low)), high - low
+        options = {"x_scale": scale, "loss": "soft_l1", "f_scale": 2.0}
+        found = least_squares(_residual, inside, bounds=(low, high), args=(log,), **options)
+        return lambda other: _physical(found.x, other)
 
-def local(log: pd.DataFrame, seed: int) -> Correction:
-    """Only the second phase, from neutral values."""
-    return _local(log, np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0]))
-
-
-def _local(log: pd.DataFrame, start: Column) -> Correction:
-    low, high = np.array(_BOUNDS).T
-    inside = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
-    found = least_squares(
-        _residual, inside, bounds=(low, high), args=(log,), x_scale=high - low, loss="soft_l1", f_scale=2.0
-    )
-    return lambda other: _physical(found.x, other)
+    return learn
 
 
 def bare(formula: Callable[..., Column], **options: Any) -> Callable[[pd.DataFrame, int], Correction]:
@@ -195,9 +181,9 @@ METHODS = {
     "half_line": Method("Cramer, 50 % humidity, line through all marks", lined(partial(cramer, damp=0.5))),
     "line": Method("Cramer, line through all marks", lined(physics)),
     "calibrated": Method("`echocal.calibrate`: delay and clock", calibrated),
-    "named": Method("named causes: `echocal.diagnose`", named),
-    "smooth": Method("named causes and smooth correction", smooth),
-    "both": Method("`calibrate`, then `diagnose`", calibrated_named),
-    "hybrid": Method("hybrid optimizer: global, then local", hybrid),
-    "local": Method("its local search alone", local),
+    "named": Method("named causes: `echocal.diagnose`", named()),
+    "smooth": Method("named causes and smooth correction", named(smooth=True)),
+    "both": Method("`calibrate`, then `diagnose`", named(calibrated=True)),
+    "hybrid": Method("hybrid optimizer: global, then local", optimized(globally=True)),
+    "local": Method("its local search alone", optimized(globally=False)),
 }

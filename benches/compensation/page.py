@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from compensation import figure
-from compensation.campaign import ALL, BANDS, BEST, NOTHING, TRAINED, Setting
+from compensation.campaign import ALL, BANDS, BEST, NOTHING, SHORT, TRAINED, Setting
 from compensation.filters import FILTERS
 from compensation.hardware import FIRMWARE, SENSOR_EURO, SENSOR_SOURCE, THERMOMETERS
 from compensation.words import air, cannot, conclusions, head, simulated
@@ -14,7 +14,6 @@ ROOT = Path(__file__).parents[2]
 PAGE, PICTURE = ROOT / "docs" / "compensation.md", ROOT / "docs" / "compensation.png"
 RESULTS = Path(__file__).with_name("figures.json")
 Record = dict[str, Any]
-_SHORT = ("fixed", "cramer", "zeroed", "line", "named")
 
 _STEPS = {
     "343 m/s": Setting(BEST, method="fixed"),
@@ -23,17 +22,17 @@ _STEPS = {
     "+ a humidity of 50 %": Setting(BEST, method="half"),
     "+ the measured humidity": Setting(BEST, method="cramer"),
     "+ zero at one mark": Setting(BEST, method="zeroed"),
-    "+ line through all marks: everything": Setting(BEST, method="line"),
+    "+ line through all marks: everything": Setting(BEST),
     "everything but the humidity: 50 %": Setting(BEST, method="half_line"),
     "everything but the humidity: dry air": Setting(BEST, method="dry_line"),
     "everything but Cramer: the study's formula": Setting(BEST, method="study_line"),
-    "everything but a thermometer": Setting("none", method="line"),
-    "everything but the shield": Setting("htu31d", method="line"),
+    "everything but a thermometer": Setting("none"),
+    "everything but the shield": Setting("dht22"),
     "named causes instead of the line": Setting(BEST, method="named"),
     "gradient boosting of what Cramer leaves": Setting(BEST, method="boosting_left"),
-    "everything, air as it truly is at the thermometer": Setting(BEST, method="line", oracle="air"),
-    "everything, a detector without time walk": Setting(BEST, method="line", oracle="detector"),
-    "both": Setting(BEST, method="line", oracle="both"),
+    "everything, air as it truly is at the thermometer": Setting(BEST, oracle="air"),
+    "everything, a detector without time walk": Setting(BEST, oracle="detector"),
+    "both": Setting(BEST, oracle="both"),
 }
 
 
@@ -43,7 +42,7 @@ def load() -> Record:
 
 
 def save(results: Record) -> None:
-    """Write what was measured."""
+    """Write what was measured, a line for each configuration."""
     lines = []
     for name, own in results.items():
         rows = [f'  "{key}": {json.dumps(one)}' for key, one in own.items()] if isinstance(own, dict) else []
@@ -61,55 +60,37 @@ def write() -> None:
 
 def page(results: Record) -> str:
     """Compose the whole page."""
-    parts = (
-        head(results),
-        simulated(),
-        hardware(results),
-        methods(results),
-        steps(results),
-        firmware(results),
-        filters(results),
-        air(),
-        conclusions(results),
-        cannot(),
-        assumptions(),
+    tables = (hardware(results), methods(results), steps(results), firmware(results), filters(results))
+    return "\n".join(
+        [head(results), simulated(), *tables, air(), conclusions(results), cannot(), assumptions()]
     )
-    return "\n".join(parts)
 
 
-def number(figures: list[float], digits: int = 3) -> str:
+def number(figures: list[float]) -> str:
     """Write a value with its interval."""
-    value, low, high = (f"{one:.0f}" if one >= 100 else f"{one:.{digits}g}" for one in figures)
+    value, low, high = (f"{one:.0f}" if one >= 100 else f"{one:.3g}" for one in figures)
     return f"{value} ({low} to {high})"
 
 
-def share(figure: float) -> str:
-    """Write a share."""
-    return f"{figure:.2f}"
-
-
-def _table(heads: list[str], rows: list[list[str]]) -> str:
-    lines = [heads, ["---"] * len(heads), *rows]
+def _table(heads: str, rows: list[list[str]]) -> str:
+    lines = [heads.split(" | "), ["---"] * len(heads.split(" | ")), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 def hardware(results: Record) -> str:
     """Make the table of what is bought."""
-    figures, kelvin = results["figures"], results["kelvin"]
-    rows = []
+    figures, rows = results["figures"], []
     for name, own in sorted(THERMOMETERS.items(), key=lambda item: item[1].euro):
-        warm = kelvin.get(name)
+        warm = results["kelvin"].get(name)
         cells = [own.label, f"{SENSOR_EURO + own.euro:.1f}"]
-        cells += [f"{warm['summer']:.2g}", f"{warm['winter']:.2g}"] if warm else ["-", "-"]
-        for method in ("cramer", "zeroed", "line", "named", "boosting_left"):
-            used = "fixed" if (name, method) == ("none", "cramer") else method
-            key = Setting(name, method=used).key
-            cells.append(number(figures[key]["other"]["all"]["rms"]) if key in figures else "-")
-        cells.append(number(figures[Setting(name, oracle="detector").key]["other"]["all"]["rms"]))
+        cells += [f"{warm[season]:.2g}" if warm else "-" for season in ("summer", "winter")]
+        settings = [figure.bought(name, method) for method in figure.BOUGHT]
+        for setting in (*settings, Setting(name, oracle="detector")):
+            known = figures.get(setting.key)
+            cells.append(number(known["other"]["all"]["rms"]) if known else "-")
         rows.append(cells)
-    heads = ["thermometer", "€", "its error, summer [K]", "winter [K]", "as bought", "zero at one mark"]
-    heads += ["line through all marks", "named causes"]
-    heads += ["gradient boosting of what Cramer leaves", "line, a detector without time walk"]
+    labels = " | ".join(label for label, *_ in figure.BOUGHT.values())
+    heads = f"thermometer | € | its error, summer [K] | winter [K] | {labels}"
     return f"""## Which euro
 
 RMS error in summer and winter, 0.2 to 4 m [mm], of a device that was trained in spring; firmware with timer
@@ -117,27 +98,27 @@ capture. The price is that of the HC-SR04 and the thermometer, without the board
 speed is 343 m/s; else it is that of Cramer 1993. The last column is no product: it shows what a thermometer
 can buy where the detector does not limit.
 
-{_table(heads, rows)}"""
+{_table(heads + " | line, a detector without time walk", rows)}"""
 
 
 def methods(results: Record) -> str:
     """Make the table of methods."""
     figures, rows = results["figures"], []
-    missing = figures[Setting(BEST).key]["other"]["all"]["missing"]
     for name, own in ALL.items():
-        key, other = Setting(BEST, method=name).key, Setting(BEST, method=name, trained="room").key
+        key, room = Setting(BEST, method=name).key, Setting(BEST, method=name, trained="room").key
         tests, each = figures[key], results["each"][key]
         cells = [own.label]
         cells += [f"{tests[test]['all']['rms'][0]:.3g}" for test in ("spring", "summer", "winter")]
         cells += [number(tests["other"]["all"][of]) for of in ("rms", "high")]
-        cells += [share(tests["other"]["all"]["within"]), f"{each[len(each) // 2]:.3g}, {each[-1]:.3g}"]
-        cells += [str(results["wins"][key]), number(figures[other]["other"]["all"]["rms"])]
+        cells += [f"{tests['other']['all']['within']:.2f}", f"{each[len(each) // 2]:.3g}, {each[-1]:.3g}"]
+        cells += [str(results["wins"][key]), number(figures[room]["other"]["all"]["rms"])]
         rows.append(cells)
-    heads = ["method", "same weather", "summer", "winter", "summer and winter", "95 % of errors below"]
-    heads += ["within 3 mm", "median and worst device", "better than the line", "trained in a room"]
+    heads = "method | same weather | summer | winter | summer and winter | 95 % of errors below | "
+    heads += "within 3 mm | median and worst device | better than the line | trained in a room"
+    missing = figures[Setting(BEST).key]["other"]["all"]["missing"]
     return f"""## Which method
 
-The same device with an HTU31D in a shield and timer capture. RMS errors [mm] at 0.2 to 4 m, of a device that
+The same device with a DHT22 in a shield and timer capture. RMS errors [mm] at 0.2 to 4 m, of a device that
 was trained in spring; in the last column, in summer and winter after a training in the room. *Better than
 the line* counts the devices, of {results["devices"]}, with a smaller RMS in summer and winter than the line
 through all marks. A value is missing where no reading of a burst had an echo: {missing:.2%} of them.
@@ -157,24 +138,22 @@ def _named(results: Record) -> str:
             order = sorted(counted, key=lambda name: (-counted[name], name))
             effects = [f"{name if name == NOTHING else f'`{name}`'} {counted[name]}" for name in order]
             rows.append([words, ALL[method].label, ", ".join(effects)])
-    return _table(["training", "method", "effects in the models"], rows)
+    return _table("training | method | effects in the models", rows)
 
 
 def steps(results: Record) -> str:
     """Make the table of the data sheet's 3 mm."""
     rows = []
     for label, setting in _STEPS.items():
-        tests = results["figures"][setting.key]
-        cells = [label, *[share(tests["nominal"][band]["within"]) for band in list(BANDS)[1:]]]
-        cells += [share(tests["other"][band]["within"]) for band in list(BANDS)[1:]]
-        cells += [f"{tests[test]['all']['rms'][0]:.3g}" for test in ("nominal", "other")]
-        rows.append(cells)
-    heads = ["correction", "at 20 °C: 0.2 to 1 m", "1 to 2 m", "2 to 4 m", "summer and winter: 0.2 to 1 m"]
-    heads += ["1 to 2 m", "2 to 4 m", "RMS at 20 °C [mm]", "RMS, summer and winter [mm]"]
+        tests = [results["figures"][setting.key][name] for name in ("nominal", "other")]
+        cells = [f"{test[band]['within']:.2f}" for test in tests for band in list(BANDS)[1:]]
+        rows.append([label, *cells, *[f"{test['all']['rms'][0]:.3g}" for test in tests]])
+    heads = "correction | at 20 °C: 0.2 to 1 m | 1 to 2 m | 2 to 4 m | summer and winter: 0.2 to 1 m | "
+    heads += "1 to 2 m | 2 to 4 m | RMS at 20 °C [mm] | RMS, summer and winter [mm]"
     return f"""## The data sheet's 3 mm
 
 Share of the values within 3 mm, in a room at 20 °C, which are the nominal conditions, and in other weather.
-HTU31D in a shield, timer capture, trained in spring. The last three rows are no products: they show what
+DHT22 in a shield, timer capture, trained in spring. The last three rows are no products: they show what
 limits the others.
 
 {_table(heads, rows)}"""
@@ -184,28 +163,24 @@ def firmware(results: Record) -> str:
     """Make the table of firmware."""
     rows = []
     for name, label in FIRMWARE.items():
-        keys = [Setting(BEST, name, method).key for method in _SHORT]
-        cells = [label, *[number(results["figures"][key]["other"]["all"]["rms"]) for key in keys]]
-        rows.append(cells)
-    heads = ["firmware", "343 m/s", "Cramer", "zero at one mark", "line through all marks", "named causes"]
+        keys = [Setting(BEST, name, method).key for method in SHORT]
+        rows.append([label, *[number(results["figures"][key]["other"]["all"]["rms"]) for key in keys]])
     return f"""## Which firmware
 
-RMS error in summer and winter [mm], HTU31D in a shield. `pulseIn()` loses 0.584 % of the pulse. The last one
+RMS error in summer and winter [mm], DHT22 in a shield. `pulseIn()` loses 0.584 % of the pulse. The last one
 counts whole centimeters.
 
-{_table(heads, rows)}"""
+{_table(" | ".join(["firmware", *[ALL[method].label for method in SHORT]]), rows)}"""
 
 
 def filters(results: Record) -> str:
     """Make the table of filters."""
     rows = []
     for name, label in FILTERS.items():
-        cells = [label]
-        for kind in ("capture", "whole_cm"):
-            tests = results["figures"][Setting(BEST, kind, filter=name).key]["other"]
-            cells += [number(tests[band]["rms"]) for band in ("all", "settled")]
-        rows.append(cells)
-    heads = ["filter", "timer capture", "an hour after a move", "whole centimeters", "an hour after a move"]
+        keys = [Setting(BEST, kind, filter=name).key for kind in ("capture", "whole_cm")]
+        tests = [results["figures"][key]["other"] for key in keys]
+        rows.append([label, *[number(test[band]["rms"]) for test in tests for band in ("all", "settled")]])
+    heads = "filter | timer capture | an hour after a move | whole centimeters | an hour after a move"
     return f"""## Which filter
 
 RMS error in summer and winter [mm] after the line through all marks. The target is moved every three hours
@@ -216,29 +191,27 @@ filters have their variances from the training, by maximum likelihood.
 
 
 def assumptions() -> str:
-    """Make the table of prices and errors that were assumed."""
-    rows = [["HC-SR04", f"{SENSOR_EURO:.1f}", "", "", "", "", SENSOR_SOURCE]]
-    for own in THERMOMETERS.values():
-        if own.kind == "none":
-            continue
-        kept = own.kind == "air"
-        cells = [own.label, f"{own.euro:.1f}", f"{own.offset:g}" if own.offset else ""]
-        cells += [f"{own.lag:g}" if kept else "", f"{own.sun:g}" if kept else ""]
-        cells += [f"{100 * own.humidity:g}" if own.humidity else "", own.source]
-        rows.append(cells)
-    heads = ["part", "€", "offset, standard deviation [K]", "time constant [s]"]
-    heads += ["sun, K per kW/m² in still air", "humidity, standard deviation [%]", "source"]
-    return f"""## Prices and errors that were assumed
+    """Make the table of prices, and of the parts of the bench."""
+    rows = [["HC-SR04", f"{SENSOR_EURO:.1f}", SENSOR_SOURCE, "", "", "", "", ""]]
+    for name, own in THERMOMETERS.items():
+        if own.source:
+            cells = [own.label, f"{own.euro:.1f}", own.source]
+            part = own.part if name != "hand" else None
+            values = (part.tolerance, part.noise, part.step, part.time_constant, part.sun) if part else ()
+            rows.append([*cells, *(f"{value:g}" for value in values), *[""] * (5 - len(values))])
+    heads = "part | € | source of the price | offset, standard deviation [K] | noise [K] | step [K] | "
+    return f"""## Prices and parts
 
-{_table(heads, rows)}
-- Time constants are judgements. A sensor in a TO-18 housing has 13.5 s at 3 m/s and 60 s in still air (data
-  sheet of the SMT160); boards, grids and shields make it slower.
-- Sun: shields that people build let +7.4 K to less than +0.5 K pass (Tarara & Hoheisel 2007, HortScience 42,
-  1372). A plate shield lets 2 to 4 K pass without wind ("Radiation loading model for evaluating air
-  temperature errors with a nonaspirated radiation shield", 2001). In wind v the assumed value is divided by
-  1 + v / (1 m/s).
+{_table(heads + "time constant [s] | in full sun [K]", rows)}
+- Thermometers and the hygrometer are the parts of the virtual bench: `echocal.virtual_bench.thermometers` and
+  `hygrometers` name the source of each number. Analog parts are read with 10 bits against a supply that errs
+  by 1 % (assumed). The DHT22 is read twice, and the first reading is thrown away, since it is old. Its
+  humidity errs by 2.5 % (half of the data sheet's limit).
+- A shield lets 1.9 to 2.8 K pass (Teichmann et al. 2024, doi:10.3390/s24051564), and doubles the time
+  constant (assumed). Shields that people build let +7.4 K to less than +0.5 K pass (Tarara & Hoheisel 2007,
+  HortScience 42, 1372).
 - The board's clock errs by 0.18 % (standard deviation): the RMS of five boards with a ceramic resonator
-  (github.com/manitou48/crystals). Its drift, 15 ppm/K, and 1 % for the 5 V that the converter compares with,
-  are assumed.
-- Modules differ: threshold by 20 %, the centers of the transducers by 200 Hz (standard deviations, assumed).
+  (github.com/manitou48/crystals). Its drift, 15 ppm/K, is assumed.
+- Modules differ: the sensitivity of the transducers by 20 %, their centers by 200 Hz (standard deviations,
+  assumed).
 """

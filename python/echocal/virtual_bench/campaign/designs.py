@@ -9,7 +9,7 @@ from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
 from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, remembering
 
-__all__ = ["DESIGNS", "lay_down"]
+__all__ = ["DESIGNS", "lay_down", "placements", "room", "tape", "weather"]
 
 Column = NDArray[np.float64]
 
@@ -38,14 +38,14 @@ def lay_down(name: str, random: Random) -> Campaign:
     return DESIGNS[name](random)
 
 
-def _tape(distance: Column, placement: NDArray[np.int64], step: float, random: np.random.Generator) -> Column:
+def tape(distance: Column, placement: NDArray[np.int64], step: float, random: np.random.Generator) -> Column:
     """What somebody reads from a tape: the same error for a whole placement, then the step of the scale."""
     errors = random.normal(0.0, 0.4 * step, placement.max() + 1)
     return np.asarray(np.round((distance + errors[placement]) / step) * step)
 
 
-def _room(seconds: Column, mean: Column | float, random: np.random.Generator) -> Surroundings:
-    """Air of a room."""
+def room(seconds: Column, mean: Column | float, random: np.random.Generator) -> Surroundings:
+    """Air of a room with a mean temperature, of each row or of all [degC]."""
     n = len(seconds)
     temperature = mean + 0.25 * remembering(seconds, 900.0, random)
     humidity = np.clip(random.uniform(0.3, 0.6) + 0.02 * remembering(seconds, 1800.0, random), 0.1, 0.95)
@@ -61,32 +61,42 @@ def _room(seconds: Column, mean: Column | float, random: np.random.Generator) ->
     )
 
 
-def _weather(seconds: Column, random: np.random.Generator, open_air: float = 1.0) -> Surroundings:
-    """Air outdoors, or behind a thin wall: days, weather, sun, wind."""
+def weather(
+    seconds: Column,
+    random: np.random.Generator,
+    *,
+    open_air: float = 1.0,
+    mean: tuple[float, float] = (6.0, 20.0),
+    swing: tuple[float, float] = (3.0, 7.0),
+    humidity: float = 0.65,
+    noon: float = 900.0,
+) -> Surroundings:
+    """Air outdoors, or behind a thin wall: days, weather, sun, wind.
+
+    `open_air` is the factor of wind and sun, `mean` the range of the mean temperature [degC], `swing` that of
+    half of what a clear day changes [K], and `noon` the radiation at a clear noon [W/m2].
+    """
     n, hours = len(seconds), seconds / _HOUR % 24
     sun = np.maximum(0.0, np.sin(2 * np.pi * (hours - 6) / 24))
     clouds = np.clip(0.7 + 0.3 * remembering(seconds, 3 * _HOUR, random), 0.1, 1.0)
-    swing = random.uniform(3, 7) * np.sin(2 * np.pi * (hours - 9) / 24) * clouds.mean()
+    day = random.uniform(*swing) * np.sin(2 * np.pi * (hours - 9) / 24) * clouds.mean()
     front = remembering(seconds, 1.5 * _DAY, random)
-    mean = random.uniform(6, 20)
-    temperature = mean + swing + 2.5 * front + 0.5 * remembering(seconds, _HOUR, random)
-    humidity = np.clip(
-        0.65 - 0.022 * swing - 0.06 * front + 0.05 * remembering(seconds, 2 * _HOUR, random), 0.15, 1.0
-    )
+    temperature = random.uniform(*mean) + day + 2.5 * front + 0.5 * remembering(seconds, _HOUR, random)
+    damp = humidity - 0.022 * day - 0.06 * front + 0.05 * remembering(seconds, 2 * _HOUR, random)
     gusts = np.abs(random.uniform(1.5, 3.5) * (0.5 + 0.5 * remembering(seconds, _HOUR, random)))
     toward = random.uniform(0, 2 * np.pi) + 0.5 * remembering(seconds, 2 * _HOUR, random)
     return Surroundings(
         temperature=temperature,
-        relative_humidity=humidity,
+        relative_humidity=np.clip(damp, 0.15, 1.0),
         pressure=random.uniform(96e3, 102e3) + 700 * remembering(seconds, 2 * _DAY, random),
         wind_along=open_air * gusts * np.cos(toward),
         wind_across=open_air * gusts * np.sin(toward),
-        radiation=open_air * 900.0 * sun * clouds,
+        radiation=open_air * noon * sun * clouds,
         supply=np.ones(n) + 0.005 * remembering(seconds, 600.0, random),
     )
 
 
-def _placements(name: str, visits: list[float], each: int, means: list[float], random: Random) -> Campaign:
+def placements(name: str, visits: list[float], each: int, means: list[float], random: Random) -> Campaign:
     """A room in which somebody places a target and reads it some times; a mean temperature each visit."""
     own = random("design")
     placement = np.repeat(np.arange(len(visits)), each)
@@ -100,8 +110,8 @@ def _placements(name: str, visits: list[float], each: int, means: list[float], r
         seconds,
         distance + own.normal(0.0, 0.2e-3, len(visits))[placement],
         placement,
-        _room(seconds, np.asarray(means)[placement], own),
-        reference=_tape(distance, placement, 1e-3, own),
+        room(seconds, np.asarray(means)[placement], own),
+        reference=tape(distance, placement, 1e-3, own),
         turbulence=INDOORS,
         by_hand=True,
     )
@@ -115,7 +125,7 @@ def _bench(name: str, each: int, random: Random, *, mixed: bool = False) -> Camp
         places = np.array([place for pair in zip(places[::-1], places, strict=True) for place in pair])[:8]
     cold = own.uniform(14, 22)
     means = [cold] * 8 + [cold + own.uniform(6, 12)] * 8
-    return _placements(name, [*places, *places], each, means, random)
+    return placements(name, [*places, *places], each, means, random)
 
 
 @_design
@@ -143,7 +153,7 @@ def round_robin(random: Random) -> Campaign:
     places = np.round(own.uniform(0.2, 3.2, 6), 2)
     visits = np.concatenate([own.permutation(places) for _ in range(8)])
     means = np.linspace(own.uniform(12, 18), own.uniform(22, 30), len(visits))
-    return _placements("round_robin", list(visits), 5, list(means), random)
+    return placements("round_robin", list(visits), 5, list(means), random)
 
 
 @_design
@@ -151,7 +161,7 @@ def robot(random: Random) -> Campaign:
     """A robot that stops at 60 places, one to five readings each; it knows the distance to 2 mm."""
     own = random("visits", kept=True)
     visits = np.repeat(own.uniform(0.2, 3.5, 60), own.integers(1, 6, 60))
-    made = _placements("robot", list(visits), 1, list(np.full(len(visits), own.uniform(15, 25))), random)
+    made = placements("robot", list(visits), 1, list(np.full(len(visits), own.uniform(15, 25))), random)
     made.placement = np.cumsum(np.concatenate([[0], np.diff(visits) != 0]))
     made.seconds = made.placement * 8.0 + 0.1 * np.arange(len(visits))
     made.distance = visits
@@ -166,9 +176,9 @@ def _log(
     own = random("design")
     seconds = np.arange(0.0, days * _DAY, interval) + own.uniform(0, _HOUR)
     true = distance(seconds)
-    around = _room(seconds, own.uniform(14, 22) + 3 * np.sin(2 * np.pi * seconds / _DAY), own)
+    around = room(seconds, own.uniform(14, 22) + 3 * np.sin(2 * np.pi * seconds / _DAY), own)
     if air != "room":
-        around = _weather(seconds, own, open_air=1.0 if air == "open" else 0.0)
+        around = weather(seconds, own, open_air=1.0 if air == "open" else 0.0)
     moved = np.concatenate([[0], np.cumsum(np.abs(np.diff(true)) > 0.02)])
     return Campaign(
         name,
@@ -219,7 +229,7 @@ def daily(random: Random) -> Campaign:
         air="hall",
     )
     made.by_hand = True
-    made.reference = _tape(made.distance, made.placement, 1e-3, random("reference"))
+    made.reference = tape(made.distance, made.placement, 1e-3, random("reference"))
     return made
 
 

@@ -18,7 +18,7 @@ from echocal.virtual_bench.waveform.possible import check_seed
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Simulation", "offers", "simulate"]
+__all__ = ["Simulation", "offers", "scene_of", "simulate"]
 
 Column = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ def simulate(
     campaign.sensor = (sensor or campaign.sensor).but(ideal=detector == "ideal")
     sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
     try:
-        scene = _scene(campaign, random)
+        scene = scene_of(campaign, random)
     except UsageError as error:
         given = " and ".join(f"{name}={size:g}" for name, size in sizes.items())
         message = f"{design} with {given or 'no cause'} cannot be: {error}; give a smaller size"
@@ -177,7 +177,8 @@ def _stage(campaign: Campaign, name: str, size: float | None, random: Random) ->
     return drawn
 
 
-def _scene(campaign: Campaign, random: Random) -> Scene:
+def scene_of(campaign: Campaign, random: Random) -> Scene:
+    """Draw slow air, hands and turbulence of a campaign, and return what its sensor stands before."""
     own = random("air")
     air = campaign.air + campaign.slow_air * remembering(campaign.seconds, 1800.0, own)
     mounted = not campaign.by_hand  # once, and in a replicate it still is
