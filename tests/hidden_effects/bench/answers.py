@@ -53,7 +53,7 @@ def ask(spec: Spec) -> Record:
 
 def _of_means(case: Case) -> Record:
     """What the engine says with one row for each placement: the mean of its readings."""
-    table = case.made.table.groupby("stand", as_index=False).mean()
+    table = case.made.table.groupby(case.made.campaign.placement).mean()
     try:
         answer = kept(echocal.diagnose(table, **case.options).to_dict())
     except Exception as error:  # whatever it is, a user would see it

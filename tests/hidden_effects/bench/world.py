@@ -20,7 +20,7 @@ STRATA = ("null", "single", "pair", "unknown", "mistake")
 """Nothing; one cause of the catalogue; two; one that it does not have; a mistake of firmware or logger."""
 
 DETECTORS = ("ideal", "comparator")
-PLACEMENTS = ("bench", "quick", "far_and_near", "round_robin", "robot")
+PLACEMENTS = ("bench", "quick", "classroom", "far_and_near", "round_robin", "robot")
 LOGS = ("outdoor", "warehouse", "daily", "tank", "snow")
 """Designs of the bench by kind: readings in bursts at known places, or hour by hour."""
 

@@ -82,6 +82,8 @@ class Campaign:
         Whether the user says that the distance is constant instead.
     air : ndarray, shape (n,)
         Temperature of the path [degC]: that of the air at the thermometer, and what causes add.
+    numbered : bool
+        Whether the log has a column with the number of the placement, where somebody puts them up.
     by_hand : bool
         Whether somebody puts up each placement, and numbers them.
     co2 : float or ndarray, shape (n,)
@@ -109,6 +111,7 @@ class Campaign:
     around: Surroundings
     reference: Column | None
     unknown_constant: bool = False
+    numbered: bool = True
     by_hand: bool = False
     co2: float | Column = 4.2e-4
     sensor: Sensor = field(default_factory=Sensor)

@@ -147,6 +147,17 @@ def far_and_near(random: Random) -> Campaign:
 
 
 @_design
+def classroom(random: Random) -> Campaign:
+    """Ten places anywhere on a tape that is read to the centimeter, ten readings each; nobody numbers them."""
+    own = random("visits", kept=True)
+    visits = np.sort(own.uniform(0.2, 3.2, 10))
+    made = placements("classroom", list(visits), 10, [own.uniform(15, 25)] * 10, random)
+    made.reference = tape(made.distance, made.placement, 1e-2, random("reference"))
+    made.numbered = False
+    return made
+
+
+@_design
 def round_robin(random: Random) -> Campaign:
     """Six distances in eight rounds of another order, five readings a visit, while the room warms up."""
     own = random("visits", kept=True)

@@ -230,7 +230,7 @@ def _written(campaign: Campaign, echoes: Echoes, random: Random) -> pd.DataFrame
     columns |= {name: further[name] for name in further if name in campaign.shown}
     if campaign.reference is not None:
         columns["distance_m"] = np.round(campaign.reference, 4)
-    if campaign.by_hand:
+    if campaign.by_hand and campaign.numbered:
         columns["stand"] = 1 + campaign.placement
     table = pd.DataFrame(columns)
     for write in campaign.logger:
