@@ -148,7 +148,7 @@ def far_and_near(random: Random) -> Campaign:
 
 @_design
 def classroom(random: Random) -> Campaign:
-    """Ten places anywhere on a tape that is read to the centimeter, ten readings each; nobody numbers them."""
+    """Ten places on a tape that is read to the centimeter, ten readings each; nobody numbers them."""
     own = random("visits", kept=True)
     visits = np.sort(own.uniform(0.2, 3.2, 10))
     made = placements("classroom", list(visits), 10, [own.uniform(15, 25)] * 10, random)
