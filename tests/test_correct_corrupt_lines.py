@@ -21,8 +21,10 @@ BAD = '2026-03-01 00:00:05,11660,20.0,5,"a ""b"""'
 
 
 def log(random: np.random.Generator, bad: dict[int, str], rows: int = 12) -> str:
+    """Air that warms slowly: with steps of 10 K in a second, a lag of 600 s tells of air that cannot be."""
+    first, slope = random.uniform(5, 25), random.uniform(-2e-3, 2e-3)
     lines = [
-        f"2026-03-01 00:00:{row:02d},{random.uniform(3000, 15000):.0f},{random.uniform(5, 25):.1f},r{row}"
+        f"2026-03-01 00:00:{row:02d},{random.uniform(3000, 15000):.0f},{first + slope * row:.4f},r{row}"
         for row in range(rows)
     ]
     for row, text in bad.items():

@@ -197,9 +197,9 @@ def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
     ]
     assert gains[1].rms_before_m == pytest.approx(gains[0].rms_before_m)
     kept = [gain.rms_after_m for gain in gains if gain.rms_after_m != gain.rms_before_m]
-    # Of 300 draws 3 differ by more, up to 4.5 mm: another set of effects is selected, as the interval of the
-    # log score is over contiguous pieces of rows. Two more differ by 2 um: noise with a moving average begins
-    # approximately. What is asked is less than these rows can show: the standard error of an RMS.
+    # Of 300 draws 3 differ by more, up to 4.5 mm: another set of effects is selected. Two more differ by
+    # 2 um. Why was not looked for in these draws. What is asked is less than these rows can show: the
+    # standard error of an RMS.
     standard_error = 5e-4 / np.sqrt(2 * 200)
     assert kept == pytest.approx(kept[:1] * len(kept), abs=standard_error), "one may keep the base"
 

@@ -293,7 +293,7 @@ def test_the_curve_is_that_of_the_page(random: np.random.Generator, monkeypatch:
     np.testing.assert_allclose(found, expected, atol=2e-6)
     assert diagnosis.smooth is not None
 
-    if model.moving_average:  # one draw in 20: the beginning of a part left out is then approximate
+    if model.moving_average:  # the whole agrees, above; the beginning of a part left out is approximate
         return
     expected_gains = []
     for out in case.folds.held:
