@@ -23,7 +23,7 @@ def device(campaign: Campaign, speed: float, step_cm: float = 0.0) -> None:
             )
             raise UsageError(message)
         centimeters = _CENTIMETERS * 0.5 * speed * 1e-6 * table["echo_us"]
-        centimeters = np.floor(centimeters / step_cm) * step_cm if step_cm else np.round(centimeters, 2)
+        centimeters = centimeters // step_cm * step_cm if step_cm else centimeters.round(2)
         made = table.drop(columns="echo_us")
         made.insert(1, "reading_cm", centimeters)
         return made
