@@ -137,7 +137,7 @@ def walk(echo: Echo) -> dict[str, list[float | None]]:
     crossing = echocal.echo_times(clean, RATE, "threshold", threshold=LEVEL, noise=1e-6).time
     matched = echocal.echo_times(clean, RATE, template=template, noise=1e-6).time
     found = {"threshold_s": crossing - EARLIEST, "matched_filter_s": matched - EARLIEST}
-    return {name: [float(v) if np.isfinite(v) else None for v in values] for name, values in found.items()}
+    return {name: [round(float(v), 12) if np.isfinite(v) else None for v in values] for name, values in found.items()}
 
 
 def world(rng: np.random.Generator, n: int) -> list[dict[str, Any]]:
@@ -197,6 +197,15 @@ def measure(n: int, seed: int) -> dict[str, Any]:
         "world": world(rng, 200),
         "speed": speed(echo, rng),
     }
+
+
+def _save(results: dict[str, Any]) -> None:
+    """Write the results, one line for each part or point."""
+    parts = []
+    for name, part in results.items():
+        rows = isinstance(part, list) and ",\n".join(json.dumps(one) for one in part)
+        parts.append(f'"{name}": ' + (f"[\n{rows}\n]" if rows else json.dumps(part)))
+    RESULTS.write_text("{\n" + ",\n".join(parts) + "\n}\n")
 
 
 def _ns(value: float | None) -> str:
@@ -285,13 +294,13 @@ def main() -> None:
     if given.world:
         kept = json.loads(RESULTS.read_text())
         kept["world"] = world(np.random.default_rng(given.seed), 200)
-        RESULTS.write_text(json.dumps(kept, indent=1) + "\n")
+        _save(kept)
         print(physics(kept))
         return
     results = measure(given.captures, given.seed)
     print(table(results), right(results), physics(results), rates(results), sep="\n")
     if given.docs:
-        RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+        _save(results)
         draw(results, FIGURE)
 
 
