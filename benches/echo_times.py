@@ -137,9 +137,11 @@ def walk(echo: Echo) -> dict[str, list[float | None]]:
     crossing = echocal.echo_times(clean, RATE, "threshold", threshold=LEVEL, noise=1e-6).time
     matched = echocal.echo_times(clean, RATE, template=template, noise=1e-6).time
     found = {"threshold_s": crossing - EARLIEST, "matched_filter_s": matched - EARLIEST}
-    return {
-        name: [round(float(v), 12) if np.isfinite(v) else None for v in values] for name, values in found.items()
-    }
+    return {name: [_rounded(value) for value in values] for name, values in found.items()}
+
+
+def _rounded(value: float) -> float | None:
+    return round(float(value), 12) if np.isfinite(value) else None
 
 
 def world(rng: np.random.Generator, n: int) -> list[dict[str, Any]]:
