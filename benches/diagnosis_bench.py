@@ -64,10 +64,14 @@ def run(specs: list[Spec], seed: int, processes: int, path: Path, console: Conso
         task = progress.add_task("tables of the bench", total=len(specs), completed=len(specs) - len(left))
         order = np.random.default_rng(seed).permutation(len(left))
         waiting = [pool.submit(ask, left[i]) for i in order]
-        for answered in as_completed(waiting):
-            lines.write(json.dumps({"run": seed, **answered.result()}) + "\n")
-            lines.flush()
-            progress.advance(task)
+        try:
+            for answered in as_completed(waiting):
+                lines.write(json.dumps({"run": seed, **answered.result()}) + "\n")
+                lines.flush()
+                progress.advance(task)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)  # else the error is told after the last table
+            raise
 
 
 def read(path: Path) -> list[Record]:
