@@ -49,7 +49,8 @@ _ONE_SIGN = frozenset({"dispersion", "humidity", "unrecorded_humidity", "transdu
 def usual(id_: str) -> float:
     """A usual size of a cause, positive where it can be."""
     low, high = CAUSES[id_].low, CAUSES[id_].high
-    return high / 2 if low < 0 else float(np.sqrt(low * high))
+    size = high / 2 if low < 0 else float(np.sqrt(low * high))
+    return float(round(size)) if CAUSES[id_].whole else size
 
 
 def influence(case: Case, id_: str) -> Column | None:
