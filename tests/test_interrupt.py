@@ -124,3 +124,15 @@ def test_an_import_is_finished_before_a_request_ends_it(tmp_path: Path) -> None:
     words = [sys.executable, "-c", program]
     run = subprocess.run(words, env=search, capture_output=True, text=True, timeout=20, check=False)
     assert (run.returncode, run.stdout, run.stderr) == (128 + signal.SIGTERM, "whole\n", "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_an_import_cannot_swallow_ctrl_c(tmp_path: Path) -> None:
+    """As callbacks of an import do, of which Python ignores all errors."""
+    asked = "import os, signal\ntry:\n os.kill(os.getpid(), signal.SIGINT)\nexcept BaseException:\n pass\n"
+    (tmp_path / "asked.py").write_text(asked)
+    (tmp_path / "echocal").write_text("import echocal, time, asked\ntime.sleep(30)\n")
+    search = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    words = [sys.executable, str(tmp_path / "echocal")]
+    run = subprocess.run(words, env=search, capture_output=True, text=True, timeout=20, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (-signal.SIGINT, "", "")

@@ -7,9 +7,12 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import FrameType, TracebackType
 
-__all__ = ["Terminated", "stop_if_told", "unwind_when_told"]
+__all__ = ["Terminated", "after_imports", "stop_if_told", "unwind_when_told"]
+
+Handler = Callable[[int, FrameType | None], None]
 
 _REQUESTS = ("SIGTERM", "SIGHUP", "SIGBREAK")
 """Of a service manager, of a terminal that is closed, of Windows."""
@@ -40,7 +43,23 @@ def unwind_when_told(*more: str) -> None:
     numbers = [number for name in (*_REQUESTS, *more) if (number := getattr(signal, name, None)) is not None]
     for number in numbers:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _stop)
+            signal.signal(number, after_imports(_stop))
+
+
+def after_imports(handler: Handler) -> Handler:
+    """Handle a signal once no import is under way.
+
+    What is imported may swallow an exception, and its locks would stay closed to other threads.
+    """
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if _is_importing(frame) and hasattr(signal, "setitimer"):
+            signal.signal(signal.SIGALRM, lambda _, then: handle(number, then))
+            signal.setitimer(signal.ITIMER_REAL, _SOON)
+        else:
+            handler(number, frame)
+
+    return handle
 
 
 def stop_if_told() -> None:
@@ -52,14 +71,10 @@ def stop_if_told() -> None:
         raise Terminated(128 + _told[0][1])
 
 
-def _stop(number: int, frame: FrameType | None) -> None:
+def _stop(number: int, _frame: FrameType | None) -> None:
     now = time.monotonic()
     if _told and now - _told[-1][0] < _SAME:
         return  # it would interrupt the cleaning
-    if _is_importing(frame) and hasattr(signal, "setitimer"):  # its locks would stay closed to other threads
-        signal.signal(signal.SIGALRM, lambda _, then: _stop(number, then))
-        signal.setitimer(signal.ITIMER_REAL, _SOON)
-        return
     _told.append((now, number))
     stop_if_told()
 
@@ -84,3 +99,5 @@ def _named(word: str) -> bool:
 
 if any(map(_named, sys.orig_argv[1:3])):
     sys.excepthook = _quietly
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, after_imports(signal.default_int_handler))

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from echocal._interrupt import after_imports
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
@@ -209,7 +210,7 @@ def _until_it_ends(run: Run, rows: Source, quiet: bool) -> None:
                     if isinstance(rows, Broker):
                         rows.acknowledge()
         except _Asked as request:
-            asked = request
+            asked, stop.asked = request, None
         with stop.later():
             run.end()
             _say(run.summary(), quiet)
@@ -306,14 +307,13 @@ class _Stop:
     """A request to stop: while it waits the watch ends at once, else when it has done what it does."""
 
     def __init__(self) -> None:
-        self._asked: int | None = None
+        self.asked: int | None = None
         self._busy = False
 
     def __call__(self, number: int, _frame: Any) -> None:
-        if self._busy and self._asked is None:
-            self._asked = number
-        else:
-            raise _Asked(128 + number)
+        first, self.asked = self.asked is None, number
+        if not (self._busy and first):
+            raise _Asked(128 + number)  # a library that is called meanwhile may swallow it: it is asked again
 
     @contextmanager
     def later(self) -> Iterator[None]:
@@ -323,9 +323,8 @@ class _Stop:
             yield
         finally:
             self._busy = False
-        if self._asked is not None:
-            number, self._asked = self._asked, None
-            raise _Asked(128 + number)
+        if self.asked is not None:
+            raise _Asked(128 + self.asked)
 
 
 @contextmanager
@@ -336,7 +335,7 @@ def _stopped() -> Iterator[_Stop]:
     closed = getattr(signal, "SIGHUP", None)  # the terminal; Windows has no such signal
     if closed is not None and signal.getsignal(closed) is not signal.SIG_IGN:  # as after nohup
         requests.append(closed)
-    before = {number: signal.signal(number, stop) for number in requests}
+    before = {number: signal.signal(number, after_imports(stop)) for number in requests}
     try:
         yield stop
     finally:
