@@ -81,7 +81,8 @@ def read(path: Path) -> list[Record]:
 
 def write(summary: Record, console: Console) -> None:
     """Write the summary, the page and its figure."""
-    text = json.dumps(summary, indent=1) + "\n"
+    parts = (f'"{name}": {json.dumps(part)}' for name, part in summary.items())
+    text = "{\n" + ",\n".join(parts) + "\n}\n"
     RESULTS.write_text(text, encoding="utf-8")
     made = json.loads(EQUATIONS.read_text(encoding="utf-8"))
     PAGE.write_text(page(made, json.loads(text)), encoding="utf-8")
