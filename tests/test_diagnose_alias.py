@@ -17,6 +17,7 @@ ALIASES = {
 }
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("effect", ALIASES)
 def test_exact_aliases_under_the_linear_law(effect: str, random: np.random.Generator) -> None:
     rows = bench(random)
@@ -29,6 +30,7 @@ def test_exact_aliases_under_the_linear_law(effect: str, random: np.random.Gener
     assert all("side_measurement" in p.conditions for p in proposals)  # no row can ever separate them
 
 
+@pytest.mark.statistical
 def test_one_distance_and_temperature_leave_one_big_class(random: np.random.Generator) -> None:
     data = {
         "distance_m": np.full(60, 2.0),
@@ -54,6 +56,7 @@ def test_a_cause_that_cannot_be_negative_imitates_nothing_negative() -> None:
         assert geometry.rivals(signal, others, np.zeros(2), ClaimSettings()) == expected
 
 
+@pytest.mark.statistical
 def test_an_unknown_level_takes_up_a_zero_error(random: np.random.Generator) -> None:
     said = []
     for _ in range(3):

@@ -22,6 +22,7 @@ def table(random: np.random.Generator, rho: float) -> Table:
     return {"reading_m": distance + errors, "temperature_C": warm, "distance_m": distance, "stand": stand}
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize(("rho", "name"), [(0.0, "noise_growth"), (0.8, "correlated_noise")])
 def test_growing_noise_is_named_by_its_memory(rho: float, name: str, random: np.random.Generator) -> None:
     answers = [echocal.diagnose(table(random, rho)) for _ in range(12)]

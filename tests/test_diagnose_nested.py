@@ -31,6 +31,7 @@ def chosen(diagnosis: Diagnosis) -> tuple[object, ...]:
     return diagnosis.posterior, diagnosis.credible_set, diagnosis.noise, claimed, noises
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("known", [True, False])
 def test_nothing_sees_the_rows_that_a_user_holds_out(known: bool, random: np.random.Generator) -> None:
     table = logged(random)
@@ -204,6 +205,7 @@ def test_the_newest_row_may_come_first(random: np.random.Generator) -> None:
     assert kept == pytest.approx(kept[:1] * len(kept), abs=standard_error), "one may keep the base"
 
 
+@pytest.mark.statistical
 def test_a_target_that_is_placed_anew_has_a_new_level(random: np.random.Generator) -> None:
     """Five placements whose distances nobody measured: each level is free, and rows of each judge."""
     table = logged(random)

@@ -32,7 +32,8 @@ def named(request: pytest.FixtureRequest, seeded: Callable[..., np.random.Genera
     """An offset of 10 mm at three distances, with some ghosts and two rows without a reading."""
     random = seeded(request)
     rows = table(random, np.repeat([0.5, 1.5, 3.0], ROWS // 3), 10e-3)
-    rows.loc[random.choice(ROWS, 4, replace=False), "reading_m"] = 0.07  # no distance in another unit
+    ghosts = 20 + random.choice(ROWS - 20, 4, replace=False)  # not those without a reading
+    rows.loc[ghosts, "reading_m"] = 0.07  # no distance in another unit
     rows.loc[[7, 8], "reading_m"] = np.nan
     return echocal.diagnose(rows, base="343")
 

@@ -52,11 +52,13 @@ def test_slow_air_is_no_cause_that_changes_with_time(random: np.random.Generator
     assert sum(named) >= 5, named
 
 
+@pytest.mark.statistical
 def test_still_air_has_no_slow_air(random: np.random.Generator) -> None:
     answers = [echocal.diagnose(session(random, 0.0), base="linear") for _ in range(8)]
     assert not [one for one in answers if any(cause.id == "slow_air" for cause in one.causes)]
 
 
+@pytest.mark.statistical
 def test_a_self_heating_far_beyond_the_air_is_named(random: np.random.Generator) -> None:
     table = session(random, 0.0)
     warmed = 3.0 * (1.0 - np.exp(-table["time_s"] / 400.0))
@@ -69,12 +71,14 @@ def test_a_self_heating_far_beyond_the_air_is_named(random: np.random.Generator)
     assert "temperature_self_heating" in {cause.id for cause in answer.causes if cause.probability > 0.9}
 
 
+@pytest.mark.statistical
 def test_without_times_nothing_is_slow(random: np.random.Generator) -> None:
     table = session(random, 0.25)
     del table["time_s"]
     assert "slow_air" not in {cause.id for cause in echocal.diagnose(table, base="linear").causes}
 
 
+@pytest.mark.statistical
 def test_a_model_that_may_be_the_sessions_is_withheld(random: np.random.Generator) -> None:
     """A constant 0.4 K may be the air of this half hour. A clock 2 % off, or 60 us of delay, cannot."""
     table = session(random, 0.0)
@@ -106,6 +110,7 @@ def test_a_clock_that_stands_still_is_no_session(random: np.random.Generator) ->
     assert not any("session" in cause.doubt for cause in answer.causes)
 
 
+@pytest.mark.statistical
 def test_two_sessions_can_tell(random: np.random.Generator) -> None:
     """The same 0.4 K, over two sessions a day apart."""
     table = session(random, 0.0)

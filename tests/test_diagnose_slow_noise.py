@@ -74,6 +74,7 @@ def test_the_bound_is_the_posterior_under_the_least_favorable_autoregression(
     assert total[RHOS.index(found.rho)] > limit - 0.05
 
 
+@pytest.mark.statistical
 def test_a_walk_is_no_effect(random: np.random.Generator) -> None:
     """Without the bound, 0.14 of such tables have another verdict; with it, 0.05."""
     verdicts = [echocal.diagnose(table(slow(0.98, ROWS, random))) for _ in range(80)]
@@ -95,6 +96,7 @@ def test_a_note_says_where_slow_noise_decides(random: np.random.Generator) -> No
     assert decided > 0
 
 
+@pytest.mark.statistical
 def test_an_effect_in_white_noise_is_found(random: np.random.Generator) -> None:
     trend = 4.0 * SHOT * np.linspace(-1, 1, ROWS)
     answers = [echocal.diagnose(table(trend + SHOT * random.normal(size=ROWS))) for _ in range(20)]

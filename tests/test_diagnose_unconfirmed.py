@@ -50,6 +50,7 @@ def test_what_goes_on_is_named(random: np.random.Generator) -> None:
     assert len(shown) >= 2
 
 
+@pytest.mark.statistical
 @pytest.mark.filterwarnings("ignore")
 def test_the_threshold_is_a_setting(random: np.random.Generator) -> None:
     """No evidence is enough for a threshold that no rows reach."""

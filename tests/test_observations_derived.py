@@ -57,6 +57,7 @@ def test_later_temperatures_are_later_in_time_whatever_the_order_of_the_rows(
         )
 
 
+@pytest.mark.statistical
 def test_a_thermometer_some_rows_late_is_named_with_the_newest_row_first(random: np.random.Generator) -> None:
     seconds = 60.0 * np.arange(600)
     air = 15 + 8 * np.sin(seconds / 8e3) + 2 * np.sin(seconds / 1.1e3)

@@ -225,6 +225,7 @@ def test_references_in_another_unit_are_repaired_and_readings_are_not(random: np
     assert np.sqrt(np.mean(error**2)) < 2e-3  # the delay, or a class that it is one of, is corrected
 
 
+@pytest.mark.statistical
 def test_a_diagnosed_speed_corrects_a_file(random: np.random.Generator, tmp_path: Path) -> None:
     """Its two parameters have a covariance."""
     own = table(random, 200)

@@ -1,5 +1,6 @@
 """`echocal watch`: where rows come from, what is written, how it stops and goes on."""
 
+import contextlib
 import json
 import os
 import signal
@@ -17,6 +18,7 @@ from brokers import broker
 from watched import csv, log
 
 import echocal
+from echocal.cli.watch import _Stop
 
 __all__ = ["broker"]
 
@@ -103,6 +105,17 @@ def test_a_watch_that_is_killed_goes_on_as_if_nothing_had_been(
     events = lines(tmp_path / "events.jsonl")
     assert events == lines(tmp_path / "whole-events.jsonl")
     assert "change" in {event["event"] for event in events}
+
+
+def test_a_request_to_stop_that_was_swallowed_is_not_lost() -> None:
+    """The batch is finished, and then it is asked again."""
+    stop = _Stop()
+    with contextlib.suppress(SystemExit):  # as a library may
+        stop(signal.SIGINT, None)
+    finished = []
+    with pytest.raises(SystemExit) as raised, stop.later():
+        finished.append("batch")
+    assert (finished, raised.value.code) == (["batch"], 128 + signal.SIGINT)
 
 
 @pytest.mark.parametrize(

@@ -137,6 +137,7 @@ def test_what_cannot_be_read_has_a_reason_and_stops_nothing() -> None:
     ]
 
 
+@pytest.mark.statistical
 def test_sensors_have_their_own_models_and_tests(random: np.random.Generator) -> None:
     own = {"a": DEVICE, "b": echocal.Model("linear", {"zero_error": {"offset": 6e-3}})}
     one, other = changed_log(random), log(random, 420, error=6e-3)
@@ -212,6 +213,7 @@ def test_sensors_of_one_target_watch_each_other(changed: str, random: np.random.
             assert f"sensor {changed} of the target has moved farther" in event.sentence
 
 
+@pytest.mark.statistical
 def test_sensors_of_one_target_in_batches_and_after_a_stop(
     random: np.random.Generator, tmp_path: Path
 ) -> None:
@@ -229,6 +231,7 @@ def test_sensors_of_one_target_in_batches_and_after_a_stop(
     assert [event.to_dict() for event in parts if event.kind == "change"] == told
 
 
+@pytest.mark.statistical
 def test_two_sensors_cannot_tell_which_has_moved(random: np.random.Generator) -> None:
     rows = [row for row in one_target(random, "b") if row["id"] != "c"]
     _, events = taken(fleet(None, Reference(target="tank"), by="id"), rows)

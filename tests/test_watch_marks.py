@@ -52,6 +52,7 @@ def read(path: Path) -> pd.DataFrame:
     )
 
 
+@pytest.mark.statistical
 @pytest.mark.parametrize("known", [True, False])
 def test_ghosts_are_marked_as_by_correct(
     known: bool, run: Run, random: np.random.Generator, tmp_path: Path
@@ -132,6 +133,7 @@ def test_every_rule_marks_the_rows_that_correct_marks(
             assert np.allclose(own, corrected[name].astype(float), rtol=1e-6, atol=1e-9, equal_nan=True)
 
 
+@pytest.mark.statistical
 def test_marked_rows_are_not_tested(random: np.random.Generator, tmp_path: Path) -> None:
     """What is learned is the noise of the other rows, and late echoes are no change."""
     table, model = ghosts(random, tmp_path, known=True)
