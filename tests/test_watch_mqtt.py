@@ -27,8 +27,9 @@ DISTANCE = 0.5 * 11660e-6 * (331.4 + 0.6 * 20.0)
 
 
 def lines(path: Path) -> list[dict[str, Any]]:
-    """Rows of a file of JSON lines; none where there is no file yet."""
-    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    """Whole rows of a file of JSON lines, which is being written; none where there is no file yet."""
+    text = path.read_text() if path.exists() else ""
+    return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
 
 
 def until(true: Callable[[], bool], watch: subprocess.Popen[bytes], seconds: float = 90.0) -> None:

@@ -128,7 +128,7 @@ def test_the_sketch_counts_ticks_and_prints_millimeters(tmp_path: Path) -> None:
     for line, sent in zip(lines, (580, 11_690), strict=True):
         echo, warm, distance = map(int, line.split())
         assert abs(echo - 2 * sent) <= 2
-        assert warm == 158  # 21.2 degC
+        assert warm == 157  # 21.5 degC: 715 mV, the middle of the converter's step that has 713 mV
         assert distance == packed.outputs(echo, warm)
 
 
