@@ -74,19 +74,25 @@ class Case:
     remarks: tuple[str, ...] = ()
 
     @cached_property
-    def table_without_offsets(self) -> Table:
-        """The table with readings that have no offsets."""
-        if self.offsets is None:
-            return self.table
-        return replace(self.table, indication=self.table.indication - self.offsets)
+    def row_folds(self) -> Folds:
+        """The folds of the rows of which the table has units."""
+        return self.folds.of_rows(self.table.unit)
 
     @cached_property
-    def table_with_every_row(self) -> Table:
+    def rows_without_offsets(self) -> Table:
+        """The rows with readings that have no offsets."""
+        rows = self.table.rows
+        if self.offsets is None:
+            return rows
+        return replace(rows, indication=rows.indication - self.offsets[self.table.unit])
+
+    @cached_property
+    def rows_with_every_reading(self) -> Table:
         """The same, but rows that scatter have their readings: the signal of a cause may be in them."""
         if self.discounted is None:
-            return self.table_without_offsets
-        less = self.table_without_offsets
-        return replace(less, indication=less.indication + self.discounted)
+            return self.rows_without_offsets
+        less = self.rows_without_offsets
+        return replace(less, indication=less.indication + self.discounted[self.table.unit])
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]; not to be written to, for it is made once."""

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.lattice import PERIOD
 from echocal.diagnose.noises.common.trace import Likelihood, Trace, log_density
+from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 

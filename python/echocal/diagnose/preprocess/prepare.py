@@ -11,9 +11,11 @@ from echocal.diagnose.preprocess.off_station import without_other_echoes
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
 from echocal.diagnose.preprocess.rounding import shared_rounding
+from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.stations import moved, stations
 from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.preprocess.units import joined
 from echocal.diagnose.preprocess.usable import some, usable_rows
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.errors import DataError
@@ -119,7 +121,8 @@ def prepare(
         stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
         placements=groups.astype(np.int64) if reference is None else None,
     )
-    return _rounded(divided(table, rows[steps], settings.gap), observations, rounding or {})
+    table = _rounded(divided(table, rows[steps], settings.gap), observations, rounding or {})
+    return joined(table, 0.5 * PERIOD * base.indication(np.full(len(rows), 2.0), conditions), settings)
 
 
 def _rounded(table: Table, observations: Observations, rounding: Mapping[str, float]) -> Table:

@@ -92,7 +92,7 @@ def report(
             *_slow_noise(case, ranking, selection),
             *([left.turns] if left is not None and left.turns and shown is None else []),
             *notes(case, observations, validation, inference.stack, steps),
-            *_outside(case.table, validation),
+            *_outside(case.table.rows, validation),
         ),
         settings=case.settings,
         model=validation.model,
@@ -281,12 +281,13 @@ def _outside(table: Table, validation: Validation) -> list[str]:
 
 
 def _traces(case: Case, judge: Judge, model: Model) -> Traces:
-    rows = np.ones(len(case.table), dtype=bool)
-    before, after = (errors(case.table, one, rows) for one in (case.base.plain, model))
-    traces = Traces(case.table.row, before, after, ~rows, case.table.against())
+    table = case.table.rows
+    rows = np.ones(len(table), dtype=bool)
+    before, after = (errors(table, one, rows) for one in (case.base.plain, model))
+    traces = Traces(table.row, before, after, ~rows, table.against())
     if not isinstance(judge, HeldOutRows):
         return traces
-    held, (before, after) = judge.held, (judge.errors(one) for one in (case.base.plain, model))
+    held, (before, after) = judge.held.rows, (judge.errors(one) for one in (case.base.plain, model))
     return _joined(traces, Traces(held.row, before, after, np.ones(len(held), dtype=bool), held.against()))
 
 

@@ -63,6 +63,10 @@ class HeldOut:
             return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
         return float(np.sqrt(total / len(self.error)))
 
+    def of_units(self, table: Table) -> "HeldOut":
+        """Mean errors of the units of a table."""
+        return HeldOut(table.means(self.error))
+
     def on(self, rows: Mask) -> "HeldOut":
         """The same, of some rows."""
         return self if rows.all() else HeldOut(np.where(rows, self.error, np.nan))
@@ -126,21 +130,23 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
 
 
 def intervals(
-    before: HeldOut, after: HeldOut, rho: float, seed: int, settings: ValidationSettings
+    before: HeldOut, after: HeldOut, unit: Labels, rho: float, seed: int, settings: ValidationSettings
 ) -> tuple[Interval, Interval]:
     """Intervals of the decrease of the RMS error [m] and of the part of the mean square that is removed.
 
-    From resampled contiguous pieces of rows, which are long against the memory of the noise.
+    From resampled contiguous pieces of units, which are long against the memory of the noise. `unit` is that
+    of each row.
     """
     judged = before.known & after.known
-    count = int(judged.sum())
+    begins = np.flatnonzero(np.diff(unit[judged], prepend=-1))
+    count = len(begins)
     if count == 0:  # no row that judges has a level
         return (0.0, 0.0), (0.0, 0.0)
     pieces = int(count * (1.0 - rho) / settings.memories)
     pieces = min(max(settings.fewest_pieces, min(pieces, settings.pieces)), count)
-    firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
+    firsts = np.append(begins, judged.sum())[-(-np.arange(pieces + 1) * count // pieces)]
     rows = np.diff(firsts)
-    errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
+    errors = [held.error if judged.all() else held.error[judged] for held in (before, after)]
     squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
     drawn = np.random.default_rng(seed).integers(len(rows), size=(settings.resamples, len(rows)))
     places = drawn + len(rows) * np.arange(settings.resamples)[:, None]
@@ -208,7 +214,8 @@ def floor(case: Case, variance: float) -> float:
     white = case.without_slow_air(sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products)
     width = case.settings.noise_models.ridge_width
     given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, width)
-    return float(np.sqrt(_core.residual_variance(white, *given)))
+    within = float(np.mean(case.table.deviation**2))  # of rows inside of units no column explains any
+    return float(np.sqrt(_core.residual_variance(white, *given) + within))
 
 
 def summarize(
@@ -218,16 +225,17 @@ def summarize(
     after: HeldOut,
     rms_floor: float,
     scheme: str,
+    unit: Labels,
     rho: float,
     seed: int,
     settings: ValidationSettings,
 ) -> Gain:
-    """Put the errors together: docs/method.md, Eq. 31; `rho` is the autoregression of the noise."""
+    """Put the errors together: docs/method.md, Eq. 31; `rho` is the autoregression of the noise of units."""
     before, after = on_common_rows(before, after)
     judged = int(before.known.sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
-    gained, removed = intervals(before, after, rho, seed, settings)
+    gained, removed = intervals(before, after, unit, rho, seed, settings)
     worth = reachable > settings.reachable * before.rms**2  # else there is no gain to reach
     return Gain(
         rms_fixed_speed_m=rms_fixed,

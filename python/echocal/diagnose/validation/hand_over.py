@@ -38,7 +38,7 @@ def select_and_refute(
         ranking = ranking.without(effects)
         if effects and set(effects) <= {id_ for r in found for id_ in (r.id, *r.indistinguishable_from)}:
             continue
-        trials = Trials(case, selection.noise, case.table_with_every_row)
+        trials = Trials(case, selection.noise, case.rows_with_every_reading)
         rest = refute(trials, selection, trials.base())
         if rest.kept and first is not None:
             return _later(selection, rest, found)

@@ -70,10 +70,11 @@ def smooth_correction(
         return models(blocks).with_shape(own)
 
     before, after = on_common_rows(judge.extended(models), judge.extended(extended))
-    gained, removed = intervals(before, after, noise.rho, case.seed, case.settings.validation)
+    unit = case.table.unit if judge.held is None else judge.held.unit
+    gained, removed = intervals(before, after, unit, noise.rho, case.seed, case.settings.validation)
     given = {spline.against: values_of(case.table, spline.against) for spline in able}
     judging = case.table if judge.held is None else judge.held
-    residual = residual_uncertainty(judging, judgment.model, after, judge.scheme)
+    residual = residual_uncertainty(judging.rows, judgment.model, after, judge.scheme)
     return replace(
         found,
         smooth=replace(whole, residual_uncertainty=residual),

@@ -240,12 +240,12 @@ def _measured(trials: Trials, judge: Judge, rest: Rest, model: Model) -> Model:
     """The model with its residual uncertainty, from rows that its sizes are not fitted to, if any."""
     case, held = trials.case, judge.held
     errors_of = judge.sized(trials, rest) if rest.kept else judge.base()
-    table, scheme = (case.table, case.folds.scheme) if held is None else (held, judge.scheme)
+    rows = case.table.rows
+    table, scheme = (rows, case.folds.scheme) if held is None else (held.rows, judge.scheme)
     found = residual_uncertainty(table, model, errors_of, scheme)
     if found is None:
-        every = np.ones(len(case.table), dtype=bool)
-        fitted = HeldOut(errors(case.table, model, every))
-        found = residual_uncertainty(case.table, model, fitted, "fitted rows")
+        fitted = HeldOut(errors(rows, model, np.ones(len(rows), dtype=bool)))
+        found = residual_uncertainty(rows, model, fitted, "fitted rows")
     return model.with_residual_uncertainty(found)
 
 
@@ -268,6 +268,7 @@ def _gain(
         rest.after if rest.kept else before,
         floor(case, variance),
         judge.scheme,
+        case.table.unit if judge.held is None else judge.held.unit,
         selection.noise.rho,
         case.seed,
         settings.validation,
@@ -287,7 +288,7 @@ def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain)
         effects,
         columns=columns_of(fit, [c.cause for c in kept]),
         covariance=covariance_of(fit, names) if names else None,
-        provenance={"made_by": "echocal diagnose", "rows": len(case.table), "gain": asdict(gain)},
+        provenance={"made_by": "echocal diagnose", "rows": len(case.table.rows), "gain": asdict(gain)},
     )
 
 

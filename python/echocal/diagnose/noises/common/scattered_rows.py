@@ -131,7 +131,7 @@ def _exceptions(
     Each hypothesis competes with noise of one kind of rows, too: a cause whose column has rare large values
     leaves nothing that scatters.
     """
-    rows = sampled(case, settings)
+    rows = sampled(case.folds, settings)
     simplest = min(fits, key=lambda one: len(one.hypothesis.variants))
     found: list[tuple[float, Scattered | None, HypothesisFit]] = []
     for one in {id(one): one for one in (fits[0], simplest)}.values():
@@ -147,8 +147,9 @@ def _exceptions(
 
 
 def _left(case: Case, one: HypothesisFit, inference: Inference, off: Column, rows: Labels) -> Column:
-    """What a hypothesis leaves of some rows, with what was subtracted from them [m]."""
-    return Traced.of(case, rows).left_by(one, inference.reduced.likeliest(one)[0]).left + off[rows]
+    """What a hypothesis leaves of some units, with what was subtracted from them [m]."""
+    noise, first = inference.reduced.likeliest(one)[0], np.unique(case.table.unit, return_index=True)[1]
+    return Traced.of(case, first[rows]).left_of_units(one, noise) + off[rows]
 
 
 def _peaked(left: Column, worth: float) -> bool:

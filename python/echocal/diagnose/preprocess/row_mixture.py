@@ -1,0 +1,87 @@
+"""The rows of each visit as a mixture: the core, rows that missed whole periods, and wild rows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from echocal.diagnose.settings.noise_models import VARIANCE_FLOOR
+
+__all__ = ["PERIOD", "RowMixture", "row_mixture"]
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+PERIOD = 25e-6
+"""Period of the burst [s], of 40 kHz (HC-SR04 data sheet)."""
+
+_ORDERS = np.array([0.0, 1.0, -1.0, 2.0])
+"""Whole periods that a row may be off its visit."""
+
+_APART = 5.0
+"""Periods are told apart where one is so many standard deviations of the core: at fewer, a row is of either
+group with a probability of more than 1 %."""
+
+_WIDTH = 2.0
+"""Range of the readings of a wild row [m]."""
+
+_PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.02])
+"""Shares at first; the rounds forget them."""
+
+_ROUNDS = 25
+
+
+@dataclass(frozen=True, eq=False)
+class RowMixture:
+    """Rows of visits.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (visits,)
+        Of the core of each visit [m].
+    scatter : float
+        Standard deviation of the core [m].
+    """
+
+    mean: Column
+    scatter: float
+
+
+def row_mixture(reading: Column, visit: Labels, period: Column) -> RowMixture:
+    """Fit the mixture, its shares and its scatter common to all visits: docs/method.md, Eq. 1a.
+
+    Parameters
+    ----------
+    reading : ndarray, shape (n,)
+        [m].
+    visit : ndarray of int, shape (n,)
+        Visit of each row, in ascending order from 0.
+    period : ndarray, shape (n,)
+        Length of one period [m].
+    """
+    count = np.bincount(visit)
+    firsts = np.append(0, np.cumsum(count)[:-1])
+    order = np.lexsort((reading, visit))
+    middle = 0.5 * (reading[order[firsts + (count - 1) // 2]] + reading[order[firsts + count // 2]])
+    off = reading - middle[visit]
+    free = max(len(reading) - len(count), 1) / len(reading)  # a median takes up a part of the scatter
+    sizes = np.sort(np.abs(off))[: int(0.92 * len(off)) or 1]
+    scatter = max(1.25 * float(np.sqrt(np.mean(sizes**2) / free)), VARIANCE_FLOOR)
+    known = float(np.median(period)) > _APART * scatter
+    orders = _ORDERS if known else _ORDERS[:1]
+    share = np.append(_PRIOR[: len(orders)], _PRIOR[-1])
+    beside = off[:, None] - orders * period[:, None]
+    for _ in range(_ROUNDS):
+        core = -0.5 * (beside / scatter) ** 2 - np.log(np.sqrt(2 * np.pi) * scatter)
+        logs = np.column_stack([core, np.full(len(off), -np.log(_WIDTH))]) + np.log(share)
+        part = np.exp(logs - logsumexp(logs, axis=1, keepdims=True))
+        share = np.maximum(part.mean(axis=0), 1e-4)
+        share /= share.sum()
+        weight = part[:, :-1]
+        square = float((weight * beside**2).sum() / weight.sum() / free)
+        scatter = max(float(np.sqrt(square)), VARIANCE_FLOOR)
+    expected = reading - (weight * orders).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9) * period
+    kept = np.maximum(weight.sum(axis=1), 1e-6)
+    mean = np.bincount(visit, kept * expected) / np.bincount(visit, kept)
+    return RowMixture(np.asarray(mean), scatter)
