@@ -102,6 +102,6 @@ def test_rows_that_scatter_take_part_in_the_refutation(random: np.random.Generat
         )  # fmt: skip
         reading = Reading(echocal.read_observations(table, reading_speed="linear"))
         case = examined(reading, request, Steps(None)).case
-    discounted = np.abs(case.table_without_offsets.indication - case.table.indication)
+    discounted = np.abs(case.rows_without_offsets.indication - case.table.rows.indication)
     assert discounted.max() > 5e-3
-    np.testing.assert_allclose(case.table_with_every_row.indication, case.table.indication, atol=1e-12)
+    np.testing.assert_allclose(case.rows_with_every_reading.indication, case.table.rows.indication, atol=1e-12)

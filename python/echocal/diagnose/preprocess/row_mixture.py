@@ -31,6 +31,9 @@ _PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.02])
 
 _ROUNDS = 25
 
+_TAME, _OF_TAME = 0.75, 0.6
+"""The scatter starts from this part of the rows, the nearest ones; of normal ones their rms is 0.6 of it."""
+
 
 @dataclass(frozen=True, eq=False)
 class RowMixture:
@@ -66,10 +69,18 @@ def row_mixture(reading: Column, visit: Labels, period: Column) -> RowMixture:
     middle = 0.5 * (reading[order[firsts + (count - 1) // 2]] + reading[order[firsts + count // 2]])
     off = reading - middle[visit]
     free = max(len(reading) - len(count), 1) / len(reading)  # a median takes up a part of the scatter
-    sizes = np.sort(np.abs(off))[: int(0.92 * len(off)) or 1]
-    scatter = max(1.25 * float(np.sqrt(np.mean(sizes**2) / free)), VARIANCE_FLOOR)
-    known = float(np.median(period)) > _APART * scatter
-    orders = _ORDERS if known else _ORDERS[:1]
+    fitted = _fitted(off, period, _ORDERS, free)
+    if not float(np.median(period)) > _APART * fitted[0]:  # periods are not told apart
+        fitted = _fitted(off, period, _ORDERS[:1], free)
+    scatter, kept, missed = fitted
+    mean = np.bincount(visit, kept * (reading - missed * period)) / np.bincount(visit, kept)
+    return RowMixture(np.asarray(mean), scatter)
+
+
+def _fitted(off: Column, period: Column, orders: Column, free: float) -> tuple[float, Column, Column]:
+    """Scatter of the core; of each row, whether it is not wild (probability), and its missed periods."""
+    least = np.sort(np.abs(off))[: int(_TAME * len(off)) or 1]
+    scatter = max(float(np.sqrt(np.mean(least**2) / free)) / _OF_TAME, VARIANCE_FLOOR)
     share = np.append(_PRIOR[: len(orders)], _PRIOR[-1])
     beside = off[:, None] - orders * period[:, None]
     for _ in range(_ROUNDS):
@@ -81,7 +92,5 @@ def row_mixture(reading: Column, visit: Labels, period: Column) -> RowMixture:
         weight = part[:, :-1]
         square = float((weight * beside**2).sum() / weight.sum() / free)
         scatter = max(float(np.sqrt(square)), VARIANCE_FLOOR)
-    expected = reading - (weight * orders).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9) * period
     kept = np.maximum(weight.sum(axis=1), 1e-6)
-    mean = np.bincount(visit, kept * expected) / np.bincount(visit, kept)
-    return RowMixture(np.asarray(mean), scatter)
+    return scatter, kept, np.asarray((weight * orders).sum(axis=1) / kept)
