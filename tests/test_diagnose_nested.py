@@ -109,20 +109,6 @@ def test_where_nothing_is_planted_no_gain_is_told(random: np.random.Generator) -
 
 
 @pytest.mark.statistical
-def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
-    """A clock that is 9 % off: no clock is, so something else may act."""
-    distance = np.tile([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], 20)
-    reading = 1.0 * distance + random.normal(0.0, 5e-4, len(distance))
-    reading = reading * 1.09
-    table = {"reading_m": reading, "distance_m": distance, "temperature_C": np.full(len(distance), 20.0)}
-    diagnosis = echocal.diagnose(table, base="linear")
-    large = [cause for cause in diagnosis.causes if cause.doubt]
-    assert large, diagnosis.explain()
-    assert "times the usual one" in large[0].doubt
-    assert diagnosis.verdict == "ambiguous"
-
-
-@pytest.mark.statistical
 def test_columns_that_cross_are_not_exchanged(random: np.random.Generator) -> None:
     """A day on which temperature and humidity have the same number twice, and change their roughness."""
     table = logged(random)
@@ -239,18 +225,3 @@ def test_errors_are_compared_on_the_rows_that_both_models_know() -> None:
     one, other = HeldOut(np.array([9.0, 1.0, 1.0, np.nan])), HeldOut(np.array([np.nan, 2.0, 2.0, 5.0]))
     assert [held.rms for held in on_common_rows(one, other)] == [1.0, 2.0]
     assert np.isnan(HeldOut(np.array([np.nan])).rms)
-
-
-@pytest.mark.statistical
-def test_a_cause_that_the_first_rows_carry_is_not_named(random: np.random.Generator) -> None:
-    """A sensor from a warm room settles; the later rows know nothing of it. Stations take turns."""
-    table = logged(random)
-    settling = np.exp(-np.arange(600) / 12.0)
-    table["distance_m"] = np.tile([0.5, 0.8, 1.1, 1.4, 1.7, 2.0], 100)
-    table["temperature_C"] = 10.0 + 15.0 * settling + np.sin(np.arange(600) / 30.0)
-    error = 3e-3 * table["distance_m"] * settling
-    table["reading_m"] = table["distance_m"] + random.normal(0.0, 5e-4, 600) + error
-    diagnosis = echocal.diagnose(table)
-    effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
-    assert diagnosis.verdict != "named" or not effects, diagnosis.explain()
-    assert any("rows carry" in cause.doubt for cause in effects)

@@ -29,4 +29,4 @@ def chosen(case: Case, tried: Collection[FittedNoise]) -> tuple[Selection, Rest]
     inference = infer(case, case.settings.search.unlisted_in_folds)
     shares = infer_noises(case, inference.fits, inference.reduced, tried)
     ranking = rank(shares.fits, case.found.competing, case.settings)
-    return select_and_refute(case, ranking, shares, inference.reduced, doubt=False)
+    return select_and_refute(case, ranking, shares, inference.reduced)

@@ -16,14 +16,13 @@ __all__ = ["select_and_refute"]
 
 
 def select_and_refute(
-    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool = True
+    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack
 ) -> tuple[Selection, Rest]:
     """Claim the causes of the best set, and drop those that the folds refute.
 
     If they refute all claims of a set, the next best set is tried, unless it has only causes that the data
     cannot separate from refuted ones. A set that is too improbable to be mentioned ends the search. If no set
-    is left, the answer is that for the first one. A claim of a later set may enter the model, but is not
-    named: a more probable set was wrong. `doubt`: see `select`.
+    is left, the answer is that for the first one.
     """
     settings = case.settings
     first: tuple[Selection, Rest] | None = None
@@ -31,8 +30,8 @@ def select_and_refute(
     for _ in range(settings.validation.sets_tried):
         if ranking.is_exhausted:
             break
-        selection = _of_usual_sizes(case, ranking, shares, reduced, doubt=doubt)
-        effects = selection.effects
+        selection = select(case, ranking, shares, reduced)
+        effects = selection.best.hypothesis.effects
         if first is not None and ranking.of_set(effects) < settings.claims.mentioned_from:
             break
         ranking = ranking.without(effects)
@@ -41,7 +40,7 @@ def select_and_refute(
         trials = Trials(case, selection.noise, case.table_with_every_row)
         rest = refute(trials, selection, trials.base())
         if rest.kept and first is not None:
-            return _later(selection, rest, found)
+            return selection, _with(found, rest)
         first = first or (selection, rest)
         if rest.kept or not rest.refuted:
             break
@@ -50,29 +49,8 @@ def select_and_refute(
     return first
 
 
-def _of_usual_sizes(
-    case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack, *, doubt: bool
-) -> Selection:
-    """The best set; of sets that are as probable, one without implausible sizes."""
-    settings = case.settings
-    best = selection = select(case, ranking, shares, reduced, doubt=doubt)
-    rest, least = ranking, settings.claims.usual_from * ranking.of_set(best.effects)
-    for _ in range(settings.validation.sets_tried):
-        if not selection.implausible:
-            return selection
-        rest = rest.without(selection.effects)
-        if rest.is_exhausted:
-            break
-        selection = select(case, rest, shares, reduced, doubt=doubt)
-        if not selection.effects or ranking.of_set(selection.effects) < least:
-            break
-    return best
-
-
-def _later(selection: Selection, rest: Rest, refuted: Sequence[Refuted]) -> tuple[Selection, Rest]:
-    """A set after the refuted ones, with a doubt about each of its claims."""
+def _with(found: Sequence[Refuted], rest: Rest) -> Rest:
+    """The claims of a later set, with the refuted ones of the sets before."""
     kept = {claim.cause for claim in rest.kept}
-    others = {one.id: one for one in (*refuted, *rest.refuted) if one.id not in kept}
-    why = f"the rows of the folds refute a more probable set ({', '.join(sorted(r.id for r in refuted))})"
-    doubts = {cause: f"{why}, so {cause} is not named" for cause in sorted(kept)}
-    return replace(selection, later=doubts), replace(rest, refuted=tuple(others.values()))
+    others = {one.id: one for one in (*found, *rest.refuted) if one.id not in kept}
+    return replace(rest, refuted=tuple(others.values()))
