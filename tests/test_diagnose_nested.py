@@ -109,6 +109,20 @@ def test_where_nothing_is_planted_no_gain_is_told(random: np.random.Generator) -
 
 
 @pytest.mark.statistical
+def test_a_size_beyond_reason_is_not_named(random: np.random.Generator) -> None:
+    """A clock that is 9 % off: no clock is, so something else may act."""
+    distance = np.tile([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], 20)
+    reading = 1.0 * distance + random.normal(0.0, 5e-4, len(distance))
+    reading = reading * 1.09
+    table = {"reading_m": reading, "distance_m": distance, "temperature_C": np.full(len(distance), 20.0)}
+    diagnosis = echocal.diagnose(table, base="linear")
+    large = [cause for cause in diagnosis.causes if cause.doubt]
+    assert large, diagnosis.explain()
+    assert "times the usual one" in large[0].doubt
+    assert diagnosis.verdict == "ambiguous"
+
+
+@pytest.mark.statistical
 def test_columns_that_cross_are_not_exchanged(random: np.random.Generator) -> None:
     """A day on which temperature and humidity have the same number twice, and change their roughness."""
     table = logged(random)

@@ -118,9 +118,12 @@ def _doubt(
     pool: Pool, shared: SharedSet, claim: SharedClaim, recurs: int, tested: int, gain: Gain, *, refuted: bool
 ) -> str:
     form = next(form for form in shared.forms if form.cause == claim.cause)
+    size, _ = Sizes(shared.population.mean, shared.population.covariance).of(shared, claim.cause)
     low, high = (1e3 * end for end in gain.interval_95)
     if recurs < pool.settings.pooling.fewest_tables:
         return f"only {recurs} of {tested} tables that test it support it by themselves"
+    if len(size) and float(np.abs(size).max()) > pool.settings.claims.implausible:
+        return f"its mean size is {float(np.abs(size).max()):.2g} times the usual one"
     if form.is_by_name:
         return "tables share only its name; the gain of each table must judge it"
     if refuted:

@@ -22,12 +22,6 @@ def doubts_about(case: Case, claim: Claim) -> Iterator[str]:
         A cause that the rows support.
     """
     table, alike = case.table, {claim.cause, *claim.rivals}
-    times = float(np.abs(claim.mean[: len(claim.variant.names)]).max(initial=0.0))
-    if times > case.settings.claims.implausible:
-        yield (
-            f"the size of {claim.cause} is {times:.2g} times the usual one. Something else may act "
-            "that looks the same"
-        )
     span = np.ptp(table.conditions.get("elapsed_time", np.zeros(1)))
     if table.reference is None:
         return

@@ -105,8 +105,9 @@ def _questions(cause: Cause) -> str:
 
 
 def _left_open(diagnosis: Outcome) -> str:
-    if any(cause.doubt and not cause.in_model for cause in diagnosis.causes):
-        return "Causes fit it, but their gain may be chance, so the model is the base"
+    if any(cause.doubt for cause in diagnosis.causes):
+        model = _in_the_model(diagnosis)
+        return model[0] if model else "Causes fit it, but their gain may be chance, so the model is the base"
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
         return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"

@@ -39,11 +39,6 @@ def notes(
         said.append(f"these data cannot show the following causes, whatever their size: {', '.join(hidden)}")
     rows = validation.gain.judged_rows
     said += list(dict.fromkeys(_refuted(refuted, rows) for refuted in validation.refuted))
-    for cause in validation.unjudged:
-        said.append(
-            f"{cause} acts in too few stations or segments: a fit without them does not find its size. The "
-            f"{rows} neither confirm nor refute it"
-        )
     said += [_joined(claim.cause, observations) for claim in validation.claims]
     said += [doubt for claim in validation.claims for doubt in doubts_about(case, claim)]
     said += [*_both(case, observations), *_unread(case), *_aside(case)]
@@ -127,17 +122,11 @@ def _refuted(refuted: Refuted, rows: str) -> str:
     """Why a cause that fits is not claimed; one text for causes that were refuted together."""
     before, after = 1e3 * refuted.rms_without_m, 1e3 * refuted.rms_with_m
     score = "" if refuted.log_score is None else f"; log density {refuted.log_score:+.1f}"
-    if refuted.together:
-        is_not = "fits, but is" if len(refuted.together) == 1 else "fit together, but are"
-        return (
-            f"{enumerated(refuted.together)} {is_not} not claimed: the extended model is no better than the "
-            f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model{score})"
-        )
-    fits = f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed"
-    figures = f"{before:.2f} mm without it, {after:.2f} mm with it{score}"
-    if after > before:
-        return f"{fits}: it makes the error on {rows} larger ({figures})"
-    return f"{fits}: under the noise, the {rows} are less probable with it ({figures})"
+    is_not = "fits, but is" if len(refuted.together) == 1 else "fit together, but are"
+    return (
+        f"{enumerated(refuted.together)} {is_not} not claimed: the extended model is no better than the "
+        f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model{score})"
+    )
 
 
 def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> str:

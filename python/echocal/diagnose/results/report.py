@@ -106,7 +106,7 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded, withheld = Recorded(case.table.against()), validation.withheld
-    doubts = dict(validation.unconfirmed)
+    doubts = dict(validation.doubts)
     if withheld is not None:
         doubts |= dict.fromkeys((c.cause for c in withheld.claims), _unearned(withheld.gain))
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []

@@ -44,24 +44,12 @@ class Ranking:
     sets : list of (tuple of str, float)
         Sets of ids (with ``unknown`` for an unexplained term), most probable first; sums to one.
     settings : Settings
-    passed : frozenset of tuple of str
-        Sets of effects that are not chosen, because rows of the folds refute them.
     """
 
     fits: list[HypothesisFit]
     probability: NDArray[np.float64]
     sets: list[tuple[tuple[str, ...], float]]
     settings: Settings
-    passed: frozenset[Ids] = frozenset()
-
-    def without(self, effects: Ids) -> "Ranking":
-        """The same ranking, in which a set of effects is not chosen; no probability changes."""
-        return replace(self, passed=self.passed | {effects})
-
-    @property
-    def is_exhausted(self) -> bool:
-        """Whether every set that is possible at all was passed."""
-        return all(p == 0.0 or effects in self.passed for effects, p in self.by_effects.items())
 
     def of(self, causes: Sequence[str]) -> float:
         """Probability that at least one of these causes acts: docs/method.md, Eq. 24."""
@@ -86,10 +74,9 @@ class Ranking:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 
         With `beyond`, only sets that have one effect more than these count, or more effects where all sets
-        with one more are too improbable beside larger ones to be mentioned; None if there is none. Sets that
-        are passed do not count.
+        with one more are too improbable beside larger ones to be mentioned; None if there is none.
         """
-        probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0 and ids not in self.passed}
+        probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0}
         if beyond is not None:
             probability = self._next_larger(probability, beyond)
         if not probability:

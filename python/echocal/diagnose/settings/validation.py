@@ -11,15 +11,6 @@ __all__ = ["ValidationSettings"]
 class ValidationSettings:
     """Numbers of the validation of claims and of the gain."""
 
-    informative_share: float = number(
-        0.1,
-        "of the cause's rms signal",
-        "if a cause changes the errors of the folds by less, they cannot validate it",
-        "chosen by hand",
-    )
-    sets_tried: int = number(
-        4, "sets", "most sets of causes that are tried where the folds refute the best ones", "chosen by hand"
-    )
     pieces: int = number(
         40,
         "pieces",

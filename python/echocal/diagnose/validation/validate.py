@@ -21,8 +21,8 @@ from echocal.diagnose.selection.claims import (
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import HeldOut, errors, floor, on_common_rows, summarize
 from echocal.diagnose.validation.judges import Judge
-from echocal.diagnose.validation.refute import Rest, against_the_base
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
+from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
@@ -63,15 +63,10 @@ class Validation:
     gain : Gain
     fitted : callable
         ``fitted(blocks)`` is the same model, fitted on these blocks alone.
-    unjudged : tuple of str
-        Kept causes that the folds cannot validate.
-    overruled : bool
-        Whether claims that the folds do not refute were dropped with the model.
     withheld : Withheld or None
         Claims that the model does not have, because their gain is not proven.
-    unconfirmed : mapping of str to str
-        Claims that the rows which judge the model do not show beside the others, each with a sentence. They
-        are not named.
+    doubts : mapping of str to str
+        Why claims of the model are not named, whatever their probability is.
     """
 
     kept: tuple[Claim, ...]
@@ -80,10 +75,8 @@ class Validation:
     model: Model
     gain: Gain
     fitted: Callable[[Mask], Model]
-    unjudged: tuple[str, ...] = ()
-    overruled: bool = False
     withheld: Withheld | None = None
-    unconfirmed: Mapping[str, str] = field(default_factory=dict)
+    doubts: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def claims(self) -> tuple[Claim, ...]:
@@ -103,7 +96,7 @@ class Validation:
         return None if not len(later) or table.row[later[0]] in table.steps else int(table.row[later[0]])
 
 
-def validate(case: Case, selection: Selection, rest: Rest, judge: Judge, stack: Stack) -> Validation:
+def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Validation:
     """Compare the model with the base on rows that its choice has not seen, and measure its gain.
 
     A model whose error is not smaller than that of the base is never written: the model is the base. Its
@@ -115,8 +108,6 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge, stack: 
     ----------
     case : Case
     selection : Selection
-    rest : Rest
-        Its claims that the folds do not refute.
     judge : Judge
         The rows.
     stack : Stack
@@ -124,29 +115,36 @@ def validate(case: Case, selection: Selection, rest: Rest, judge: Judge, stack: 
     """
     trials = Trials(case, selection.noise)
     before = judge.base()
-    claimed = rest.kept
-    rest = judge.judged(trials, rest)
+    rest = judge.judged(trials, Rest(selection.best.hypothesis, tuple(selection.claims), before))
     score = judge.score(rest.after, before, selection.noise) if rest.kept else None
+    refuted: tuple[Refuted, ...] = ()
     if score is not None and not _smaller(rest.after, before):
         low, _ = score.interval(case.settings.validation)
-        rest = rest if low > 0.0 else against_the_base(trials, rest, before, score.total)
+        if not low > 0.0:
+            refuted, rest = _refuted(rest, before, score.total), _base_alone(rest, before)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
     if rest.kept and not gain.earned:
         withheld = Withheld(rest.kept, gain)
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
-    overruled = len(rest.kept) < len(claimed) and withheld is None
     return Validation(
         rest.kept,
-        rest.refuted,
+        refuted,
         fit,
         _measured(trials, judge, rest, _extended(case, _uncertain(fit, rest, stack), rest.kept, gain)),
         gain,
         trials.fitted(rest.hypothesis, rest.kept),
-        rest.unjudged,
-        overruled,
         withheld,
+    )
+
+
+def _refuted(rest: Rest, before: HeldOut, log_score: float) -> tuple[Refuted, ...]:
+    """All claims: the whole model is no better than the base."""
+    after, base = on_common_rows(rest.after, before)
+    ids = tuple(claim.cause for claim in rest.kept)
+    return tuple(
+        Refuted(c.cause, c.probability, after.rms, base.rms, c.rivals, ids, log_score) for c in rest.kept
     )
 
 
