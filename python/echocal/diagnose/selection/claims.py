@@ -14,6 +14,8 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Sta
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.parsimony import Ids, probabilities
 from echocal.diagnose.settings import Settings
+from echocal.quantities import QUANTITIES
+from echocal.registry import find_effect
 
 __all__ = [
     "Claim",
@@ -73,7 +75,8 @@ class Ranking:
     def best(self, beyond: Ids | None = None) -> HypothesisFit | None:
         """Most probable hypothesis of the most probable set of effects, with any unexplained term.
 
-        With `beyond`, only sets that have one effect more than these count, or more effects where all sets
+        Of sets that are about equally probable, the one that most devices can compensate. With
+        `beyond`, only sets that have one effect more than these count, or more effects where all sets
         with one more are too improbable beside larger ones to be mentioned; None if there is none.
         """
         probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0}
@@ -81,7 +84,9 @@ class Ranking:
             probability = self._next_larger(probability, beyond)
         if not probability:
             return None
-        top = max(probability, key=lambda effects: probability[effects])
+        near = self.settings.claims.nearly * max(probability.values())
+        likely = [effects for effects, p in probability.items() if p > near]
+        top = max(likely, key=lambda effects: (-_out_of_reach(effects), probability[effects]))
         same = [w for w in self.fits if w.hypothesis.effects == top]
         alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
         return preferred(alike, self.settings.search.form_preference)
@@ -123,6 +128,14 @@ class Ranking:
 def _is_larger(ids: Ids, beyond: Ids) -> bool:
     """Whether a set includes another one and has more effects."""
     return len(ids) > len(beyond) and set(ids).issuperset(beyond)
+
+
+def _out_of_reach(ids: Sequence[str]) -> int:
+    """Number of effects that devices cannot compensate from what they measure."""
+    effects = [find_effect(id_) for id_ in ids]
+    measured = {name for name, facts in QUANTITIES.items() if facts.codes is not None}
+    foreign = [e for e in effects if e.firmware == "needs" and e.firmware_detail not in measured]
+    return len(foreign) + sum(e.firmware == "refused" for e in effects)
 
 
 def rank(fits: list[HypothesisFit], causes: int, settings: Settings) -> Ranking:

@@ -62,7 +62,7 @@ class ClaimSettings:
     nearly: float = number(
         1 / 3,
         "of the largest probability",
-        "of the columns above it that an unexplained term may follow, one of a known quantity is reported",
+        "of the sets of causes above it, the one that most devices can compensate is taken",
         "chosen by hand: such odds decide nothing in practice",
     )
     modeled_at_all: float = number(
