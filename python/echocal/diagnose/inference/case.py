@@ -50,8 +50,6 @@ class Case:
     offsets : ndarray, shape (n,), or None
         Offsets of placements, of the level or of single rows that a noise explains [m]. The residual is
         without them, the table is not.
-    discounted : ndarray, shape (n,), or None
-        Part of the offsets that is no error of a known size: what few rows scatter beyond the others [m].
     remarks : tuple of str
         Sentences for the user on what was done to the residual.
     """
@@ -70,7 +68,6 @@ class Case:
     stacks: dict[tuple[Noise, bytes], Stack] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
-    discounted: NDArray[np.float64] | None = None
     remarks: tuple[str, ...] = ()
 
     @cached_property
@@ -85,14 +82,6 @@ class Case:
         if self.offsets is None:
             return rows
         return replace(rows, indication=rows.indication - self.offsets[self.table.unit])
-
-    @cached_property
-    def rows_with_every_reading(self) -> Table:
-        """The same, but rows that scatter have their readings: the signal of a cause may be in them."""
-        if self.discounted is None:
-            return self.rows_without_offsets
-        less = self.rows_without_offsets
-        return replace(less, indication=less.indication + self.discounted[self.table.unit])
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]; not to be written to, for it is made once."""

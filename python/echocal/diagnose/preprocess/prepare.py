@@ -1,7 +1,6 @@
 """From observations to the table of a diagnosis."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from echocal.diagnose.preprocess.level_steps import level_steps
 from echocal.diagnose.preprocess.off_station import without_other_echoes
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
-from echocal.diagnose.preprocess.rounding import shared_rounding
 from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.stations import moved, stations
@@ -121,15 +119,6 @@ def prepare(
         stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
         placements=groups.astype(np.int64) if reference is None else None,
     )
-    table = _rounded(divided(table, rows[steps], settings.gap), observations, rounding or {})
-    return joined(table, 0.5 * PERIOD * base.indication(np.full(len(rows), 2.0), conditions), settings)
-
-
-def _rounded(table: Table, observations: Observations, rounding: Mapping[str, float]) -> Table:
-    """The table with the error of rounding that its rows share."""
-    values = {"reading": observations.reading, "echo_time": observations.echo_time}
-    recorded = {name: column[table.row] for name in rounding if (column := values[name]) is not None}
-    if not recorded:
-        return table
-    placement = [table.groups] if table.reference is None else [table.groups, table.reference]
-    return replace(table, rounding=shared_rounding(recorded, table.indication, rounding, placement))
+    table = divided(table, rows[steps], settings.gap)
+    period = 0.5 * PERIOD * base.indication(np.full(len(rows), 2.0), conditions)
+    return joined(table, period, step, settings)

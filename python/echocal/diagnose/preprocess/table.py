@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.order import Order
-from echocal.diagnose.preprocess.rounding import Rounding
 from echocal.model import Model
 from echocal.model.shape import is_extra
 from echocal.observations.quantiles import median
@@ -73,8 +72,6 @@ class Table:
         Placement of the target of each row where the distance is unknown: `groups` before the level steps.
     step_probability : mapping of int to float
         Probability of the steps that were weighed beside causes, by source row.
-    rounding : Rounding or None
-        Error of rounding that rows share, where the readings or echo times have a step.
     members : Members or None
         The rows of each unit; None where each row is a unit.
     """
@@ -96,7 +93,6 @@ class Table:
     grouped_by: str = ""
     placements: Labels | None = None
     step_probability: Mapping[int, float] = field(default_factory=dict)
-    rounding: Rounding | None = None
     members: Members | None = None
 
     def __len__(self) -> int:

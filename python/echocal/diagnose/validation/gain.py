@@ -19,7 +19,6 @@ from echocal.model import Model
 
 __all__ = [
     "HeldOut",
-    "cannot_judge",
     "errors",
     "fixed_speed_rms",
     "floor",
@@ -173,30 +172,6 @@ def on_common_rows(one: HeldOut, other: HeldOut) -> tuple[HeldOut, HeldOut]:
     """Errors of two models on the rows that both can judge."""
     rows = one.known & other.known
     return one.on(rows), other.on(rows)
-
-
-def cannot_judge(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
-    """Whether the folds cannot validate a cause, because their errors with and without it are equal.
-
-    docs/method.md, Eq. 29.
-
-    If a cause acts at one station only, a fit without this station does not find its size, and the
-    cause changes no other station. The remaining difference is due to chance.
-
-    Parameters
-    ----------
-    with_cause, without : HeldOut
-    signal : ndarray, shape (n,)
-        What the cause adds to every reading [m].
-    share : float
-        Part of this signal by which the errors must differ.
-    """
-    judged = with_cause.known & without.known
-    one, other = with_cause.error, without.error
-    if not judged.all():
-        one, other, signal = one[judged], other[judged], signal[judged]
-    some = (slice(first, first + _CACHED) for first in range(0, len(signal), _CACHED))
-    return sum(_squares(one[rows] - other[rows]) for rows in some) < share**2 * _squares(signal)
 
 
 def _squares(values: Column) -> float:

@@ -18,7 +18,7 @@ from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
 from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure, on_common_rows
-from echocal.diagnose.validation.refute import Rest
+from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.score import Score, score
 from echocal.diagnose.validation.trials import Trials
 from echocal.model import Model
@@ -70,7 +70,7 @@ class Judge(Protocol):
 
 @dataclass(frozen=True)
 class Nested:
-    """Cross-validation: each fold chooses, refutes and fits without its rows.
+    """Cross-validation: each fold chooses and fits without its rows.
 
     Attributes
     ----------
@@ -171,13 +171,13 @@ class Nested:
         return self._chosen(blocks)[0]
 
     def _chosen(self, blocks: Mask) -> tuple[Model, Noise]:
-        """The model that some blocks choose, refute and fit, and the noise beside it."""
+        """The model that some blocks choose and fit, and the noise beside it."""
         if (key := blocks.tobytes()) in self.known:
             return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self._divided(blocks), folds=folds, signals={}, probable=self.noises)
-        selection, rest = chosen(part, self.tried)
-        model = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+        selection = chosen(part, self.tried)
+        model = Trials(part, selection.noise).fitted(selection.best.hypothesis, selection.claims)(blocks)
         self.known[key] = model, selection.noise
         return self.known[key]
 
@@ -221,7 +221,7 @@ class HeldOutRows:
 
     def judged(self, trials: Trials, rest: Rest) -> Rest:
         """The same claims, all of which these rows judge."""
-        return replace(rest, after=self.sized(trials, rest), unjudged=())
+        return replace(rest, after=self.sized(trials, rest))
 
     def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
         """Log density of these rows with the judged model, less that with the base; levels are free."""

@@ -13,7 +13,6 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.smoothing import Smoother, values_of
 from echocal.diagnose.validation.gain import errors, intervals, on_common_rows
 from echocal.diagnose.validation.judges import Judge
-from echocal.diagnose.validation.one_session import of_one_session
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model, Shape, Smooth
@@ -86,7 +85,6 @@ def smooth_correction(
         variance_removed_interval_95=removed,
         chosen_by_folds=tuple(folds),
         rows_outside=int(whole.outside(given).sum()),
-        session=of_one_session(case, judgment.model.with_shape(whole), judgment.model),
     )
 
 

@@ -11,7 +11,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
-from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
+from echocal.diagnose.validation.gain import HeldOut, measure
 from echocal.diagnose.validation.score import Score, score
 from echocal.model import Model
 
@@ -65,12 +65,6 @@ class Trials:
         folds, table = self.case.folds, self.case.table
         errors = one.of_units(table), other.of_units(table)
         return score(*errors, self.case.sums.order, folds, [self.noise] * len(folds.held))
-
-    def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
-        """Whether the folds cannot validate causes with this signal."""
-        return cannot_judge(
-            one, other, signal[self.case.table.unit], self.case.settings.validation.informative_share
-        )
 
     def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
         """The model with the kept causes, as a function of the blocks that it is fitted on."""

@@ -117,7 +117,7 @@ def without_scattered_rows(
         scattered, off = found
         offsets = off if case.offsets is None else off + case.offsets
         other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
-        other = replace(other, discounted=off, remarks=(_said(scattered, len(off)),))
+        other = replace(other, remarks=(_said(scattered, len(off)),))
         inference = infer(other)
         fits = inference.fits
     return None if other is None else (other, inference)
