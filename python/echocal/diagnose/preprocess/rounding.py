@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Rounding", "shared_rounding", "undithered"]
+__all__ = ["Rounding", "shared_rounding"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -60,11 +60,11 @@ def shared_rounding(
         meters = values * float(np.median(indication / values))
         mean = np.bincount(codes, meters) / count
         scatter = np.bincount(codes, (meters - mean[codes]) ** 2) / np.maximum(count - 1, 1)
-        variance += undithered(scatter, rms[name])
+        variance += _undithered(scatter, rms[name])
     return Rounding(codes, variance)
 
 
-def undithered(scatter: Column, rms: float) -> Column:
+def _undithered(scatter: Column, rms: float) -> Column:
     """Variance of the mean error of rounding where readings scatter: docs/method.md, Eq. 28b."""
     before = np.maximum(scatter - rms**2, 0.0)[:, None]  # Sheppard's correction: without the rounding
     step = 12**0.5 * rms
