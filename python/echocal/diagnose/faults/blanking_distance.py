@@ -142,16 +142,20 @@ def _constant(view: View, own: Thresholds) -> _Zone | None:
 def _nearest(
     indication: Column, expected: Column, scatter: float, end: NDArray[np.bool_], own: Thresholds
 ) -> tuple[Column, float]:
-    """Log Bayes factor that the nearest rows up to each one read one constant, and this constant."""
-    wide = float(indication.max() - indication.min()) + scatter
-    heard = _log_density(indication - expected, scatter, wide, own)
-    best, level = np.full(len(indication), -np.inf), np.nan
-    first, cost = int(end.argmax()) + 1, np.log(end.sum()) + np.log(wide / scatter)
+    """Log Bayes factor that the nearest rows up to each one read one constant, and this constant.
+
+    Its rivals are that they are right, and that all of them are off by one length.
+    """
+    wide, off = float(np.ptp(indication)) + scatter, indication - expected
+    right = _log_density(off, scatter, wide, own)
+    best, level, first = np.full(len(indication), -np.inf), np.nan, int(end.argmax()) + 1
     while first <= len(indication):
-        middle = float(np.median(indication[:first]))
-        spread = max(1.4826 * float(np.median(np.abs(indication[:first] - middle))), scatter)
-        blind = _log_density(indication - middle, spread, wide, own)
-        evidence = np.where(end, np.cumsum(blind - heard) - cost, -np.inf)
+        middle, moved = float(np.median(indication[:first])), float(np.median(off[:first]))
+        blind = _log_density(indication - middle, scatter, wide, own)
+        against_right = np.cumsum(blind - right) - np.log(wide / scatter)
+        against_moved = np.cumsum(blind - _log_density(off - moved, scatter, wide, own))
+        evidence = np.minimum(against_right, against_moved) - np.log(end.sum())
+        evidence[~end] = -np.inf
         if evidence.max() > best.max():
             best, level = evidence, middle
         first = 2 * first

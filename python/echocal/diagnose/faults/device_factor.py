@@ -74,11 +74,12 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if not lines:
         return None
     likely = np.array([-len(view) * np.log(line.scatter) for line in lines])
+    with_it = [log_free(float(np.log(line.factor))) for line in lines]
     without = [
         log_usual(float(np.log(line.factor)), settings.factor, line.uncertainty / line.factor)
         for line in lines
     ]
-    evidence = log_free() + np.logaddexp.reduce(likely) - np.logaddexp.reduce(likely + without)
+    evidence = np.logaddexp.reduce(likely + with_it) - np.logaddexp.reduce(likely + without)
     found = lines[int(likely.argmax())]
     because = (
         f"readings are {found.factor:.2f} times the reference distance, at all distances "

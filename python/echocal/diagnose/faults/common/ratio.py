@@ -44,7 +44,7 @@ def factor_of(view: View, factors: tuple[float, ...], settings: FaultSettings) -
     nearest = min(factors, key=lambda factor: abs(center - np.log(factor)))
     known = log_usual(center - float(np.log(nearest)), limits)
     shared = float(np.mean(np.abs(log_ratio - np.log(nearest)) < limits.near))
-    if known < log_free() or shared < limits.most:
+    if known < log_free(center) or shared < limits.most:
         return None  # any factor at all is as probable
     evidence = float(np.clip(known - log_usual(center, limits), -settings.cap, settings.cap))
     return Factor(nearest, float(np.exp(center)), evidence)
@@ -56,9 +56,10 @@ def log_usual(off: float, limits: SharedFactor, uncertainty: float = 0.0) -> flo
     return float(-0.5 * (off / width) ** 2 - np.log(width * np.sqrt(2 * np.pi)))
 
 
-def log_free() -> float:
-    """Log density of the log of a factor of which nothing is known, from 1/10 to 10."""
-    return -float(np.log(2 * np.log(10.0)))
+def log_free(log_ratio: float) -> float:
+    """Log density of the log of a factor of which nothing is known, but that it is from 1/10 to 10."""
+    widest = float(np.log(10.0))
+    return -float(np.log(2 * widest)) if abs(log_ratio) <= widest else -np.inf
 
 
 def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Observations:
