@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.faults.common.values import far
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
+from echocal.diagnose.findings.finding import Finding, probability
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations.marks import RowRule
+from echocal.observations.quantiles import Grouped
 
 __all__ = ["FAULT"]
 
@@ -94,7 +95,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         return None
     own = settings.of(FACTS, Thresholds)
     zones = [zone for zone in (_constant(view, own), _outliers(view, settings, own)) if zone is not None]
-    found = max(zones, key=lambda zone: zone.evidence, default=None)
+    able = [zone for zone in zones if probability(zone.evidence, FACTS.prior) >= settings.accepted]
+    found = max(able or zones, key=lambda zone: zone.limit, default=None)
     if found is None:
         return None
     evidence = float(min(found.evidence - found.limit / own.usual, settings.cap))
@@ -111,30 +113,31 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
 def _constant(view: View, own: Thresholds) -> _Zone | None:
     """The distance up to which all readings are one constant.
 
-    The likelihood of the nearest rows, given one constant, is compared with that given the error of the
-    rows beyond. Single rows may be anywhere. At two distances at least, or the constant is one station's.
+    The likelihood of the readings at the nearest distances, given one constant, is compared with that given
+    the error of the rows beyond. Rows of one distance count once: they may share an error as large as the
+    scatter. At two distances at least, or the constant is one station's.
     """
     assert view.reference is not None
     good = np.flatnonzero(view.good)
-    order = good[np.argsort(view.reference[good], kind="stable")]
-    order = order[:: max(1, len(order) // _ENOUGH)]
-    reference, indication = view.reference[order], view.indication[order]
-    new = np.append(np.diff(reference) > 0, False)  # at the last row of a distance; not of the farthest one
-    end = new & (np.cumsum(new) >= _DISTANCES) & (np.arange(1, len(order) + 1) < own.most * len(order))
+    good = good[:: max(1, len(good) // _ENOUGH)]
+    distance, unit = np.unique(view.reference[good], return_inverse=True)
+    end = np.arange(1, len(distance) + 1) >= _DISTANCES
+    end &= np.cumsum(np.bincount(unit)) < own.most * len(good)
     if not end.any():
         return None
-    size, others = 0, view
+    by_distance, others = Grouped(unit), view
+    reading = by_distance.median(view.indication[good])
     for _ in range(_ROUNDS):
-        best, level = _nearest(indication, others.expected[order], others.scatter, end, own)
-        size = int(best.argmax()) + 1
-        limit = float(reference[size - 1])
+        expected = by_distance.median(others.expected[good])
+        best, level = _nearest(reading, expected, others.scatter, end, own)
+        limit = float(distance[int(best.argmax())])
         others = view.after(view.without(view.good & (view.reference <= limit), FACTS.id))
         if best.max() <= 0.0 or not others.good.any():
             return None
     rows = int((view.good & (view.reference <= limit)).sum())
     because = (
         f"all {rows} rows at or below {limit:.3f} m read {level:.3f} m, whatever their distance "
-        f"({reference[0]:.3f} to {limit:.3f} m): the sensor does not hear such a target; left out"
+        f"({distance[0]:.3f} to {limit:.3f} m): the sensor does not hear such a target; left out"
     )
     return _Zone(limit, float(best.max()), rows, because)
 
@@ -142,7 +145,7 @@ def _constant(view: View, own: Thresholds) -> _Zone | None:
 def _nearest(
     indication: Column, expected: Column, scatter: float, end: NDArray[np.bool_], own: Thresholds
 ) -> tuple[Column, float]:
-    """Log Bayes factor that the nearest rows up to each one read one constant, and this constant.
+    """Log Bayes factor that readings up to each distance are one constant, and this constant.
 
     Its rivals are that they are right, and that all of them are off by one length.
     """
