@@ -203,7 +203,7 @@ MUTANTS = (
         "selection/claims.py",
         "fit.covariance[a, b] * scale_a * scale_b",
         "0.25 * fit.covariance[a, b] * scale_a * scale_b",
-        "test_correct_uncertainty.py",
+        "test_diagnose_gain_interval.py",
     ),
     Mutant(
         "residual uncertainty of a model halved",
