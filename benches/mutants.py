@@ -77,10 +77,10 @@ MUTANTS = (
     ),
     Mutant(
         "sizes without the bounds of their parameters",
-        "candidates/effects.py",
-        "bounds=tuple((low, high) for low, high in low_high)",
-        "bounds=tuple((-np.inf, np.inf) for _ in low_high)",
-        "test_diagnose_admissible.py",
+        "inference/hypothesis.py",
+        "variant.free, variant.bounds, variant.weight)",
+        "variant.free, ((-math.inf, math.inf),) * len(variant.free), variant.weight)",
+        "test_method.py",
     ),
     # priors
     Mutant(
@@ -245,8 +245,8 @@ MUTANTS = (
     Mutant(
         "a name needs no probability",
         "verdict.py",
-        "if any(probability >= named for probability in steady):",
-        "if any(steady):",
+        "named = ranking.settings.claims.named\n",
+        "named = 0.0\n",
         "test_settings.py",
     ),
     Mutant(
