@@ -44,8 +44,18 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
         if not variants:
             found.skipped[effect.id] = "too few distances before the one where it would begin"
             continue
-        total = sum(v.weight for v in variants)
+        total = 1.0 if _each_counts(effect, scene) else sum(v.weight for v in variants)
         found.variants += [replace(v, weight=v.weight / total) for v in variants]
+
+
+def _each_counts(effect: Effect, scene: Scene) -> bool:
+    """Whether each form of a cause is as probable as another cause.
+
+    Where the temperature is the same in all rows, nothing shows that the device reads a thermometer. Then
+    each fixed speed in use is a cause by itself.
+    """
+    temperature = scene.conditions.get("temperature")
+    return effect.id == "fixed_speed" and (temperature is None or not np.ptp(temperature) > 0)
 
 
 def _why_not(effect: Effect, scene: Scene) -> str:
@@ -122,6 +132,12 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     for name, size in sizes.items():
         column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
         found.size_tangents[id_] = (column, size)
+    if _each_counts(effect, scene):  # one of these speeds, in air that is not quite as recorded
+        near = [scene.settings.priors.air_unknown * p.neutral for p in nonlinear]
+        variants += [
+            _freed(found, one, nonlinear, near, at_work=True, levels=scene.levels(id_, one.at))
+            for one in variants
+        ]
     if nonlinear:
         usual = [p.prior_scale for p in nonlinear]
         whole = _freed(found, whole, nonlinear, usual, at_work=True, levels=levels)

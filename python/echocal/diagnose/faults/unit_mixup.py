@@ -17,6 +17,8 @@ from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FAULT"]
 
+Column = NDArray[np.float64]
+
 _UNITS = {
     2.54: "cm where inches are meant",
     1 / 2.54: "inches where cm are meant",
@@ -28,13 +30,15 @@ _UNITS = {
     0.01: "m where cm are meant",
     1000.0: "mm where m are meant, or us where ms are meant",
     0.001: "m where mm are meant, or ms where us are meant",
-    0.3048: "feet where m are meant",
-    1 / 0.3048: "m where feet are meant",
+    0.3048: "m where feet are meant",
+    1 / 0.3048: "feet where m are meant",
+    3.28: "feet where m are meant, by a program that multiplies by 3.28",
 }
 
 _USUAL = 20.0
 """Farthest target of a sensor in air [m]; catalogues end at 15 m."""
 
+_CONSTANTS = 50  # of the values, that are tried as the constant
 _LEAST = min(abs(float(np.log(factor))) for factor in _UNITS)
 
 
@@ -131,8 +135,9 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
             continue
         near = np.zeros(len(judged), dtype=bool)
         near[rows] = True
-        # rivals are outliers, which lie anywhere
-        evidence = float(np.log(own.range / (2 * width[near])).sum() - np.log(len(_UNITS)) - count)
+        told = _others_than_one_constant(np.log(view.indication[rows]), width[rows])
+        # rivals are outliers, which lie anywhere, and one constant: it tells no more than one row does
+        evidence = float(np.log(own.range / (2 * width[rows[told]])).sum() - np.log(len(_UNITS)) - count)
         because = (
             f"{listed(near)} read {np.exp(np.median(log_ratio[near])):.4g} times what the other rows say, as "
             f"if written in another unit ({story}); divided by {factor:.4g} there"
@@ -140,6 +145,14 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
         parameters = (Parameter("factor", factor, 0.0, "1"), Parameter("rows", float(count), 0.0, "1"))
         repaired = divided(view, np.where(near, factor, 1.0), "reading_m")
         yield Finding(FACTS, min(evidence, settings.cap), because, parameters, near, repaired)
+
+
+def _others_than_one_constant(log_value: Column, width: Column) -> NDArray[np.int64]:
+    """Positions of the values that one constant does not explain, and of one that it does."""
+    constants = np.sort(log_value)[:: max(1, len(log_value) // _CONSTANTS)]
+    inside = np.abs(log_value[:, None] - constants) < width[:, None]
+    one = inside[:, int(inside.sum(axis=0).argmax())]
+    return np.append(np.flatnonzero(~one), int(one.argmax()))
 
 
 def _near(view: View, own: Thresholds) -> bool:

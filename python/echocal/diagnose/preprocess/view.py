@@ -13,7 +13,7 @@ from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 
-__all__ = ["View"]
+__all__ = ["View", "least_absolute"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -173,7 +173,7 @@ class View:
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
         if len(rows) < 3 * len(trend):
             return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
-        return trend.sum(_least_absolute(trend.columns(rows), error[rows]))
+        return trend.sum(least_absolute(trend.columns(rows), error[rows]))
 
 
 def _near(error: Column, reference: Column, center: float, scale: float) -> Mask | bool:
@@ -255,7 +255,7 @@ class _Trend:
         return slope
 
 
-def _least_absolute(columns: Column, values: Column) -> Column:
+def least_absolute(columns: Column, values: Column) -> Column:
     """Coefficients of least absolute deviations, by iterative reweighting."""
     found = np.zeros(len(columns))
     found[0] = median(values)
