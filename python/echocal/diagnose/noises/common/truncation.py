@@ -19,7 +19,7 @@ Column = NDArray[np.float64]
 _ENOUGH = 400  # rows that are enough
 _INSIDE = 4.0  # robust standard deviations from a smooth error: the others are outliers
 _USUAL = 20.0  # degC
-_NOISE = (0.05, 0.1, 0.2, 0.4, 0.8)  # standard deviations that are tried [steps]
+_NOISE = (0.05, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8)  # standard deviations that are tried [steps]
 _NEWTON = 20  # most steps; the likelihood has one maximum (Burridge 1981)
 
 
