@@ -97,10 +97,14 @@ def prepare(
     if reference is None and len(rows) - groups[-1] - 1 < settings.fewest:
         message = (
             f"with --constant-distance the distance of each placement is unknown, and {len(rows)} usable "
-            f"rows have {groups[-1] + 1} placements: column 'stand' changes that often. A diagnosis needs "
-            f"at least {settings.fewest} rows more than placements: sort the rows by placement, leave the "
-            'column out (--column "stand=ignore"), or leave the option out'
+            f"rows have {groups[-1] + 1} of them. A diagnosis needs at least {settings.fewest} rows more "
+            "than placements"
         )
+        if groups[-1]:
+            message += (
+                ": column 'stand' changes that often: sort the rows by placement, leave the column out "
+                '(--column "stand=ignore"), or leave the option out'
+            )
         raise DataError(message)
     table = Table(
         row=rows,
