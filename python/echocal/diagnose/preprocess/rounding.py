@@ -25,10 +25,13 @@ class Rounding:
         Of each row of the table: rows of one station at one distance.
     variance : ndarray, shape (placements,)
         [m^2].
+    each : float
+        Standard deviation of the error of rounding of one row [m].
     """
 
     placement: Labels
     variance: Column
+    each: float
 
 
 def shared_rounding(
@@ -61,7 +64,7 @@ def shared_rounding(
         mean = np.bincount(codes, meters) / count
         scatter = np.bincount(codes, (meters - mean[codes]) ** 2) / np.maximum(count - 1, 1)
         variance += _undithered(scatter, rms[name])
-    return Rounding(codes, variance)
+    return Rounding(codes, variance, float(np.hypot.reduce([rms[name] for name in recorded])))
 
 
 def _undithered(scatter: Column, rms: float) -> Column:
