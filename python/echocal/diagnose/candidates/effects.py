@@ -183,14 +183,13 @@ def _presumed(found: Candidates, effect: Effect, scene: Scene) -> Variant:
         base.model({effect.id: {size.name: end}}).indicate(scene.distance, **scene.conditions) for end in ends
     )
     column = found.columns.store(scale * (high - low) / (ends[1] - ends[0]))
-    bounds = tuple((bound - at) / scale for bound in size.bounds)
     return Variant(
         effect.id,
         {size.name: at},
         free=(column,),
         names=(size.name,),
         scales=(scale,),
-        bounds=((bounds[0], bounds[1]),),
+        bounds=(_in_units(size.bounds, at, scale),),
     )
 
 
@@ -226,6 +225,16 @@ def _scale(parameter: Parameter, scene: Scene) -> float:
     return parameter.prior_scale * usual / span if span > 0 else parameter.prior_scale
 
 
+def _in_units(bounds: tuple[float, float], at: float, scale: float) -> tuple[float, float]:
+    """Bounds of a coefficient, rounded inwards: a parameter that is computed from them is within its own."""
+    low, high = ((bound - at) / scale for bound in bounds)
+    while at + low * scale < bounds[0]:
+        low = float(np.nextafter(low, np.inf))
+    while at + high * scale > bounds[1]:
+        high = float(np.nextafter(high, -np.inf))
+    return low, high
+
+
 def _freed(
     found: Candidates,
     variant: Variant,
@@ -237,7 +246,6 @@ def _freed(
 ) -> Variant:
     """Add tangents of parameters, in units of their prior standard deviations, to a variant."""
     each = list(zip(parameters, scales, strict=True))
-    low_high = [tuple((b - variant.at[p.name]) / scale for b in p.bounds) for p, scale in each]
     tangents = [
         found.columns.tangent(variant.cause, variant.at, p.name, scale, at_work=at_work, levels=levels)
         for p, scale in each
@@ -247,5 +255,5 @@ def _freed(
         free=tuple(tangents),
         names=tuple(p.name for p in parameters),
         scales=tuple(float(scale) for scale in scales),
-        bounds=tuple((low, high) for low, high in low_high),
+        bounds=tuple(_in_units(p.bounds, variant.at[p.name], scale) for p, scale in each),
     )

@@ -17,11 +17,12 @@ def _fault(id_: str) -> Fault:
     return fault
 
 
-# Faults of whole columns come first. Of the others those that concern many rows come first: they
-# would make outliers of the rest.
+# A reading that froze was measured once, whatever else is wrong with its column. Then faults of whole columns
+# come first. Of the others those that concern many rows come first: they would make outliers of the rest.
 FAULTS: tuple[Fault, ...] = tuple(
     _fault(id_)
     for id_ in (
+        "stuck_reading",
         "dead_column",
         "swapped_columns",
         "swapped_time_distance",
@@ -34,10 +35,9 @@ FAULTS: tuple[Fault, ...] = tuple(
         "blanking_distance",
         "censored_range",
         "reset_temperature",
-        "stuck_reading",
-        "installation_transient",
         "mistyped_rows",
         "timeout",
+        "installation_transient",
         "multipath",
         "crosstalk",
         "degrading_sensor",

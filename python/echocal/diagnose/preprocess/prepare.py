@@ -97,10 +97,14 @@ def prepare(
     if reference is None and len(rows) - groups[-1] - 1 < settings.fewest:
         message = (
             f"with --constant-distance the distance of each placement is unknown, and {len(rows)} usable "
-            f"rows have {groups[-1] + 1} placements: column 'stand' changes that often. A diagnosis needs "
-            f"at least {settings.fewest} rows more than placements: sort the rows by placement, leave the "
-            'column out (--column "stand=ignore"), or leave the option out'
+            f"rows have {groups[-1] + 1} of them. A diagnosis needs at least {settings.fewest} rows more "
+            "than placements"
         )
+        if groups[-1]:
+            message += (
+                ": column 'stand' changes that often: sort the rows by placement, leave the column out "
+                '(--column "stand=ignore"), or leave the option out'
+            )
         raise DataError(message)
     table = Table(
         row=rows,
@@ -118,7 +122,8 @@ def prepare(
         labels={name: codes[rows] for name, codes in observations.labels.items() if name != "order"},
         stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
         placements=groups.astype(np.int64) if reference is None else None,
+        rounding=step / 12**0.5,
     )
     table = divided(table, rows[steps], settings.gap)
     period = 0.5 * PERIOD * base.indication(np.full(len(rows), 2.0), conditions)
-    return joined(table, period, step, settings)
+    return joined(table, period, settings)

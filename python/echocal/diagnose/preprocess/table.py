@@ -72,6 +72,8 @@ class Table:
         Placement of the target of each row where the distance is unknown: `groups` before the level steps.
     step_probability : mapping of int to float
         Probability of the steps that were weighed beside causes, by source row.
+    rounding : float
+        Standard deviation of the error of rounding of a reading [m]; 0 where the readings have no step.
     members : Members or None
         The rows of each unit; None where each row is a unit.
     """
@@ -93,6 +95,7 @@ class Table:
     grouped_by: str = ""
     placements: Labels | None = None
     step_probability: Mapping[int, float] = field(default_factory=dict)
+    rounding: float = 0.0
     members: Members | None = None
 
     def __len__(self) -> int:

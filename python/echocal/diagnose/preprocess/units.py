@@ -16,7 +16,7 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
-def joined(table: Table, period: Column, step: float, settings: RowSettings) -> Table:
+def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     """Join the rows of each visit where the air hardly changes in it: docs/method.md, Eq. 1a.
 
     What the rows of a visit share (the tape, the tilt of the target, the air on the way) does not average
@@ -29,8 +29,6 @@ def joined(table: Table, period: Column, step: float, settings: RowSettings) -> 
         Of rows.
     period : ndarray, shape (n,)
         Length of one period of the carrier at each row [m].
-    step : float
-        Step of the readings [m].
     settings : RowSettings
 
     Returns
@@ -52,7 +50,7 @@ def joined(table: Table, period: Column, step: float, settings: RowSettings) -> 
     temperature = table.conditions.get("temperature")
     if temperature is not None:
         warming = settings.per_kelvin * table.reference * (temperature - mean(temperature)[visit])
-        if float(np.mean(warming**2)) > max(mixture.scatter**2, step**2 / 12):
+        if float(np.mean(warming**2)) > max(mixture.scatter, table.rounding) ** 2:
             return table
     first = np.unique(visit, return_index=True)[1]
     groups = np.unique(table.groups[first], return_inverse=True)[1].astype(np.int64)

@@ -37,7 +37,7 @@ def factor_of(view: View, factors: tuple[float, ...], settings: FaultSettings) -
         return None  # no row is near any of them
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / view.reference)
-    log_ratio = log_ratio[np.isfinite(log_ratio)]
+    log_ratio = log_ratio[np.isfinite(log_ratio) & view.measured]
     if len(log_ratio) == 0:
         return None
     center = float(np.median(log_ratio))

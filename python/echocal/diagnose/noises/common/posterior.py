@@ -228,6 +228,7 @@ class Traced:
             distance=self.order.distance[self.unit],
             speed=self.speed,
             segment=self.segment,
+            rounding=self.case.table.rounding,
             free_mean=joined or self.case.sums.flat_level or bool(fit.hypothesis.variants),
         )
 
