@@ -24,7 +24,7 @@ _APART = 5.0
 group with a probability of more than 1 %."""
 
 _WIDTH = 2.0
-"""Range of the readings of a wild row [m]."""
+"""Range of the readings of a wild row [m]: half of that of an HC-SR04."""
 
 _PRIOR = np.array([0.95, 0.01, 0.01, 0.01, 0.02])
 """Shares at first; the rounds forget them."""
