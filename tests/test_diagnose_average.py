@@ -28,3 +28,14 @@ def test_where_no_set_can_be_asked_the_error_says_what_is_missing() -> None:
     members = [Member(("temperature_self_heating",), 1.0, WARMING)]
     with pytest.raises(echocal.DataError, match="needs elapsed_time"):
         averaged(members, "indicate", 2.0, {"temperature": 20.0}, 1.0)
+
+
+@pytest.mark.filterwarnings("ignore::echocal.DisagreementWarning")
+def test_sets_that_disagree_are_uncertain_by_their_spread() -> None:
+    """10 mm, probable to 0.8, or nothing: the standard deviation is 4 mm."""
+    off = echocal.Model("linear", effects={"zero_error": {"offset": 0.010}})
+    members = [Member(("zero_error",), 0.8, off), Member((), 0.2, echocal.Model("linear"))]
+    found = averaged(members, "indicate", 2.0, {"temperature": 20.0}, 1e-3)
+    assert found.value == pytest.approx(2.008, abs=1e-12)
+    assert found.standard_uncertainty == pytest.approx(0.004, abs=1e-12)
+    assert not found.agreed

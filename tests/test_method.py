@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from method_page import Method, every, informative, prior
 
+import echocal
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.case import Case
@@ -63,6 +64,19 @@ def test_columns_are_scaled_derivatives_and_polynomials_without_their_means() ->
         polynomial = np.polynomial.Legendre.basis(degree)(scaled)
         expected = 3e-3 / degree * (polynomial - polynomial.mean())
         np.testing.assert_allclose(columns[column], expected, atol=1e-12)
+
+
+def test_the_wide_prior_of_a_size_has_a_tenth_of_the_weight_of_the_usual_one() -> None:
+    case, _ = prepared(0.0)
+    checked = 0
+    for effect in echocal.effects():
+        forms = [v for v in case.found.variants if v.cause == effect.id]
+        if len(forms) == 2 and any(p.tail > 1 for p in effect.parameters):
+            usual, wide = forms
+            np.testing.assert_allclose([usual.weight, wide.weight], np.array([1.0, 0.1]) / 1.1, rtol=1e-12)
+            assert wide.scales[0] > usual.scales[0]
+            checked += 1
+    assert checked
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.6])
