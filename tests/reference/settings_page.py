@@ -186,8 +186,8 @@ CORE = (
         "_APART",
         "standard deviations",
         "preprocess/row_mixture.py",
-        "a period of the carrier is told apart where it is so long (Eq. 1a); argument: with less, more than 1 % "
-        "of the rows are in the wrong group",
+        "a period of the carrier is told apart where it is so long (Eq. 1a); argument: with less, more than "
+        "1 % of the rows are in the wrong group",
     ),
     (
         "_WIDTH",

@@ -118,7 +118,7 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
     rest = judge.judged(trials, Rest(selection.best.hypothesis, tuple(selection.claims), before))
     score = judge.score(rest.after, before, selection.noise) if rest.kept else None
     refuted: tuple[Refuted, ...] = ()
-    if score is not None and not _smaller(rest.after, before):
+    if score is not None and _larger(rest.after, before):
         low, _ = score.interval(case.settings.validation)
         if not low > 0.0:
             refuted, rest = _refuted(rest, before, score.total), _base_alone(rest, before)
@@ -148,10 +148,10 @@ def _refuted(rest: Rest, before: HeldOut, log_score: float) -> tuple[Refuted, ..
     )
 
 
-def _smaller(one: HeldOut, other: HeldOut) -> bool:
-    """Whether the error is smaller, on the rows that both can judge; without any, nothing speaks against."""
+def _larger(one: HeldOut, other: HeldOut) -> bool:
+    """Whether the error is larger, on the rows that both can judge; equal errors say nothing."""
     after, before = on_common_rows(one, other)
-    return not after.rms >= before.rms
+    return bool(after.rms > before.rms)
 
 
 def _base_alone(rest: Rest, before: HeldOut) -> Rest:
