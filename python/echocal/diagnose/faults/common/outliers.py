@@ -91,7 +91,7 @@ def _against_odd(view: View, rows: NDArray[np.bool_], off: NDArray[np.float64], 
     All far rows are such echoes, or any part of them, with the same prior. `off` is in units of the limit.
     """
     beyond = view.good & (np.abs(off) > 1.0)
-    way = np.abs(view.expected / view.deviation)[beyond]
+    way = np.abs(view.expected[beyond] / view.deviation[beyond])
     orders = np.maximum(np.log(way * np.abs(off[beyond])), 1.0)  # of magnitude, to which odd rows are off
     over = own.anywhere * orders / np.maximum(way, 1.0) + 1.0 - own.anywhere  # density over that of odd rows
     logs = np.log(_PARTS * np.where(rows[beyond], 2.0 * over, 0.0) + (1.0 - _PARTS) + 1e-300).sum(axis=1)
