@@ -27,7 +27,6 @@ from echocal.diagnose import engine, pipeline
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.inference import case, examine, posterior
 from echocal.diagnose.results import report
-from echocal.diagnose.selection import select
 
 HERE = Path(__file__).parent
 RUNS = {1_000: 9, 100_000: 5, 1_000_000: 3}
@@ -44,7 +43,6 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (_core, "posterior", "hypotheses"),
     (pipeline, "infer_noises", "noises with a likelihood of their own"),
     (pipeline, "validate", "held-out rows"),
-    (select, "steadiness", "one size in every part"),
     (pipeline, "propose", "next measurements"),
     (report, "notes", "notes"),
     (report, "_cause", "sentences"),

@@ -239,18 +239,3 @@ def test_errors_are_compared_on_the_rows_that_both_models_know() -> None:
     one, other = HeldOut(np.array([9.0, 1.0, 1.0, np.nan])), HeldOut(np.array([np.nan, 2.0, 2.0, 5.0]))
     assert [held.rms for held in on_common_rows(one, other)] == [1.0, 2.0]
     assert np.isnan(HeldOut(np.array([np.nan])).rms)
-
-
-@pytest.mark.statistical
-def test_a_cause_that_the_first_rows_carry_is_not_named(random: np.random.Generator) -> None:
-    """A sensor from a warm room settles; the later rows know nothing of it. Stations take turns."""
-    table = logged(random)
-    settling = np.exp(-np.arange(600) / 12.0)
-    table["distance_m"] = np.tile([0.5, 0.8, 1.1, 1.4, 1.7, 2.0], 100)
-    table["temperature_C"] = 10.0 + 15.0 * settling + np.sin(np.arange(600) / 30.0)
-    error = 3e-3 * table["distance_m"] * settling
-    table["reading_m"] = table["distance_m"] + random.normal(0.0, 5e-4, 600) + error
-    diagnosis = echocal.diagnose(table)
-    effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
-    assert diagnosis.verdict != "named" or not effects, diagnosis.explain()
-    assert any("rows carry" in cause.doubt for cause in effects)

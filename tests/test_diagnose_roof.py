@@ -81,30 +81,14 @@ def test_june_reports_the_step_and_does_not_blame_the_air(roof: Path) -> None:
 
 
 def test_the_tension_of_the_humidity_term_is_told(roof: Path) -> None:
-    july = diagnose(roof, base="linear", reading_speed="331.4", since=JULY["since"], until=JULY["until"])
     june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
-    for diagnosis, size in ((july, 1.4), (june, 0.0)):
-        (note,) = [note for note in diagnosis.notes if "humidity" in note and "theoretical size" in note]
-        plain = float(note.split("fitted size is ")[1].split(" ")[0])
-        assert plain == pytest.approx(size, abs=0.15)
-
-
-def test_what_makes_both_true_is_said(roof: Path) -> None:
-    july = diagnose(roof, base="linear", reading_speed="331.4", since=JULY["since"], until=JULY["until"])
-    june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
-    for diagnosis in (july, june):
-        (note,) = [note for note in diagnosis.notes if "humidity" in note and "theoretical size" in note]
-        plain, reckoned = note.split("fitted size is ")[1].split(" by plain least squares, and ")
-        size, uncertainty = (float(part) for part in reckoned.split(" with autocorrelated")[0].split(" +/- "))
-        least, too_sure = (float(part) for part in plain.split(" +/- "))
-        assert uncertainty > 2 * too_sure  # rows that owe each other something know less
-        assert abs(size - 1) < abs(least - 1)
-        reasons = (
-            "The rows are not independent",
-            "closer to theory if fitted beside",
-            "of the opposite sign hides it",
-        )
-        assert any(reason in note for reason in reasons)
+    (note,) = [note for note in june.notes if "humidity" in note and "theoretical size" in note]
+    assert "is not claimed" in note
+    size, uncertainty = (
+        float(part) for part in note.split("fitted size is ")[1].split(". ")[0].split(" +/- ")
+    )
+    assert 0.0 < size < 1.0
+    assert 0.05 < uncertainty < 0.5  # rows that owe each other something know less than 0.02
 
 
 def test_no_cause_of_the_air_is_named_for_the_whole_record(roof: Path) -> None:

@@ -229,7 +229,9 @@ def test_records_of_loggers_have_no_invented_fault(shared: Path) -> None:
         pytest.skip(f"no real records in {shared}")
     for name, data, constant in records(shared):
         faults = find_faults(data, Base.of("cramer"), None, constant, FaultSettings(), NoiseSettings())
-        found = {f.cause for f in faults.accepted}
+        no_echo = [f.rows for f in faults.accepted if f.cause == "timeout"]
+        assert all(data.reading is not None and not data.reading[rows].any() for rows in no_echo), name
+        found = {f.cause for f in faults.accepted} - ({"timeout"} if name == "cycling" else set())
         assert not found & {"mistyped_rows", "stuck_reading", "timeout", "swapped_columns"}, name
         assert name not in {"desk", "box 2019-05-21", "cycling"} or "crosstalk" in found
 

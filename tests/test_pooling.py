@@ -12,7 +12,6 @@ import echocal
 from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.pipeline import examined
 from echocal.diagnose.pooling.against import opposition
-from echocal.diagnose.pooling.pool import pooled
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.diagnose.pooling.search import Pool, search
 from echocal.diagnose.pooling.table import TableInference
@@ -64,7 +63,7 @@ def tables(seeded: Seeded, request: pytest.FixtureRequest) -> list[TableInferenc
         result = examined(table, given, Steps(None))
         one = TableInference.of("AB"[len(found)], result, result.diagnosis)
         named = {cause.id for cause in one.diagnosis.causes}
-        if one.diagnosis.verdict == "named" and LAG in named and not one.doubts and not one.diagnosis.refuted:
+        if one.diagnosis.verdict == "named" and LAG in named and not one.diagnosis.refuted:
             found.append(one)
         if len(found) == 2:
             return found
@@ -181,28 +180,6 @@ def test_a_refuted_cause_counts_against(tables: list[TableInference]) -> None:
     against = replace(first, diagnosis=replace(first.diagnosis, refuted=(refuted,)), known={})
     assert opposition([against, other], Settings()) == {("A", LAG): -Settings().pooling.against}
     assert odds(probability([against, other])) < odds(probability(tables)) - Settings().pooling.against
-
-
-def test_a_doubted_size_counts_against(tables: list[TableInference]) -> None:
-    first, other = tables
-    doubted = replace(first, doubts={LAG: "its size is not plausible"}, known={})
-    assert odds(probability([doubted, other])) < odds(probability(tables)) - Settings().pooling.against
-    found = pooled([doubted, other], (), Settings(), 0)
-    roles = {one.table: one.role for c in found.causes if c.id == LAG for one in c.tables}
-    assert roles.get("A", "doubts") == "doubts"
-    assert found.verdict != "named", "one table shows no recurrence"
-
-
-def test_a_cause_that_few_rows_carry_is_left_to_the_other_tables(tables: list[TableInference]) -> None:
-    first, other = tables
-    silent = replace(first, doubts={LAG: "12 rows carry it"}, carried=frozenset({LAG}), known={})
-    assert opposition([silent, other], Settings()) == {("A", LAG): 0.0}
-    loud = replace(first, doubts={LAG: "its size is not plausible"}, known={})
-    gain = odds(probability([silent, other])) - odds(probability([loud, other]))
-    assert gain == pytest.approx(Settings().pooling.against, abs=0.5)
-    found = pooled([silent, other], (), Settings(), 0)
-    shown = [one for c in found.causes if c.id == LAG for one in c.tables if one.table == "A"]
-    assert all((one.role, one.log_bayes) == ("doubts", pytest.approx(0.0, abs=1e-9)) for one in shown)
 
 
 def test_recurrence_raises_the_probability(tables: list[TableInference]) -> None:

@@ -183,9 +183,22 @@ CORE = (
         "least precision added to a column, over its square (Eq. 12); arithmetic",
     ),
     (
+        "_APART",
+        "standard deviations",
+        "preprocess/row_mixture.py",
+        "a period of the carrier is told apart where it is so long (Eq. 1a); argument: with less, more than "
+        "1 % of the rows are in the wrong group",
+    ),
+    (
+        "_WIDTH",
+        "m",
+        "preprocess/row_mixture.py",
+        "range of the readings of a wild row (Eq. 1a); argument: half of the range of an HC-SR04",
+    ),
+    (
         "VARIANCE_FLOOR",
         "m",
-        "inference/noise.py",
+        "settings/noise_models.py",
         "least standard deviation of the noise; argument: simulated data may have none",
     ),
     (

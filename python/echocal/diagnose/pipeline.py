@@ -37,13 +37,10 @@ from echocal.diagnose.results.outlier_rules import outlier_rules
 from echocal.diagnose.results.report import report
 from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.selection.joint import join
-from echocal.diagnose.selection.leverage import carried_by_few
-from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.selection.within_days import unseen_within_days
-from echocal.diagnose.validation.hand_over import select_and_refute
+from echocal.diagnose.selection.plausibility import implausible
+from echocal.diagnose.selection.select import Selection, select
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
-from echocal.diagnose.validation.misstated_speed import misstated_speed
 from echocal.diagnose.validation.remainder import remainder
 from echocal.diagnose.validation.smooth import smooth_correction
 from echocal.diagnose.validation.unconfirmed import unconfirmed
@@ -159,23 +156,18 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             ranking = rank(shares.fits, case.found.competing, settings)
 
             work.begin("validating claims")
-            selection, rest = select_and_refute(case, ranking, shares, reduced)
-            carried = carried_by_few(case, rest.kept, selection.best, selection.noise)
-            if any(found.cause == "slow_level" for found in offsets):
-                carried |= unseen_within_days(case, rest.kept, selection.best, selection.noise)
-            selection = replace(selection, carried=carried)
+            selection = select(case, ranking, shares, reduced)
             possible = shares.possible(settings.noises.considered)
             judge = judge_of(case, reduced.noises, possible, held, after, steps)
-            validation = validate(case, selection, rest, judge, reduced)
+            validation = validate(case, selection, judge, reduced)
             step = validation.further_level_step(case.table)
             if step is None or len(level_steps) == settings.rows.most_level_steps:
                 break
             level_steps.append(step)
             work.level_steps = len(level_steps)
 
-        doubts = unconfirmed(case, validation, judge, selection.noise)
-        misstated = misstated_speed(case, validation)
-        selection = replace(selection, unconfirmed=doubts, misstated=misstated)
+        doubts = unconfirmed(case, validation, judge, selection.noise) | implausible(validation.kept, ranking)
+        validation = replace(validation, doubts=doubts)
         smooth = smooth_correction(case, validation, judge, selection.noise)
         left = remainder(case, ranking, validation, smooth, selection.noise)
 

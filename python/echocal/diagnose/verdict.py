@@ -20,20 +20,19 @@ def verdict(
 
     A noise or a fault alone makes the verdict ``named`` only if no shift of the readings is open. A
     shift is open if it is more probable than the threshold of ``named`` and no claim is kept, if a kept
-    claim has no constant or no plausible size, or if claims were dropped because their model is not, or
-    not certainly, better than the base on rows that its choice has not seen. An open shift is never
+    claim is in doubt, or if claims were dropped because their model is not, or not certainly, better than
+    the base on rows that its choice has not seen. An open shift is never
     ``nothing``, even if every claim is refuted. Neither is an error that recorded columns, or rows that take
     turns, can lower: `left` says so.
     """
     named = ranking.settings.claims.named
-    steady = [c.probability for c in validation.kept if c.cause not in selection.doubts]
-    if any(probability >= named for probability in steady):
+    doubts = validation.doubts
+    if any(claim.probability >= named and claim.cause not in doubts for claim in validation.kept):
         return "named"
     if left is not None and left.turns:
         return "unknown"
     shifted = not validation.kept and _shifted(ranking, selection)
-    dropped = validation.overruled or validation.withheld is not None
-    is_open = len(steady) < len(validation.kept) or dropped or shifted
+    is_open = bool(doubts or validation.refuted or validation.withheld or shifted)
     if not is_open and any(f.probability >= named for f in joint.decisive):
         return "named"
     if selection.term is not None:

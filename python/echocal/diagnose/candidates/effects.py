@@ -44,8 +44,18 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
         if not variants:
             found.skipped[effect.id] = "too few distances before the one where it would begin"
             continue
-        total = sum(v.weight for v in variants)
+        total = 1.0 if _each_counts(effect, scene) else sum(v.weight for v in variants)
         found.variants += [replace(v, weight=v.weight / total) for v in variants]
+
+
+def _each_counts(effect: Effect, scene: Scene) -> bool:
+    """Whether each form of a cause is as probable as another cause.
+
+    Where the temperature is the same in all rows, nothing shows that the device reads a thermometer. Then
+    each fixed speed in use is a cause by itself.
+    """
+    temperature = scene.conditions.get("temperature")
+    return effect.id == "fixed_speed" and (temperature is None or not np.ptp(temperature) > 0)
 
 
 def _why_not(effect: Effect, scene: Scene) -> str:
@@ -122,6 +132,12 @@ def _known(found: Candidates, effect: Effect, scene: Scene) -> list[Variant]:
     for name, size in sizes.items():
         column = found.columns.tangent(id_, at, name, 1.0, at_work=True, levels=levels)
         found.size_tangents[id_] = (column, size)
+    if _each_counts(effect, scene):  # one of these speeds, in air that is not quite as recorded
+        near = [scene.settings.priors.air_unknown * p.neutral for p in nonlinear]
+        variants += [
+            _freed(found, one, nonlinear, near, at_work=True, levels=scene.levels(id_, one.at))
+            for one in variants
+        ]
     if nonlinear:
         usual = [p.prior_scale for p in nonlinear]
         whole = _freed(found, whole, nonlinear, usual, at_work=True, levels=levels)
@@ -167,14 +183,13 @@ def _presumed(found: Candidates, effect: Effect, scene: Scene) -> Variant:
         base.model({effect.id: {size.name: end}}).indicate(scene.distance, **scene.conditions) for end in ends
     )
     column = found.columns.store(scale * (high - low) / (ends[1] - ends[0]))
-    bounds = tuple((bound - at) / scale for bound in size.bounds)
     return Variant(
         effect.id,
         {size.name: at},
         free=(column,),
         names=(size.name,),
         scales=(scale,),
-        bounds=((bounds[0], bounds[1]),),
+        bounds=(_in_units(size.bounds, at, scale),),
     )
 
 
@@ -210,6 +225,16 @@ def _scale(parameter: Parameter, scene: Scene) -> float:
     return parameter.prior_scale * usual / span if span > 0 else parameter.prior_scale
 
 
+def _in_units(bounds: tuple[float, float], at: float, scale: float) -> tuple[float, float]:
+    """Bounds of a coefficient, rounded inwards: a parameter that is computed from them is within its own."""
+    low, high = ((bound - at) / scale for bound in bounds)
+    while at + low * scale < bounds[0]:
+        low = float(np.nextafter(low, np.inf))
+    while at + high * scale > bounds[1]:
+        high = float(np.nextafter(high, -np.inf))
+    return low, high
+
+
 def _freed(
     found: Candidates,
     variant: Variant,
@@ -221,7 +246,6 @@ def _freed(
 ) -> Variant:
     """Add tangents of parameters, in units of their prior standard deviations, to a variant."""
     each = list(zip(parameters, scales, strict=True))
-    low_high = [tuple((b - variant.at[p.name]) / scale for b in p.bounds) for p, scale in each]
     tangents = [
         found.columns.tangent(variant.cause, variant.at, p.name, scale, at_work=at_work, levels=levels)
         for p, scale in each
@@ -231,5 +255,5 @@ def _freed(
         free=tuple(tangents),
         names=tuple(p.name for p in parameters),
         scales=tuple(float(scale) for scale in scales),
-        bounds=tuple((low, high) for low, high in low_high),
+        bounds=tuple(_in_units(p.bounds, variant.at[p.name], scale) for p, scale in each),
     )

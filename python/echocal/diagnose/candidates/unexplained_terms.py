@@ -97,8 +97,8 @@ def term_candidates(
     A term has a mean. Without it, an offset would be claimed for the mean of an unknown effect. A
     term against the distance has neither a mean nor a linear part, because an offset and a scale
     are causes of the catalogue; one against the echo quality has no linear part either, if that cause
-    competes. The candidates' `line` is used later to check that these two are
-    more than parts of an unknown effect.
+    competes. The candidates' `line` is for the check that these two are more
+    than parts of an unknown effect.
 
     Parameters
     ----------

@@ -65,9 +65,9 @@ class Candidates:
 
     columns: Columns
     variants: list[Variant] = field(default_factory=list)
+    line: Variant | None = None
     size_tangents: dict[str, tuple[int, float]] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
-    line: Variant | None = None
     aside: tuple[str, ...] = ()
     unread: dict[str, str] = field(default_factory=dict)
     steps: tuple[int, ...] = ()

@@ -23,8 +23,8 @@ __all__ = ["FAULT"]
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_FAILURES = ("timeout", "multipath", "crosstalk", "censored_range", "stuck_reading")
-"""Reasons of other faults that are failures of the sensor."""
+_FAILURES = ("timeout", "multipath", "crosstalk", "censored_range")
+"""Reasons of other faults that are failures of the sensor, each of one row."""
 
 
 @dataclass(frozen=True)

@@ -17,26 +17,27 @@ def _fault(id_: str) -> Fault:
     return fault
 
 
-# Faults of whole columns come first. Of the others those that concern many rows come first: they
-# would make outliers of the rest.
+# A reading that froze was measured once, whatever else is wrong with its column. Then faults of whole columns
+# come first. Of the others those that concern many rows come first: they would make outliers of the rest.
 FAULTS: tuple[Fault, ...] = tuple(
     _fault(id_)
     for id_ in (
+        "stuck_reading",
         "dead_column",
         "swapped_columns",
         "swapped_time_distance",
         "fahrenheit_celsius",
         "round_trip_factor",
         "unit_mixup",
+        "device_factor",
         "shifted_rows",
         "computed_table",
+        "blanking_distance",
         "censored_range",
         "reset_temperature",
-        "stuck_reading",
-        "installation_transient",
         "mistyped_rows",
         "timeout",
-        "blanking_distance",
+        "installation_transient",
         "multipath",
         "crosstalk",
         "degrading_sensor",

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.values import recorded
+from echocal.diagnose.faults.common.values import expected_everywhere, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -18,6 +18,7 @@ from echocal.observations.marks import RowRule
 __all__ = ["FAULT"]
 
 _FINEST = 1e-6  # m; below it no two readings are equal by chance
+_NOISES = np.geomspace(0.02, 2000.0, 200)  # in steps of the readings
 
 
 @dataclass(frozen=True)
@@ -28,9 +29,6 @@ class Thresholds:
     most: float = threshold(5, "1", "runs: more of them are how this sensor is; judgement")
     tail: float = threshold(
         10, "1", "other runs, at least, that tell how runs of some length go on; judgement"
-    )
-    hidden: float = threshold(
-        0.75, "1", "part of neighbors that are equal anyhow, above which a run means nothing; judgement"
     )
     elsewhere: float = threshold(
         8, "1", "rows outside of the longest run that tell how often neighbors are equal; judgement"
@@ -51,7 +49,7 @@ FACTS = CauseFacts(
     check="log an age or a counter beside the reading",
     prior=0.01,
     formula="reading' = value, in length rows from first_row on",
-    repair="leaves out the rows of a run after its first",
+    repair="leaves out the rows of a run after its first, and the first where it is far off, too",
 )
 
 
@@ -73,7 +71,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     elsewhere = np.delete(lengths, int(np.argmax(lengths)))
     rows_elsewhere = max(int(elsewhere.sum()), 1)
     equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
-    if equal > own.hidden or rows_elsewhere < own.elsewhere:
+    if rows_elsewhere < own.elsewhere:
         return None
     surprise = np.zeros(len(lengths))
     for run in np.flatnonzero(lengths >= own.shortest):  # somewhere among n rows
@@ -84,7 +82,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         return None
     frozen = np.zeros(len(values), dtype=bool)
     for start, length in zip(starts[long], lengths[long], strict=True):
-        frozen[start + 1 : start + length] = True  # the first row of a run was measured
+        frozen[start : start + length] = True
+    live = view.after(view.without(frozen, FACTS.id))
+    off = np.abs(view.indication[starts[long]] - expected_everywhere(live)[starts[long]])
+    frozen[starts[long][off <= settings.far.deviations * live.scatter]] = False  # it was measured
     first, length = int(starts[long[0]]), int(lengths[long[0]])
     value = float(view.indication[first])
     because = (
@@ -120,10 +121,16 @@ def _longest(
         others = np.delete(lengths, chosen)
         log_expected = _log_expected(others, count, int(lengths[chosen[-1]]), own)
         by_others = -count * log_expected + float(np.log(np.arange(1, count + 1)).sum())
-        evidence = min(by_others, float(surprise[chosen].max()))
+        evidence = min(by_others, float(surprise[chosen].max())) + _log_prior(lengths, chosen)
         if evidence > best[1]:
             best = chosen, evidence, float(np.exp(-evidence))
     return best
+
+
+def _log_prior(lengths: NDArray[np.int64], frozen: NDArray[np.int64]) -> float:
+    """Log probability of lengths: half of the frozen runs do not end, half have any order of magnitude."""
+    ended = 0.5 / (lengths[frozen] * np.log(lengths.sum()))
+    return float(np.log(ended + 0.5 * (frozen == len(lengths) - 1)).sum())
 
 
 def _log_expected(others: NDArray[np.int64], longer: int, length: int, own: Thresholds) -> float:
@@ -139,7 +146,7 @@ def _log_expected(others: NDArray[np.int64], longer: int, length: int, own: Thre
     expected = -np.inf
     for least in range(1, length + 1):
         ended = int(np.searchsorted(-sorted_, -least, side="right"))
-        if ended < own.tail:
+        if ended < own.tail and least > 1:
             break
         went_on = float((sorted_[:ended] - least).sum()) + longer * float(sorted_[0] - least) + 0.5
         goes_on = betaln(went_on + length - least, ended + 0.5) - betaln(went_on, ended + 0.5)
@@ -156,18 +163,22 @@ def _by_chance(view: View, rows: slice, equal: float) -> float:
     from scipy.special import ndtr  # takes long to import
 
     half = 0.5 * max(view.resolution, _FINEST)
-    noise = _noise(view)
+    noise = 2 * half * float(np.interp(-equal, -_equal_neighbors(_NOISES), _NOISES))
     off = view.expected[rows] - np.median(view.expected[rows])  # the run's own level is its business
     inside = ndtr((half - off) / noise) - ndtr((-half - off) / noise)
     return float(np.log(np.clip(inside, max(equal, 1e-12), 1.0))[1:].sum())
 
 
-def _noise(view: View) -> float:
-    """Standard deviation of a reading without its step, from its changes from row to row [m]."""
-    changes = np.abs(np.diff(view.deviation[view.good & np.isfinite(view.deviation)]))
-    step = view.resolution
-    robust = 1.4826 / np.sqrt(2) * float(np.median(changes)) if len(changes) else 0.0
-    return float(np.sqrt(max(robust**2 - step**2 / 12, (0.05 * step) ** 2, _FINEST**2)))
+def _equal_neighbors(noise: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Part of neighbors that are equal, by the standard deviation of normal noise in steps of the readings.
+
+    It is the mean of `1 - |x|`, not below 0, over the difference `x` of two rows before their rounding.
+    """
+    from scipy.special import ndtr  # takes long to import
+
+    of_difference = np.sqrt(2.0) * noise
+    density = np.exp(-0.5 / of_difference**2)
+    return np.asarray(2 * ndtr(1 / of_difference) - 1 - np.sqrt(2 / np.pi) * of_difference * (1.0 - density))
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

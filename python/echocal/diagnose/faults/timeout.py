@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln
 
+from echocal.diagnose.faults.common.constant import finest, log_constant
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.values import far, recorded, repeats
+from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
@@ -15,6 +18,8 @@ from echocal.diagnose.settings.threshold import threshold
 from echocal.observations.marks import RowRule
 
 __all__ = ["FAULT"]
+
+Column = NDArray[np.float64]
 
 _SAME = 1e-10  # relative; what arithmetic leaves of one constant
 _KNOWN = 38e-3  # s, length of the HC-SR04's pulse without an echo (data sheet)
@@ -27,23 +32,30 @@ class Thresholds:
     tolerance: float = threshold(
         5e-5, "s", "around the 38 ms of the data sheet: clones differ by tens of us; judgement"
     )
-    lone: float = threshold(3, "1", "far rows among which a single one at 38 ms means something; judgement")
-    part: float = threshold(0.5, "1", "part of the far rows that share the constant; judgement")
-    many: float = threshold(5, "1", "rows that share the constant, of which no part is asked; judgement")
-    each: float = threshold(
-        8.0, "1", "largest log Bayes factor of a row that repeats a far value exactly; judgement"
+    window: float = threshold(
+        0.01, "1", "of the logarithm, in which the rows of one constant lie: twice the largest jitter"
     )
-    cloud: float = threshold(
-        5.0,
+    reach: float = threshold(
+        4.0,
+        "m",
+        "up to there things are about as probable, and beyond the echo is fainter: HC-SR04 data sheet",
+    )
+    another: float = threshold(
+        0.25, "1", "part of the tables with echoes over a longer way in which one thing makes them; judgement"
+    )
+    scatter: float = threshold(
+        1.5, "1", "standard deviation of the log scatter of its echoes: they vary four times as much or less"
+    )
+    twice: float = threshold(
+        0.25, "1", "part of these tables in which it is the second round trip; judgement"
+    )
+    among: float = threshold(
+        0.05,
         "1",
-        "robust standard deviations, or steps of the readings, around the constant, in which other far rows "
-        "show the scatter of an echo; judgement",
+        "prior of a constant that is not longer than every good reading, over that of others; judgement",
     )
-    repeats: float = threshold(
-        0.1, "1", "part of the rows that repeat a value, from which readings have a step; judgement"
-    )
-    alone: float = threshold(
-        0.1, "1", "other far rows that near, as a part of those at the constant, that are chance; judgement"
+    impossible: float = threshold(
+        8.0, "1", "log Bayes factor of a row that repeats a value which no echo has; judgement"
     )
 
 
@@ -62,80 +74,104 @@ FACTS = CauseFacts(
 
 
 def detect(view: View, settings: FaultSettings) -> Finding | None:
-    """Look for a far value that repeats exactly, as a time or as a reading."""
+    """Compare one constant with rows that lie anywhere, and with another thing's echoes."""
     own = settings.of(FACTS, Thresholds)
-    outliers = np.flatnonzero(far(view, settings.far))
-    candidates = [_largest(view.observations.echo_time, outliers), _largest(recorded(view), outliers)]
-    known = outliers[np.abs(view.observations.echo_time[outliers] - _KNOWN) < own.tolerance]
-    rows = max([*candidates, known if len(outliers) <= own.lone else outliers[:0]], key=len)
-    if not len(rows) or (len(rows) < own.many and len(rows) < own.part * len(outliers)):
+    times, readings = view.observations.echo_time, recorded(view)
+    found = [_constant(view, values, settings, own) for values in (times, readings)]
+    found.append(_impossible(view, own))
+    evidence, rows = max(found, key=lambda one: one[0])
+    if not len(rows):
         return None
-    time = float(np.median(view.observations.echo_time[rows]))
     mask = np.zeros(len(view), dtype=bool)
     mask[rows] = True
+    time, expected = float(np.median(times[rows])), float(expected_everywhere(view)[rows[0]])
     because = (
         f"{listed(mask)}: an echo time of {1e3 * time:.3f} ms ({view.indication[rows[0]]:.2f} m) again and "
-        f"again, where {view.expected[rows[0]]:.2f} m is expected; left out"
+        f"again, where {expected:.2f} m is expected; left out"
     )
     parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
-    evidence = min(_constant(view, outliers, rows, own), settings.cap)
-    return Finding(
-        FACTS,
-        evidence,
-        because,
-        parameters,
-        mask,
-        view.without(mask, FACTS.id),
-        rules=_rules(view, rows, own),
-    )
+    repaired, rules = view.without(mask, FACTS.id, anyhow=True), _rules(view, rows, own)
+    return Finding(FACTS, min(evidence, settings.cap), because, parameters, mask, repaired, rules=rules)
 
 
-def _rules(view: View, rows: np.ndarray, own: Thresholds) -> tuple[RowRule, ...]:
+def _constant(
+    view: View, values: Column, settings: FaultSettings, own: Thresholds
+) -> tuple[float, NDArray[np.int64]]:
+    """The most far rows with about one value, and their evidence: docs/method.md, Eq. 31b."""
+    outliers = np.flatnonzero(far(view, settings.far) & (values > 0))
+    if not len(outliers):
+        return -np.inf, outliers
+    logs = np.log(np.where(values > 0, values, np.nan))
+    ordered = np.sort(logs[outliers])
+    ends = np.searchsorted(ordered, ordered + own.window, side="right")
+    first = int((ends - np.arange(len(ordered))).argmax())
+    inside = view.good & (np.abs(logs - np.median(ordered[first : ends[first]])) <= own.window)
+    rest = view.after(view.without(inside, FACTS.id))
+    if not rest.good.any():
+        return -np.inf, outliers[:0]
+    expected = view.expected if view.known else expected_everywhere(rest)
+    limit = np.maximum(settings.far.deviations * rest.scatter, settings.far.part * np.abs(expected))
+    rows = np.flatnonzero(inside & (np.abs(view.indication - expected) > limit))
+    if not len(rows):
+        return -np.inf, rows
+    place, least = view.indication[rows], finest(view.indication[rows], view.resolution)
+    off = np.abs(place - expected[rows])
+    count, among = len(rows), len(rows) + int(far(rest, settings.far).sum())
+    chosen = float(np.log(among + 1) + gammaln(among + 1) - gammaln(count + 1) - gammaln(among - count + 1))
+    echo = float(np.median(view.observations.echo_time[rows]))
+    known = _normal(echo / _KNOWN, own.tolerance / _KNOWN)
+    good = rest.indication[rest.good]
+    among_good = own.among if np.median(place) <= good.max() else 1.0
+    here = float(np.log(0.5 * among_good / settings.constant.range + 0.5 * known))
+    slow = 0.0 if view.known else 1.4826 * float(np.median(np.abs(good - np.median(good))))
+    half = 0.5 * float(np.log(max(slow / rest.scatter, 1.0)))  # of the way from scatter to slow changes
+    jitter = rest.scatter * np.exp(half) / float(np.median(place)), float(np.hypot(own.scatter, half))
+    there = _log_of_a_place(float(np.median(place)), float(np.median(expected[rows])), settings, own)
+    orders = np.maximum(np.log(off / limit[rows]), 1.0)
+    wild = np.log(0.5 / settings.constant.range + 0.5 * place / (2 * off * orders)).sum()
+    as_constant = log_constant(values[rows], least, settings.constant) + here - chosen
+    as_echoes = log_constant(values[rows], least, settings.constant, jitter) + there - chosen
+    return float(as_constant - np.logaddexp(wild, as_echoes)), rows
+
+
+def _log_of_a_place(place: float, expected: float, settings: FaultSettings, own: Thresholds) -> float:
+    """Log prior density of the log distance of another thing, or of the second round trip."""
+    fainter = min(1.0, (own.reach / place) ** 4)
+    twice = _normal(place / expected / 2, settings.factor.spread)
+    there = (1 - own.twice) * 0.75 * place / own.reach * fainter + own.twice * twice
+    return float(np.log(settings.outliers.usual * own.another * there))
+
+
+def _normal(ratio: float, spread: float) -> float:
+    """Density of a log ratio around zero."""
+    return float(np.exp(-0.5 * (np.log(ratio) / spread) ** 2) / (spread * np.sqrt(2 * np.pi)))
+
+
+def _impossible(view: View, own: Thresholds) -> tuple[float, NDArray[np.int64]]:
+    """Rows that repeat a value which no echo has, as 0, -1 or 9999."""
+    values, data = recorded(view), view.observations
+    names = [f"{data.source_names.get(name, name)} out of range" for name in ("reading", "echo_time")]
+    rows = np.flatnonzero(np.isin(data.unusable.astype(str), names) & np.isfinite(values))
+    if not len(rows):
+        return -np.inf, rows
+    each, counts = np.unique(values[rows], return_counts=True)
+    value, count = each[counts.argmax()], int(counts.max())
+    # one value may be wild, but none is the length of a way back
+    return own.impossible * (count - (value > 0)), rows[values[rows] == value]
+
+
+def _rules(view: View, rows: NDArray[np.int64], own: Thresholds) -> tuple[RowRule, ...]:
     """The constant, as a time or as a reading; as both, where one temperature does not tell them apart."""
     times, readings = view.observations.echo_time[rows], recorded(view)[rows]
     time, reading = float(np.median(times)), float(np.median(readings))
-    one_time, one_reading = np.ptp(times) <= _SAME * time, np.ptp(readings) <= _SAME * reading
+    one_time, one_reading = np.ptp(times) <= _SAME * abs(time), np.ptp(readings) <= _SAME * abs(reading)
     of_reading = RowRule(reason=FACTS.id, kind="equals", quantity="reading", value=reading)
     if one_reading and not one_time:
         return (of_reading,)
-    tolerance = 0.0 if one_time else own.tolerance
+    tolerance = 0.0 if one_time else max(own.tolerance, float(np.abs(times - time).max()))
     of_time = RowRule(reason=FACTS.id, kind="equals", quantity="echo_time", value=time, tolerance=tolerance)
     recorded_both = one_reading and view.observations.reading is not None
     return (of_time, of_reading) if recorded_both else (of_time,)
-
-
-def _constant(view: View, outliers: np.ndarray, rows: np.ndarray, own: Thresholds) -> float:
-    """Log Bayes factor of a constant against echoes from one place, whose readings repeat by their step.
-
-    Such echoes scatter: far rows that read nearly the same tell how many fall on one step by chance.
-    """
-    count = len(rows)
-    step = view.resolution
-    if not step and repeats(recorded(view)) > own.repeats:
-        step = view.scatter / own.cloud  # there is one that was not found
-    if count < 2 or not step:
-        return own.each * count  # readings without a step do not repeat by chance
-    off = np.abs(view.indication[outliers] - float(np.median(view.indication[rows])))
-    wide = own.cloud * max(view.scatter, step)
-    near, around = (max(int((off < width).sum()) - count, 0) for width in (own.cloud * step, wide))
-    if near > own.alone * count:
-        return -own.each
-    chance = (around + 0.5) * step / (2 * wide)  # rows that one step holds
-    by_chance = count * np.log(count / chance) - (count - chance) - np.log(len(outliers))
-    return float(min(own.each * count, by_chance))
-
-
-def _largest(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Rows of the largest group of one value, two at least."""
-    if len(rows) < 2:
-        return rows[:0]
-    order = rows[np.argsort(values[rows], kind="stable")]
-    sorted_ = values[order]
-    new = np.concatenate([[True], np.diff(sorted_) > _SAME * np.abs(sorted_[1:])])
-    group = np.cumsum(new) - 1
-    counts = np.bincount(group)
-    best = int(counts.argmax())
-    return order[group == best] if counts[best] > 1 else rows[:0]
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

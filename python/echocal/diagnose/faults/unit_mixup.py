@@ -6,16 +6,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.faults.common.constant import finest, log_constant
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.diagnose.faults.common.ratio import divided, factor_of, multiplied_reference
+from echocal.diagnose.faults.common.values import expected_everywhere
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding, listed
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
-from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.faults import Constant, FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FAULT"]
+
+Column = NDArray[np.float64]
 
 _UNITS = {
     2.54: "cm where inches are meant",
@@ -28,8 +32,9 @@ _UNITS = {
     0.01: "m where cm are meant",
     1000.0: "mm where m are meant, or us where ms are meant",
     0.001: "m where mm are meant, or ms where us are meant",
-    0.3048: "feet where m are meant",
-    1 / 0.3048: "m where feet are meant",
+    0.3048: "m where feet are meant",
+    1 / 0.3048: "feet where m are meant",
+    3.28: "feet where m are meant, by a program that multiplies by 3.28",
 }
 
 _USUAL = 20.0
@@ -51,9 +56,6 @@ class Thresholds:
     )
     deviations: float = threshold(
         5.0, "1", "robust standard deviations of the noise that a row may be off by; judgement"
-    )
-    range: float = threshold(
-        8.0, "1", "of the log ratio, in which an outlier may lie anywhere: exp(8) is 3,000"
     )
 
 
@@ -115,11 +117,11 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
     own = settings.of(FACTS, Thresholds)
     if _near(view, own):
         return
-    expected = _expected(view)
+    expected = expected_everywhere(view)
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / expected)
         width = own.close + own.deviations * view.scatter / expected
-    judged = np.isfinite(log_ratio) & np.isfinite(width)
+    judged = np.isfinite(log_ratio) & np.isfinite(width) & view.measured
     outliers = judged & (np.abs(log_ratio) > own.outlier)
     if outliers.sum() > own.most * judged.sum():
         return
@@ -131,8 +133,9 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
             continue
         near = np.zeros(len(judged), dtype=bool)
         near[rows] = True
-        # rivals are outliers, which lie anywhere
-        evidence = float(np.log(own.range / (2 * width[near])).sum() - np.log(len(_UNITS)) - count)
+        noise = np.hypot(view.scatter, view.resolution / factor / 12**0.5) / expected[near]
+        as_a_unit = _as_a_unit(log_ratio[near] - np.log(factor), noise, own, settings.constant)
+        evidence = as_a_unit - float(np.log(len(_UNITS))) - _anyhow(view, near, settings)
         because = (
             f"{listed(near)} read {np.exp(np.median(log_ratio[near])):.4g} times what the other rows say, as "
             f"if written in another unit ({story}); divided by {factor:.4g} there"
@@ -153,12 +156,22 @@ def _near(view: View, own: Thresholds) -> bool:
     )
 
 
-def _expected(view: View) -> NDArray[np.float64]:
-    """What each row should read, also of rows that are out of range [m]."""
-    if view.reference is not None:
-        return view.expected
-    rows, known = np.arange(len(view)), np.isfinite(view.expected)
-    return np.interp(rows, rows[known], view.expected[known]) if known.any() else view.expected
+def _anyhow(view: View, rows: NDArray[np.bool_], settings: FaultSettings) -> float:
+    """Log density of rows that lie anywhere, each by itself or all at one constant in place of an echo."""
+    own, values = settings.constant, np.abs(view.indication[rows])
+    constant = log_constant(values, finest(values, view.resolution), own) - np.log(own.range)
+    each = -len(values) * np.log(own.range)
+    return float(np.logaddexp(each, np.log(settings.outliers.usual) + constant))
+
+
+def _as_a_unit(log_ratio: Column, width: Column, own: Thresholds, wild: Constant) -> float:
+    """Log density of these log ratios less a unit's: normal around an error that the rows share."""
+    weight = 1 / width**2
+    shared = float(weight @ log_ratio / weight.sum())
+    spread = float(np.sqrt(own.close**2 + 1 / weight.sum()))
+    normal = np.exp(-0.5 * ((log_ratio - shared) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+    rows = float(np.log((1 - wild.wild) * normal + wild.wild / wild.range).sum())
+    return rows - 0.5 * float((shared / spread) ** 2) - float(np.log(spread * np.sqrt(weight.sum())))
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -173,8 +173,6 @@ class SmoothCorrection:
         Columns that each fold chooses by itself.
     rows_outside : int
         Rows of this table outside of a column's range, which keep the correction of the model.
-    session : str
-        A sentence where it may be that of one short session; then it is not offered.
     """
 
     tried: tuple[str, ...]
@@ -188,15 +186,12 @@ class SmoothCorrection:
     variance_removed_interval_95: tuple[float, float] | None = None
     chosen_by_folds: tuple[tuple[str, ...], ...] = ()
     rows_outside: int = 0
-    session: str = ""
 
     @property
     def refused(self) -> str:
         """Why it may not extend the model; empty where it may."""
         if self.smooth is None:
             return "no column predicts rows that it is not fitted to"
-        if self.session:
-            return self.session
         if none := sum(not chosen for chosen in self.chosen_by_folds):
             folds = len(self.chosen_by_folds)
             return f"without the rows that judge it, {none} of {folds} folds choose no correction"

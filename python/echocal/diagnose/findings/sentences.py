@@ -18,7 +18,6 @@ __all__ = [
     "parameter_text",
     "quantity_text",
     "readable",
-    "rows_text",
     "shifted_text",
     "shown",
     "spoken",
@@ -49,17 +48,6 @@ def quantity_text(name: str, value: float) -> str:
     """``18.3 degC``, ``64 %``: a value as people read it."""
     unit, factor = _SHOWN.get(name, ("", 1.0))
     return f"{value * factor:.3g} {unit}".strip()
-
-
-def rows_text(rows: NDArray[np.int64], most: int = 4) -> str:
-    """Rows of the source as runs, counted from 1: ``rows 1 to 40, 77 and further ones``."""
-    firsts = np.flatnonzero(np.diff(rows, prepend=-2) > 1)
-    ends = np.append(firsts[1:], len(rows)) - 1
-    runs = [(int(rows[a]) + 1, int(rows[b]) + 1) for a, b in zip(firsts, ends, strict=True)]
-    texts = [f"{a}" if a == b else f"{a} to {b}" for a, b in runs]
-    return "rows " + (
-        enumerated(texts) if len(texts) <= most else ", ".join(texts[:most]) + " and further ones"
-    )
 
 
 def shifted_text(one: Shifted) -> str:

@@ -50,8 +50,6 @@ class Case:
     offsets : ndarray, shape (n,), or None
         Offsets of placements, of the level or of single rows that a noise explains [m]. The residual is
         without them, the table is not.
-    discounted : ndarray, shape (n,), or None
-        Part of the offsets that is no error of a known size: what few rows scatter beyond the others [m].
     remarks : tuple of str
         Sentences for the user on what was done to the residual.
     """
@@ -70,23 +68,20 @@ class Case:
     stacks: dict[tuple[Noise, bytes], Stack] = field(default_factory=dict, repr=False)
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
-    discounted: NDArray[np.float64] | None = None
     remarks: tuple[str, ...] = ()
 
     @cached_property
-    def table_without_offsets(self) -> Table:
-        """The table with readings that have no offsets."""
-        if self.offsets is None:
-            return self.table
-        return replace(self.table, indication=self.table.indication - self.offsets)
+    def row_folds(self) -> Folds:
+        """The folds of the rows of which the table has units."""
+        return self.folds.of_rows(self.table.unit)
 
     @cached_property
-    def table_with_every_row(self) -> Table:
-        """The same, but rows that scatter have their readings: the signal of a cause may be in them."""
-        if self.discounted is None:
-            return self.table_without_offsets
-        less = self.table_without_offsets
-        return replace(less, indication=less.indication + self.discounted)
+    def rows_without_offsets(self) -> Table:
+        """The rows with readings that have no offsets."""
+        rows = self.table.rows
+        if self.offsets is None:
+            return rows
+        return replace(rows, indication=rows.indication - self.offsets[self.table.unit])
 
     def signal(self, variant: Variant, mean: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         """What a cause adds to every reading [m]; not to be written to, for it is made once."""

@@ -5,7 +5,7 @@ from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
 
-from echocal.diagnose.settings.noise_models import NoiseModelSettings
+from echocal.diagnose.settings.noise_models import VARIANCE_FLOOR, NoiseModelSettings
 
 __all__ = [
     "VARIANCE_FLOOR",
@@ -17,9 +17,6 @@ __all__ = [
     "growing_noises",
     "noises",
 ]
-
-VARIANCE_FLOOR = 1e-9
-"""Smallest standard deviation of noise that is assumed [m]; simulated data may have none."""
 
 
 class Convection(NamedTuple):

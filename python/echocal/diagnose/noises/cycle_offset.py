@@ -16,7 +16,6 @@ from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import OffsetNoise, Offsets
 from echocal.diagnose.noises.common.lattice import (
     ORDERS,
-    PERIOD,
     Placements,
     log_lattice,
     log_prior,
@@ -25,6 +24,7 @@ from echocal.diagnose.noises.common.lattice import (
 )
 from echocal.diagnose.noises.common.placements import as_one_segment, labelings, some_of_each, whole_steps
 from echocal.diagnose.noises.common.trace import group_medians
+from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
@@ -169,7 +169,7 @@ def _proposals(
         lefts = [residual - case.residual + left, residual]
     for labels, places, levels in labelings(case.table, lefts, step, own.window):
         count = int(labels.max()) + 1
-        if count < own.fewest or len(labels) < own.rows * count:
+        if count < own.fewest or len(case.table.rows) < own.rows * count:
             continue
         found = _beside(residual, case, fits.values(), labels, step, own)[: own.tried]
         if levels is not None:

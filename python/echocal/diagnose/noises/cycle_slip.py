@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.lattice import PERIOD
-from echocal.diagnose.noises.common.trace import Likelihood, Trace, log_density
+from echocal.diagnose.noises.common.trace import Likelihood, Trace, group_medians, log_density
+from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 
@@ -152,7 +152,7 @@ def missed(trace: Trace, settings: NoiseSettings) -> Column | None:
 def _mixtures(trace: Trace, step: Column, settings: NoiseSettings) -> list[_Mixture]:
     """Mixtures of groups that the residuals are like, if any."""
     own = settings.of(FACTS, Thresholds)
-    cells = _cells(trace.distance)
+    cells = _cells(group_medians(trace.distance, trace.segment)[trace.segment])  # no row's own noise sorts it
     one = np.zeros(len(trace), dtype=np.int64)
     fits = []
     if trace.skewed(settings.worth):

@@ -65,7 +65,7 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     # an innovation depends on the row before, too: successive rows have nearly the same distance
     wide = 1 + np.outer(_GROWTH, distance)
     level, widening = trace.innovation / wide, np.log(wide).sum(axis=1)
-    scales = np.stack([scale_of(level, freedom) for freedom in KERNELS])
+    scales = np.stack([np.maximum(scale_of(level, freedom), trace.rounding) for freedom in KERNELS])
     each = zip(scales, KERNELS, strict=True)
     logs = np.stack([log_density(level, s[:, None], freedom).sum(axis=1) - widening for s, freedom in each])
     profile = np.logaddexp.reduce(logs, axis=0) - np.log(len(KERNELS))

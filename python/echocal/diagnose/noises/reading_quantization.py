@@ -1,6 +1,6 @@
 """Readings in whole steps."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,35 +9,21 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
+from echocal.diagnose.noises.common.truncation import Truncation, cut_off
 from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, QuantizationGrid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
-from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
 
 _WHOLE = 1e-3  # of a step by which a multiple may miss it: what converting a unit leaves
 
 
-@dataclass(frozen=True)
-class Thresholds:
-    """Numbers that decide about this noise."""
-
-    away: float = threshold(
-        4.0, "1", "standard errors by which the mean of the errors must miss rounding; judgement"
-    )
-    near: float = threshold(2.5, "1", "standard errors by which it must hit truncation; judgement")
-    anyhow: float = threshold(
-        3e-4, "m", "by which a mean is off anyhow: a ruler's millimeter, 1 mm / sqrt(12)"
-    )
-    fewest: float = threshold(5, "1", "rows that a mean needs; judgement")
-
-
 FACTS = CauseFacts(
     id="reading_quantization",
     kind="noise",
     sentence="The device gives its reading in whole steps, rounded or cut off.",
-    signature="readings are multiples of one step; cut off, they are half a step short on average",
+    signature="readings are multiples of one step; cut off, they are half a step short, beside any scale",
     source="integer division t/58 of the Arduino examples: floor to 1 cm",
     parameters=(
         Quantity("step", "m", "step of the readings", (FINEST_STEP, 1.0), "any"),
@@ -62,7 +48,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     if grid is None or grid.step < FINEST_STEP:
         return None
     step = grid.step
-    cut = _cut(view, step, settings.of(FACTS, Thresholds))
+    cut = cut_off(view, step, settings.of(FACTS, Truncation))
     share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
     kind = "cut off: half a step is added" if cut else "rounded"
     because = (
@@ -98,19 +84,6 @@ def _multiples(grid: QuantizationGrid, readings: NDArray[np.float64]) -> str:
     return f"all {grid.distinct} different readings differ by multiples of"
 
 
-def _cut(view: View, step: float, own: Thresholds) -> bool:
-    """Whether readings are half a step short, and would not be had they been rounded."""
-    if view.reference is None:
-        return False
-    error = (view.indication - view.reference)[view.good]
-    if len(error) < own.fewest:
-        return False
-    scatter = 1.4826 * float(np.median(np.abs(error - np.median(error))))
-    standard_error = float(np.hypot(max(scatter, step / 4) / np.sqrt(len(error)), own.anyhow))
-    mean = float(np.clip(error, *np.quantile(error, [0.02, 0.98])).mean())
-    return bool(abs(mean) > own.away * standard_error and abs(mean + step / 2) < own.near * standard_error)
-
-
 def draw(table: Columns, random: np.random.Generator) -> None:
     """Cut readings off at whole centimeters, or round them to 5 mm."""
     if random.random() < 0.5:
@@ -120,5 +93,5 @@ def draw(table: Columns, random: np.random.Generator) -> None:
 
 
 NOISE = Quantization(
-    facts=FACTS, draw=draw, detect=detect, imitates=("cycle_slip", "polling_jitter"), thresholds=Thresholds()
+    facts=FACTS, draw=draw, detect=detect, imitates=("cycle_slip", "polling_jitter"), thresholds=Truncation()
 )

@@ -1,4 +1,4 @@
-"""Tables that speak against a cause: their rows refute it, or its size there is in doubt. Eq. 39."""
+"""Tables that speak against a cause: their rows refute it. Eq. 39."""
 
 from collections.abc import Sequence
 
@@ -16,16 +16,12 @@ def opposition(tables: Sequence[TableInference], settings: Settings) -> dict[tup
     """Log odds of tables against causes, by the names of both; not above 0.
 
     A cause that its table refutes has the difference of the log scores on the rows of the folds. Chance
-    refutes a weak cause often, so this counts for strong ones only. A cause whose size is doubted in a
-    table (not plausible, not steady, or after a refuted one) has the largest odds. A cause that few rows of a
-    table carry has none: this table says nothing, and the others must.
+    refutes a weak cause often, so this counts for strong ones only.
     """
     pool = Pool(tables, settings)
     limit = settings.pooling.against
     found: dict[tuple[str, str], float] = {}
     for table in tables:
-        for cause in table.doubts:
-            found[table.name, cause] = 0.0 if cause in table.carried else -limit
         for refuted in table.diagnosis.refuted:
             loss = _log_score(table, refuted)
             if loss < 0.0 and _likelihood_ratio(pool, table, refuted.id) >= settings.pooling.strong:

@@ -42,8 +42,8 @@ class InTable:
     table : str
         Name.
     role : str
-        ``supports`` or ``contradicts``, by `log_bayes`; ``undecided`` between them; ``doubts``: the table
-        refutes the cause, or doubts its size; ``not tested``: the table cannot show the cause.
+        ``supports`` or ``contradicts``, by `log_bayes`; ``undecided`` between them; ``doubts``: the rows
+        of the table refute the cause; ``not tested``: the table cannot show the cause.
     log_bayes : float
         Log Bayes factor of this table, given the others, for the cause beside the other shared causes.
     parameters : tuple of Parameter

@@ -166,7 +166,7 @@ def _own_part(shared: SharedSet, place: int) -> float:
 
 def _role(pool: Pool, table: TableInference, cause: str, log: float) -> tuple[Role, str]:
     if (table.name, cause) in pool.against:
-        return "doubts", table.doubts.get(cause, "the cross-validated rows of this table refute it")
+        return "doubts", "the cross-validated rows of this table refute it"
     if cause not in table.competing:
         return "not tested", table.skipped.get(cause, "not tried")
     least = pool.settings.pooling.speaks

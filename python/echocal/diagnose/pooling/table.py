@@ -69,11 +69,6 @@ class TableInference:
         Products under the noise models that some hypothesis makes probable.
     fits : list of HypothesisFit
         Hypotheses, most probable first.
-    doubts : mapping of str to str
-        Why a claim is not named, whatever its probability is. Without sizes that vary so little that a model
-        may have them: they vary between tables, too.
-    carried : frozenset of str
-        Those that only a few rows show.
     threshold : float
         Probability of no effect below which an effect is claimed.
     settings : Settings
@@ -89,8 +84,6 @@ class TableInference:
     skipped: Mapping[str, str]
     reduced: Stack
     fits: list[HypothesisFit]
-    doubts: Mapping[str, str]
-    carried: frozenset[str]
     threshold: float
     settings: Settings
     known: dict[tuple[SharedForm, ...], Natural] = field(default_factory=dict, repr=False)
@@ -98,7 +91,7 @@ class TableInference:
     @classmethod
     def of(cls, name: str, examined: Examined, diagnosis: Diagnosis) -> "TableInference":
         """Keep what a pool needs."""
-        case, settings, selection = examined.case, examined.case.settings, examined.selection
+        case, settings = examined.case, examined.case.settings
         return cls(
             name,
             diagnosis,
@@ -108,8 +101,6 @@ class TableInference:
             case.found.skipped,
             examined.reduced,
             examined.shares.fits,
-            selection.doubts_among_tables,
-            frozenset(selection.carried),
             threshold_of(settings.claims.few_rows, examined.ranking, examined.shares),
             settings,
         )

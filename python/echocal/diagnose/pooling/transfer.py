@@ -63,7 +63,7 @@ def transfer(
         each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
     rho = max(table.diagnosis.noise["autoregression"] for table in pool.tables)
-    gained, removed = intervals(one, other, rho, seed, pool.settings.validation)
+    gained, removed = intervals(one, other, np.arange(len(one.error)), rho, seed, pool.settings.validation)
     floor = _floor(pool, min(one.rms, other.rms))
     reachable = one.rms**2 - floor**2
     worth = reachable > pool.settings.validation.reachable * one.rms**2

@@ -59,6 +59,10 @@ class Folds:
         scheme = f"blocked by {by}, {count} folds"
         return cls(blocks.astype(np.int64), held, np.ones(count, dtype=bool), scheme)
 
+    def of_rows(self, unit: Labels) -> "Folds":
+        """The same folds of the rows of units; `unit` is that of each row."""
+        return replace(self, blocks=self.blocks[unit], known={})
+
     def within(self, blocks: Mask) -> "Folds":
         """The same folds where only these blocks may be seen."""
         held = tuple(fold & blocks for fold in self.held if (fold & blocks).any())

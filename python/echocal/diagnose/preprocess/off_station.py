@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.usable import Usable
+from echocal.diagnose.preprocess.wild import wild_beyond
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.observations.quantiles import Grouped
+from echocal.observations.quantiles import Grouped, median
 
 __all__ = ["OFF_STATION", "without_other_echoes"]
 
@@ -53,10 +54,11 @@ def far_from_station(
     by_station = Grouped(labels)
     centers, usual, farthest = by_station.scatter(indication)
     scatter = _MAD_TO_SD * float(np.nanmedian(usual))
-    least = max(settings.off_station * scatter, settings.far_least + step)
-    if farthest <= least:
+    if farthest <= settings.far_least + step:
         return none
     off = np.abs(indication - centers[labels])
+    beyond = wild_beyond(off, scatter, median(np.abs(centers)), step, settings)
+    least = max(min(beyond, settings.off_station * scatter), settings.far_least + step)
     limit = np.full(len(indication), least)
     if temperature is not None:
         warming = temperature - by_station.median(temperature)[labels]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.stations import far_as_a_whole, stations
 from echocal.diagnose.preprocess.usable import Usable, some
+from echocal.diagnose.preprocess.wild import wild_beyond
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
@@ -59,6 +60,7 @@ def far_rows(
     """
     if len(indication) <= 2 * settings.half_window:
         return np.zeros(len(indication), dtype=bool)
+    resting = expected is None
     if expected is None:
         import pandas as pd  # takes long to import
 
@@ -66,11 +68,13 @@ def far_rows(
         expected = window.median().to_numpy()
     deviation = indication - expected
     center, spread = robust(deviation)
-    limit = max(settings.far * spread, settings.far_least + step)
-    if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= limit:
+    least = settings.far_least + step
+    if max(center - np.fmin.reduce(deviation), np.fmax.reduce(deviation) - center) <= least:
         return np.zeros(len(indication), dtype=bool)
     off = np.abs(deviation - center)
-    far = np.asarray(off > np.maximum(limit, settings.far_relative * np.abs(expected)))
+    limit = max(wild_beyond(off, spread, median(np.abs(expected)), step, settings), least)
+    possible = 0.0 if resting else np.maximum(settings.far * spread, settings.far_relative * np.abs(expected))
+    far = np.asarray(off > np.maximum(limit, possible))
     odd = np.flatnonzero((off > limit) & ~far)
     if 0 < len(odd) <= settings.exceptions:  # a larger number has a common cause
         far[odd[_alone(deviation, odd, orders(), limit, settings.half_window)]] = True

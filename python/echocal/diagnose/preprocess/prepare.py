@@ -1,7 +1,6 @@
 """From observations to the table of a diagnosis."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,10 +9,11 @@ from echocal.diagnose.preprocess.level_steps import level_steps
 from echocal.diagnose.preprocess.off_station import without_other_echoes
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
-from echocal.diagnose.preprocess.rounding import shared_rounding
+from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.stations import moved, stations
 from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.preprocess.units import joined
 from echocal.diagnose.preprocess.usable import some, usable_rows
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.errors import DataError
@@ -97,10 +97,14 @@ def prepare(
     if reference is None and len(rows) - groups[-1] - 1 < settings.fewest:
         message = (
             f"with --constant-distance the distance of each placement is unknown, and {len(rows)} usable "
-            f"rows have {groups[-1] + 1} placements: column 'stand' changes that often. A diagnosis needs "
-            f"at least {settings.fewest} rows more than placements: sort the rows by placement, leave the "
-            'column out (--column "stand=ignore"), or leave the option out'
+            f"rows have {groups[-1] + 1} of them. A diagnosis needs at least {settings.fewest} rows more "
+            "than placements"
         )
+        if groups[-1]:
+            message += (
+                ": column 'stand' changes that often: sort the rows by placement, leave the column out "
+                '(--column "stand=ignore"), or leave the option out'
+            )
         raise DataError(message)
     table = Table(
         row=rows,
@@ -118,15 +122,8 @@ def prepare(
         labels={name: codes[rows] for name, codes in observations.labels.items() if name != "order"},
         stated_speed="" if observations.reading_speed == base.reading_speed else observations.reading_speed,
         placements=groups.astype(np.int64) if reference is None else None,
+        rounding=step / 12**0.5,
     )
-    return _rounded(divided(table, rows[steps], settings.gap), observations, rounding or {})
-
-
-def _rounded(table: Table, observations: Observations, rounding: Mapping[str, float]) -> Table:
-    """The table with the error of rounding that its rows share."""
-    values = {"reading": observations.reading, "echo_time": observations.echo_time}
-    recorded = {name: column[table.row] for name in rounding if (column := values[name]) is not None}
-    if not recorded:
-        return table
-    placement = [table.groups] if table.reference is None else [table.groups, table.reference]
-    return replace(table, rounding=shared_rounding(recorded, table.indication, rounding, placement))
+    table = divided(table, rows[steps], settings.gap)
+    period = 0.5 * PERIOD * base.indication(np.full(len(rows), 2.0), conditions)
+    return joined(table, period, settings)

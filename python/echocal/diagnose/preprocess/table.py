@@ -9,21 +9,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.order import Order
-from echocal.diagnose.preprocess.rounding import Rounding
 from echocal.model import Model
 from echocal.model.shape import is_extra
 from echocal.observations.quantiles import median
 from echocal.quantities import AIR, QUANTITIES
 
-__all__ = ["Table", "levels"]
+__all__ = ["Members", "Table", "levels"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
+@dataclass(frozen=True, eq=False)
+class Members:
+    """The rows that the lines of a table are means of.
+
+    Attributes
+    ----------
+    rows : Table
+    unit : ndarray of int, shape (n,)
+        Line that each of them belongs to.
+    """
+
+    rows: "Table"
+    unit: Labels
+
+
 @dataclass(frozen=True)
 class Table:
-    """Usable rows of a table.
+    """Usable rows of a table, or units of them: means over rows that are no independent measurements.
 
     Attributes
     ----------
@@ -58,8 +72,10 @@ class Table:
         Placement of the target of each row where the distance is unknown: `groups` before the level steps.
     step_probability : mapping of int to float
         Probability of the steps that were weighed beside causes, by source row.
-    rounding : Rounding or None
-        Error of rounding that rows share, where the readings or echo times have a step.
+    rounding : float
+        Standard deviation of the error of rounding of a reading [m]; 0 where the readings have no step.
+    members : Members or None
+        The rows of each unit; None where each row is a unit.
     """
 
     row: Labels
@@ -79,10 +95,32 @@ class Table:
     grouped_by: str = ""
     placements: Labels | None = None
     step_probability: Mapping[int, float] = field(default_factory=dict)
-    rounding: Rounding | None = None
+    rounding: float = 0.0
+    members: Members | None = None
 
     def __len__(self) -> int:
         return len(self.row)
+
+    @property
+    def rows(self) -> "Table":
+        """The rows themselves."""
+        return self if self.members is None else self.members.rows
+
+    @cached_property
+    def unit(self) -> Labels:
+        """Unit of each of these rows."""
+        return np.arange(len(self)) if self.members is None else self.members.unit
+
+    @cached_property
+    def deviation(self) -> Column:
+        """Reading of each of these rows less that of its unit [m]."""
+        return np.asarray(self.rows.indication - self.indication[self.unit])
+
+    def means(self, values: Column) -> Column:
+        """Mean over the rows of each unit; NaN where one of them is not known."""
+        if self.members is None:
+            return values
+        return np.asarray(np.bincount(self.unit, values) / np.bincount(self.unit))
 
     def places(self, rows: Labels) -> Labels:
         """Places of source rows, of which the newest may come first."""

@@ -13,7 +13,7 @@ from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
 from echocal.observations.quantiles import median
 
-__all__ = ["View"]
+__all__ = ["View", "least_absolute"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -60,10 +60,13 @@ class View:
         """The view of a repaired table."""
         return replace(self, observations=repaired)
 
-    def without(self, rows: Mask, reason: str) -> Observations:
-        """Mark rows as unusable, with the reason; all rows are kept."""
+    def without(self, rows: Mask, reason: str, *, anyhow: bool = False) -> Observations:
+        """Mark rows as unusable, with the reason; all rows are kept.
+
+        `anyhow` gives this reason to rows that are unusable for another one, too.
+        """
         unusable = self.observations.unusable.astype(object)
-        unusable[rows & self.observations.usable] = reason
+        unusable[rows & (self.observations.usable | anyhow)] = reason
         return replace(self.observations, unusable=unusable.astype(str))
 
     @cached_property
@@ -91,6 +94,14 @@ class View:
         """Rows with all values that detectors need."""
         good = self.observations.usable & np.isfinite(self.indication)
         return good if self.reference is None else good & np.isfinite(self.reference)
+
+    @cached_property
+    def measured(self) -> Mask:
+        """Rows with a reading, also one that is out of range, but none that a fault left out."""
+        reasons = self.observations.unusable.astype(str)
+        return (self.observations.usable | np.char.endswith(reasons, "out of range")) & np.isfinite(
+            self.indication
+        )
 
     @cached_property
     def expected(self) -> Column:
@@ -173,7 +184,7 @@ class View:
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
         if len(rows) < 3 * len(trend):
             return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
-        return trend.sum(_least_absolute(trend.columns(rows), error[rows]))
+        return trend.sum(least_absolute(trend.columns(rows), error[rows]))
 
 
 def _near(error: Column, reference: Column, center: float, scale: float) -> Mask | bool:
@@ -255,7 +266,7 @@ class _Trend:
         return slope
 
 
-def _least_absolute(columns: Column, values: Column) -> Column:
+def least_absolute(columns: Column, values: Column) -> Column:
     """Coefficients of least absolute deviations, by iterative reweighting."""
     found = np.zeros(len(columns))
     found[0] = median(values)

@@ -217,7 +217,7 @@ class Diagnosis(Shown, Outcome):
         ------
         UsageError
             If none is offered: the interval of its gain on rows that neither its choice nor its fit has
-            seen is not above zero, or it may be that of one short session.
+            seen is not above zero.
 
         Examples
         --------

@@ -7,8 +7,6 @@ from echocal.diagnose.findings.sentences import enumerated, parameter_text, quan
 from echocal.diagnose.noises.registry import listed_only
 from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import remainder_text, smooth_text
-from echocal.diagnose.selection.plausibility import NO_PROOF
-from echocal.diagnose.validation.one_session import ONE_SESSION
 
 __all__ = [
     "class_texts",
@@ -107,18 +105,9 @@ def _questions(cause: Cause) -> str:
 
 
 def _left_open(diagnosis: Outcome) -> str:
-    if any(cause.doubt and not cause.in_model for cause in diagnosis.causes):
-        said = [cause.doubt for cause in diagnosis.causes]
-        why = (
-            "they may be of this session alone"
-            if any(ONE_SESSION in doubt for doubt in said)
-            else "a size is unusual"
-            if any(NO_PROOF in doubt for doubt in said)
-            else "their gain may be chance"
-        )
-        kept = [cause.id for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
-        model = f"the model has {enumerated(kept)} alone" if kept else "the model is the base"
-        return f"Causes fit it, but {why}, so {model}"
+    if any(cause.doubt for cause in diagnosis.causes):
+        model = _in_the_model(diagnosis)
+        return model[0] if model else "Causes fit it, but their gain may be chance, so the model is the base"
     if diagnosis.refuted and not any(cause.in_model for cause in diagnosis.causes):
         rows = "" if diagnosis.gain is None else f"the {diagnosis.gain.judged_rows} "
         return f"Causes fit it, but {rows}refute each of them, so no cause is claimed"

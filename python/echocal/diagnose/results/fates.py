@@ -36,7 +36,7 @@ class Fates:
             for reason, rows in one.left_out.items():
                 fate[rows] = reason
         if held is not None:  # also those that a repair has made usable
-            fate[held.row] = HELD_OUT_ROW
+            fate[held.rows.row] = HELD_OUT_ROW
         return cls(fate)
 
     @property

@@ -7,12 +7,12 @@ import numpy as np
 from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.findings.sentences import enumerated
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, Stack
+from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.shortlist import MEASURE
 from echocal.diagnose.inference.visible import INVISIBLE
+from echocal.diagnose.results.doubts import doubts_about
 from echocal.diagnose.results.level_steps import LevelStep
-from echocal.diagnose.selection.claims import free_size, without
-from echocal.diagnose.selection.tension import reconciled
+from echocal.diagnose.selection.claims import free_size
 from echocal.diagnose.validation.validate import Validation
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
@@ -39,12 +39,8 @@ def notes(
         said.append(f"these data cannot show the following causes, whatever their size: {', '.join(hidden)}")
     rows = validation.gain.judged_rows
     said += list(dict.fromkeys(_refuted(refuted, rows) for refuted in validation.refuted))
-    for cause in validation.unjudged:
-        said.append(
-            f"{cause} acts in too few stations or segments: a fit without them does not find its size. The "
-            f"{rows} neither confirm nor refute it"
-        )
     said += [_joined(claim.cause, observations) for claim in validation.claims]
+    said += [doubt for claim in validation.claims for doubt in doubts_about(case, claim)]
     said += [*_both(case, observations), *_unread(case), *_aside(case)]
     if passing := ", ".join(validation.model.campaign_effects):
         said.append(
@@ -126,17 +122,11 @@ def _refuted(refuted: Refuted, rows: str) -> str:
     """Why a cause that fits is not claimed; one text for causes that were refuted together."""
     before, after = 1e3 * refuted.rms_without_m, 1e3 * refuted.rms_with_m
     score = "" if refuted.log_score is None else f"; log density {refuted.log_score:+.1f}"
-    if refuted.together:
-        is_not = "fits, but is" if len(refuted.together) == 1 else "fit together, but are"
-        return (
-            f"{enumerated(refuted.together)} {is_not} not claimed: the extended model is no better than the "
-            f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model{score})"
-        )
-    fits = f"{refuted.id} fits (probability {refuted.probability:.2f}), but is not claimed"
-    figures = f"{before:.2f} mm without it, {after:.2f} mm with it{score}"
-    if after > before:
-        return f"{fits}: it makes the error on {rows} larger ({figures})"
-    return f"{fits}: under the noise, the {rows} are less probable with it ({figures})"
+    is_not = "fits, but is" if len(refuted.together) == 1 else "fit together, but are"
+    return (
+        f"{enumerated(refuted.together)} {is_not} not claimed: the extended model is no better than the "
+        f"base on {rows} ({before:.2f} mm with the base, {after:.2f} mm with the extended model{score})"
+    )
 
 
 def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> str:
@@ -145,31 +135,16 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
         return ""
     claimed = cause in [c.cause for c in validation.claims]
     known = case.found.size_tangents[cause][1]
-    beside = without(validation.fit.hypothesis, cause)
-    plain, plain_u = free_size(cause, case.found, Hypothesis((), 1.0), stack.plain())  # white noise, alone
-    size, uncertainty = free_size(cause, case.found, beside, stack)
-    if max(plain_u, uncertainty) > 0.5 * abs(known):
-        return (
-            ""
-            if claimed
-            else f"these rows cannot show {cause}: its size, if fitted, is {size:.2f} +/- {uncertainty:.2f}"
-        )
-    odd = max(abs(plain - known) / plain_u, abs(size - known) / uncertainty) > case.settings.claims.tension
-    if claimed and not odd:
+    size, uncertainty = free_size(cause, case.found, validation.fit.hypothesis, stack)
+    found = f"{size:.2f} +/- {uncertainty:.2f}"
+    if uncertainty > 0.5 * abs(known):
+        return "" if claimed else f"these rows cannot show {cause}: its size, if fitted, is {found}"
+    if claimed and abs(size - known) <= case.settings.claims.tension * uncertainty:
         return ""
-    found = (
-        f"The fitted size is {plain:.2f} +/- {plain_u:.2f} by plain least squares, and {size:.2f} +/- "
-        f"{uncertainty:.2f} with autocorrelated noise"
-        f"{reconciled(case, cause, beside, stack, known, size, uncertainty)}"
-    )
-    if claimed:
-        return (
-            f"{cause} is claimed with its theoretical size, {known:g}. {found}. Either another effect acts "
-            "in the same rows, or the recorded values are not those on the sound path"
-        )
     return (
-        f"{cause}, whose theoretical size is {known:g}, is not claimed. {found}. Either an effect of the "
-        "opposite sign hides it, or the recorded values are not those on the sound path"
+        f"{cause}, whose theoretical size is {known:g}, is {'' if claimed else 'not '}claimed. Its fitted "
+        f"size is {found}. Another effect may act in the same rows, or the recorded values are not those on "
+        "the sound path"
     )
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.findings.parts import (
     Cause,
@@ -31,7 +30,6 @@ from echocal.diagnose.results.level_steps import LevelStep, steps_of
 from echocal.diagnose.results.notes import notes
 from echocal.diagnose.selection.claims import Claim, Ranking, alternatives, parameters
 from echocal.diagnose.selection.joint import Joint
-from echocal.diagnose.selection.plausibility import NO_PROOF
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import errors
 from echocal.diagnose.validation.judges import HeldOutRows, Judge
@@ -86,13 +84,10 @@ def report(
         base=case.base.to_dict(),
         noise=_noise(selection),
         notes=(
-            *selection.doubts.values(),
-            *_varying_a_little(selection, validation),
-            *_not_claimed(ranking, selection, validation),
             *_slow_noise(case, ranking, selection),
             *([left.turns] if left is not None and left.turns and shown is None else []),
             *notes(case, observations, validation, inference.stack, steps),
-            *_outside(case.table, validation),
+            *_outside(case.table.rows, validation),
         ),
         settings=case.settings,
         model=validation.model,
@@ -110,17 +105,10 @@ def _causes(
     joint: Joint,
     word: Verdict,
 ) -> tuple[Cause, ...]:
-    recorded, doubts = Recorded(case.table.against()), dict(selection.doubts)
-    if validation.withheld is not None:
-        sizes = [*selection.unusual.values()]
-        session = validation.withheld.session
-        why = (
-            f"{session}. The model leaves it out, and it is not named"
-            if session
-            else _unearned(validation.withheld.gain, sizes)
-        )
-        out = [c.cause for c in validation.claims if c not in validation.kept]
-        doubts |= {cause: why for cause in out if cause not in doubts}
+    recorded, withheld = Recorded(case.table.against()), validation.withheld
+    doubts = dict(validation.doubts)
+    if withheld is not None:
+        doubts |= dict.fromkeys((c.cause for c in withheld.claims), _unearned(withheld.gain))
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     others = [claim for claim in others if claim.cause not in refuted]
@@ -173,8 +161,8 @@ def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
     return dict(zip(variant.names, named.tolist(), strict=False))
 
 
-def _unearned(gain: Gain, sizes: Sequence[str]) -> str:
-    """Why causes are not named. `sizes` are sentences on those of them that are unusual."""
+def _unearned(gain: Gain) -> str:
+    """Why causes are not named."""
     low, high = (1e3 * end for end in gain.interval_95)
     if low == high == 0.0:
         return (
@@ -189,44 +177,11 @@ def _unearned(gain: Gain, sizes: Sequence[str]) -> str:
             "is not smaller, so the model leaves it out, and it is not named"
         )
     first, last = gain.log_score_interval_95 or (0.0, 0.0)
-    if gain.earned:
-        return (
-            f"{rows} gains {low:.2f} to {high:.2f} mm over the base (95 % interval). "
-            f"But {'; '.join(sizes)}. {NO_PROOF}: something else may follow these conditions. "
-            "It is one if distances are known and the model holds outside of the conditions of its fit. The "
-            "model leaves it out, and it is not named"
-        )
     return (
         f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
         f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). Not both intervals are above 0, "
         "so the model leaves it out, and it is not named"
     )
-
-
-def _varying_a_little(selection: Selection, validation: Validation) -> list[str]:
-    """Say how much the size of a cause of the model varies from part to part."""
-    return [
-        f"the size of {claim.cause} varies between parts of the table by {100 * part:.0f} % (standard "
-        "deviation), more than chance; its standard uncertainty includes this"
-        for claim in validation.kept
-        if claim.cause in selection.between
-        and (part := float((selection.between[claim.cause] / np.abs(claim.mean)).max()))
-    ]
-
-
-def _not_claimed(ranking: Ranking, selection: Selection, validation: Validation) -> list[str]:
-    """Say why a cause with a high posterior probability is not claimed."""
-    if selection.term is None:
-        return []
-    said = {id_ for claim in selection.claims for id_ in (claim.cause, *claim.rivals)}
-    said |= {*selection.doubts, *(refuted.id for refuted in validation.refuted)}
-    likely = sorted({id_ for ids, _ in ranking.sets for id_ in ids} - {UNKNOWN, *said})
-    return [
-        f"{id_} has a high posterior probability, but is not claimed: beside the unexplained term, a second "
-        "smooth function or an offset explains these rows equally well"
-        for id_ in likely
-        if ranking.of([id_]) >= ranking.settings.claims.named
-    ]
 
 
 def _slow_noise(case: Case, ranking: Ranking, selection: Selection) -> list[str]:
@@ -281,12 +236,13 @@ def _outside(table: Table, validation: Validation) -> list[str]:
 
 
 def _traces(case: Case, judge: Judge, model: Model) -> Traces:
-    rows = np.ones(len(case.table), dtype=bool)
-    before, after = (errors(case.table, one, rows) for one in (case.base.plain, model))
-    traces = Traces(case.table.row, before, after, ~rows, case.table.against())
+    table = case.table.rows
+    rows = np.ones(len(table), dtype=bool)
+    before, after = (errors(table, one, rows) for one in (case.base.plain, model))
+    traces = Traces(table.row, before, after, ~rows, table.against())
     if not isinstance(judge, HeldOutRows):
         return traces
-    held, (before, after) = judge.held, (judge.errors(one) for one in (case.base.plain, model))
+    held, (before, after) = judge.held.rows, (judge.errors(one) for one in (case.base.plain, model))
     return _joined(traces, Traces(held.row, before, after, np.ones(len(held), dtype=bool), held.against()))
 
 

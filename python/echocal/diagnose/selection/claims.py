@@ -10,16 +10,10 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.alias import Geometry
-from echocal.diagnose.inference.hypothesis import (
-    Hypothesis,
-    HypothesisFit,
-    Stack,
-    fit_hypotheses,
-    fit_hypothesis,
-)
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
 from echocal.diagnose.selection.parsimony import Ids, probabilities
-from echocal.diagnose.settings import ClaimSettings, Settings
+from echocal.diagnose.settings import Settings
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
@@ -27,16 +21,12 @@ __all__ = [
     "Claim",
     "Ranking",
     "alternatives",
-    "beside_a_term",
     "claims",
     "columns_of",
     "covariance_of",
     "effects_of",
     "free_size",
-    "free_sizes",
     "rank",
-    "resized",
-    "sizes",
     "without",
 ]
 
@@ -56,24 +46,12 @@ class Ranking:
     sets : list of (tuple of str, float)
         Sets of ids (with ``unknown`` for an unexplained term), most probable first; sums to one.
     settings : Settings
-    passed : frozenset of tuple of str
-        Sets of effects that are not chosen, because rows of the folds refute them.
     """
 
     fits: list[HypothesisFit]
     probability: NDArray[np.float64]
     sets: list[tuple[tuple[str, ...], float]]
     settings: Settings
-    passed: frozenset[Ids] = frozenset()
-
-    def without(self, effects: Ids) -> "Ranking":
-        """The same ranking, in which a set of effects is not chosen; no probability changes."""
-        return replace(self, passed=self.passed | {effects})
-
-    @property
-    def is_exhausted(self) -> bool:
-        """Whether every set that is possible at all was passed."""
-        return all(p == 0.0 or effects in self.passed for effects, p in self.by_effects.items())
 
     def of(self, causes: Sequence[str]) -> float:
         """Probability that at least one of these causes acts: docs/method.md, Eq. 24."""
@@ -99,10 +77,9 @@ class Ranking:
 
         Of sets that are about equally probable, the one that most devices can compensate. With
         `beyond`, only sets that have one effect more than these count, or more effects where all sets
-        with one more are too improbable beside larger ones to be mentioned; None if there is none. Sets that
-        are passed do not count.
+        with one more are too improbable beside larger ones to be mentioned; None if there is none.
         """
-        probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0 and ids not in self.passed}
+        probability = {ids: p for ids, p in self.by_effects.items() if p > 0.0}
         if beyond is not None:
             probability = self._next_larger(probability, beyond)
         if not probability:
@@ -218,67 +195,6 @@ def claims(
     return sorted(made, key=lambda claim: -claim.probability)
 
 
-def sizes(fit: HypothesisFit) -> dict[str, tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]]:
-    """Coefficients of each cause of a hypothesis, and their standard deviations."""
-    deviation = np.sqrt(np.diag(fit.covariance))
-    placed = fit.hypothesis.placed
-    return {variant.cause: (fit.mean[place], deviation[place]) for variant, place in placed}
-
-
-def resized(made: Sequence[Claim], fit: HypothesisFit) -> list[Claim]:
-    """Give claims the sizes that their causes have in another hypothesis."""
-    own = sizes(fit)
-    return [replace(claim, mean=own[claim.cause][0], deviation=own[claim.cause][1]) for claim in made]
-
-
-def beside_a_term(
-    made: Sequence[Claim],
-    found: Candidates,
-    stack: Stack,
-    against: str,
-    rms: float,
-    settings: ClaimSettings,
-) -> list[Claim]:
-    """Limit the probability of causes that are claimed beside an unexplained term: docs/method.md, Eq. 27.
-
-    A cause may fit what the unexplained term, a function of one column, does not reach. It keeps
-    its probability only as far as it fits better than each of its substitutes: a second term
-    against another column, or an offset or a tilt that is as large as the first term. Claims that
-    are improbable after this are dropped.
-    """
-    whole = Hypothesis((*(claim.variant for claim in made), found.terms[against]), 1.0)
-    with_it = _evidence(whole.variants, stack)
-    substitutes = _substitutes(found, against, rms)
-    doubted = []
-    for claim in made:
-        less = without(whole, claim.cause).variants
-        rival = max((_evidence((*less, other), stack) for other in substitutes), default=-np.inf)
-        better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
-        doubted.append(replace(claim, probability=min(claim.probability, float(better))))
-    likely = (claim for claim in doubted if claim.probability >= settings.mentioned_from)
-    return sorted(likely, key=lambda claim: -claim.probability)
-
-
-def _substitutes(found: Candidates, against: str, rms: float) -> list[Variant]:
-    """Terms against other columns, without their means; and an offset and a tilt of limited size."""
-    line = found.line
-    mean = () if line is None else line.free[:1]
-    substitutes = []
-    for name, term in found.terms.items():
-        free = tuple(column for column in term.free if column not in mean)
-        if name != against:
-            substitutes.append(replace(term, free=free, bounds=term.bounds[: len(free)]))
-    if line is not None:  # polynomials of degree 0 and 1, of a mean square of 1 and 1/3
-        for degree, (column, scale) in enumerate(zip(line.free, line.scales, strict=True)):
-            most = rms / scale * (2 * degree + 1) ** 0.5
-            substitutes.append(replace(line, free=(column,), bounds=((-most, most),)))
-    return substitutes
-
-
-def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
-    return fit_hypothesis(Hypothesis(variants, 1.0), stack, one_width=True).log_evidence
-
-
 def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
     """Single causes that are possible instead of the claims."""
     taken = {id_ for claim in made for id_ in (claim.cause, *claim.rivals)}
@@ -344,17 +260,9 @@ def parameters(variant: Variant, mean: NDArray[np.floating[Any]]) -> dict[str, f
 
 def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -> tuple[float, float]:
     """Fitted size of a correction whose size theory fixes, and its standard uncertainty."""
-    return free_sizes(cause, found, [beside], stack)[0]
-
-
-def free_sizes(
-    cause: str, found: Candidates, beside: Sequence[Hypothesis], stack: Stack
-) -> list[tuple[float, float]]:
-    """The same beside each of several hypotheses."""
     free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
-    others = [tuple(v for v in hypothesis.variants if v.cause != cause) for hypothesis in beside]
-    fits = fit_hypotheses([Hypothesis((free, *variants), 1.0) for variants in others], stack)
-    return [(float(fit.mean[0]), float(np.sqrt(fit.covariance[0, 0]))) for fit in fits]
+    fit = fit_hypothesis(Hypothesis((free, *without(beside, cause).variants), 1.0), stack)
+    return float(fit.mean[0]), float(np.sqrt(fit.covariance[0, 0]))
 
 
 def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:

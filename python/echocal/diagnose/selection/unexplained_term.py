@@ -1,18 +1,22 @@
-"""The unexplained term that is reported, and the sizes of the causes beside it."""
+"""The unexplained term that is reported, and the causes beside it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.variant import UNKNOWN
+from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.findings.parts import Unexplained
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypothesis
-from echocal.diagnose.selection.claims import Claim, Ranking, resized, sizes, without
+from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
+from echocal.diagnose.selection.claims import Claim, Ranking, without
 from echocal.diagnose.selection.slow_noise import LeastFavorable
+from echocal.diagnose.settings import ClaimSettings
 
-__all__ = ["sized_apart", "term_is_told", "unexplained"]
+__all__ = ["beside_a_term", "term_is_told", "unexplained"]
+
+_ANY = (-np.inf, np.inf)
 
 
 def unexplained(case: Case, ranking: Ranking, slow: LeastFavorable | None = None) -> Unexplained | None:
@@ -52,20 +56,48 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
     return Unexplained(against, rms, min(probability, 1.0), text)
 
 
-def sized_apart(
-    best: HypothesisFit, claimed: Sequence[Claim], stack: Stack, undetermined_from: float
-) -> tuple[HypothesisFit, list[Claim]]:
-    """Fit the sizes of the causes without the unexplained term, where the data do not separate them.
+def beside_a_term(
+    made: Sequence[Claim], found: Candidates, stack: Stack, term: Unexplained, settings: ClaimSettings
+) -> list[Claim]:
+    """Limit the probability of causes that are claimed beside an unexplained term: docs/method.md, Eq. 27.
 
-    Beside a term against the column that a cause depends on, the size of the cause is nearly
-    undetermined. Then the cause gets all that it can explain, and the term the rest.
+    A cause may fit what the unexplained term, a function of one column, does not reach. It keeps
+    its probability only as far as it fits better than a second term against each other column.
+    Claims that are improbable after this are dropped.
     """
-    bare = without(best.hypothesis, UNKNOWN)
-    if bare.causes == best.hypothesis.causes or not claimed:
-        return best, list(claimed)
-    fit = fit_hypothesis(bare, stack)
-    own = sizes(fit)
-    undetermined = any((c.deviation > undetermined_from * own[c.cause][1]).any() for c in claimed)
-    if not undetermined:
-        return best, list(claimed)
-    return fit, resized(claimed, fit)
+    whole = Hypothesis((*(claim.variant for claim in made), found.terms[term.against]), 1.0)
+    with_it = _evidence(whole.variants, stack)
+    substitutes = _substitutes(found, term)
+    doubted = []
+    for claim in made:
+        less = without(whole, claim.cause).variants
+        rival = max((_evidence((*less, other), stack) for other in substitutes), default=-np.inf)
+        better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
+        doubted.append(replace(claim, probability=min(claim.probability, float(better))))
+    likely = (claim for claim in doubted if claim.probability >= settings.mentioned_from)
+    return sorted(likely, key=lambda claim: -claim.probability)
+
+
+def _substitutes(found: Candidates, term: Unexplained) -> list[Variant]:
+    """Terms against other columns without their means; against the distance, with an offset and a tilt."""
+    line = found.line
+    mean = () if line is None else line.free[:1]
+    functions = {
+        name: tuple(column for column in one.free if column not in mean)
+        for name, one in found.terms.items()
+        if name != term.against
+    }
+    terms = {
+        name: replace(found.terms[name], free=free, bounds=(_ANY,) * len(free))
+        for name, free in functions.items()
+    }
+    if line is not None:  # polynomials of degree 0 and 1, of a mean square of 1 and 1/3, as large as the term
+        most = [term.rms_m / scale * (2 * degree + 1) ** 0.5 for degree, scale in enumerate(line.scales)]
+        curve = functions.get("distance", ())
+        bounds = (*((-size, size) for size in most), *(_ANY for _ in curve))
+        terms["distance"] = replace(line, free=(*line.free, *curve), bounds=bounds)
+    return list(terms.values())
+
+
+def _evidence(variants: tuple[Variant, ...], stack: Stack) -> float:
+    return fit_hypothesis(Hypothesis(variants, 1.0), stack, one_width=True).log_evidence

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from echocal.diagnose.settings.causes import CauseSettings
 from echocal.diagnose.settings.threshold import threshold
 
-__all__ = ["FarRows", "FaultSettings", "Outliers", "SharedFactor"]
+__all__ = ["Constant", "FarRows", "FaultSettings", "Outliers", "SharedFactor"]
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,22 @@ class Outliers:
     usual: float = threshold(0.02, "1", "part of the rows of a table with such a fault; judgement")
     most: float = threshold(0.3, "1", "largest part of the rows that such a fault affects; judgement")
     odd: float = threshold(
-        0.05,
+        0.03,
         "1",
         "part of the tables with rows that are far off for a reason outside the catalogue; judgement",
     )
-    very_far: float = threshold(4.0, "1", "times the limit: beyond it an echo is another one; judgement")
-    odd_very_far: float = threshold(0.25, "1", "part of such odd rows that are very far off; judgement")
+    anywhere: float = threshold(
+        0.75,
+        "1",
+        "part of the echoes over another way that come from anywhere on it, rather than from any order of "
+        "magnitude, as odd rows do; judgement",
+    )
+    alone: float = threshold(
+        4.0,
+        "1",
+        "one table in so many with such a fault has one such row; with odd rows, one in two; of k rows, the "
+        "first are as 1 / k, the others as 1 / k (k + 1); judgement",
+    )
     tail: float = threshold(
         0.5,
         "1",
@@ -55,6 +65,17 @@ class Outliers:
         "1",
         "least deviation of the rows between outliers, over the median deviation of the outliers; judgement",
     )
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A constant that a device reports again and again."""
+
+    jitter: float = threshold(
+        5e-3, "1", "largest relative standard deviation: tens of us in pulses of some 10 ms; judgement"
+    )
+    wild: float = threshold(0.05, "1", "part of the rows beside it that are there by chance; judgement")
+    range: float = threshold(8.0, "1", "of the logarithm, in which a value may lie anywhere: exp(8) is 3,000")
 
 
 @dataclass(frozen=True)
@@ -79,6 +100,7 @@ class FaultSettings(CauseSettings):
     cap : float
     far : FarRows
     outliers : Outliers
+    constant : Constant
     factor : SharedFactor
     """
 
@@ -89,4 +111,5 @@ class FaultSettings(CauseSettings):
     cap: float = threshold(60.0, "1", "largest log Bayes factor; larger odds have no practical meaning")
     far: FarRows = field(default_factory=FarRows)
     outliers: Outliers = field(default_factory=Outliers)
+    constant: Constant = field(default_factory=Constant)
     factor: SharedFactor = field(default_factory=SharedFactor)

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from echocal.diagnose.settings.priors import WIDEST
 from echocal.diagnose.settings.threshold import number
 
-__all__ = ["AUTOREGRESSIONS", "NoiseModelSettings"]
+__all__ = ["AUTOREGRESSIONS", "VARIANCE_FLOOR", "NoiseModelSettings"]
+
+VARIANCE_FLOOR = 1e-9
+"""Smallest standard deviation of noise that is assumed [m]; simulated data may have none."""
 
 AUTOREGRESSIONS = (
     (0.0, (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.98)),

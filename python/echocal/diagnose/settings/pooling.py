@@ -27,8 +27,7 @@ class PoolingSettings:
     against: float = number(
         3.0,
         "log odds",
-        "most that one table in which a cause is refuted counts against it, and what a table counts in which "
-        "its size is not plausible, varies or is carried by few rows",
+        "most that one table in which a cause is refuted counts against it",
         "chosen by hand: odds of 1 to 20",
     )
     speaks: float = number(

@@ -42,6 +42,12 @@ class PriorSettings:
         "weight of the wide prior of a size beside 1 for its usual prior; both are then divided by their sum",
         "chosen by hand",
     )
+    air_unknown: float = number(
+        0.003,
+        "of the speed",
+        "standard deviation of the speed of sound where the temperature is the same in all rows",
+        "argument: 1 K is 0.17 %, a humidity that nobody recorded up to 0.6 % at 30 degC",
+    )
     law_uncertainty: float = number(
         300e-6 / 3**0.5,
         "of the reading",

@@ -11,15 +11,6 @@ __all__ = ["ValidationSettings"]
 class ValidationSettings:
     """Numbers of the validation of claims and of the gain."""
 
-    informative_share: float = number(
-        0.1,
-        "of the cause's rms signal",
-        "if a cause changes the errors of the folds by less, they cannot validate it",
-        "chosen by hand",
-    )
-    sets_tried: int = number(
-        4, "sets", "most sets of causes that are tried where the folds refute the best ones", "chosen by hand"
-    )
     pieces: int = number(
         40,
         "pieces",
@@ -44,47 +35,10 @@ class ValidationSettings:
         "if less can be removed, the fraction of it is not reported",
         "chosen by hand",
     )
-    session_air: float = number(
-        2.0,
-        "1",
-        "a model of a session of an hour that does what air does is withheld up to this multiple of the "
-        "largest `slow_airs`",
-        "two standard deviations",
-    )
-    session_alike: float = number(
-        0.75,
-        "of the mean square of its correction",
-        "a model does what air does if this part of it is in proportion to it",
-        "chosen by hand",
-    )
-    proportional: float = number(
-        0.9975,
-        "of the mean square of a cause's error",
-        "a cause is a scale error if this part of it is in proportion to the distance",
-        "chosen by hand: a twentieth of its rms error may be left",
-    )
-    alike_speeds: float = number(
-        3.0,
-        "standard uncertainties",
-        "a scale error is alike that of another reading speed within so many",
-        "argument: 1 in 370",
-    )
     shifted_inner: tuple[float, float] = number(
         (0.2, 0.8),
         "quantiles",
         "middle range of a column: the model is fitted inside and its error is measured outside",
-        "chosen by hand",
-    )
-    untried_span: float = number(
-        0.1,
-        "of the range in the field",
-        "air that differs by less is one air, in which a wrong slope is as good as a wrong offset",
-        "chosen by hand: 8 K",
-    )
-    untried_share: float = number(
-        0.25,
-        "of a correction",
-        "a cause of an implausible size is left out if its part changes by more in air that the table lacks",
         "chosen by hand",
     )
     shifted_values: int = number(

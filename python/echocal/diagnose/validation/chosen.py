@@ -7,14 +7,12 @@ from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.selection.claims import rank
-from echocal.diagnose.selection.select import Selection
-from echocal.diagnose.validation.hand_over import select_and_refute
-from echocal.diagnose.validation.refute import Rest
+from echocal.diagnose.selection.select import Selection, select
 
 __all__ = ["chosen"]
 
 
-def chosen(case: Case, tried: Collection[FittedNoise]) -> tuple[Selection, Rest]:
+def chosen(case: Case, tried: Collection[FittedNoise]) -> Selection:
     """Choose causes as `echocal.diagnose.pipeline.run` does, on the blocks that the case may see.
 
     The columns and the sums are those of the whole table: where a step or an edge may lie, and the
@@ -29,4 +27,4 @@ def chosen(case: Case, tried: Collection[FittedNoise]) -> tuple[Selection, Rest]
     inference = infer(case, case.settings.search.unlisted_in_folds)
     shares = infer_noises(case, inference.fits, inference.reduced, tried)
     ranking = rank(shares.fits, case.found.competing, case.settings)
-    return select_and_refute(case, ranking, shares, inference.reduced, doubt=False)
+    return select(case, ranking, shares, inference.reduced)

@@ -19,7 +19,6 @@ from echocal.model import Model
 
 __all__ = [
     "HeldOut",
-    "cannot_judge",
     "errors",
     "fixed_speed_rms",
     "floor",
@@ -62,6 +61,10 @@ class HeldOut:
         if not np.isfinite(total):
             return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
         return float(np.sqrt(total / len(self.error)))
+
+    def of_units(self, table: Table) -> "HeldOut":
+        """Mean errors of the units of a table."""
+        return HeldOut(table.means(self.error))
 
     def on(self, rows: Mask) -> "HeldOut":
         """The same, of some rows."""
@@ -126,21 +129,23 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
 
 
 def intervals(
-    before: HeldOut, after: HeldOut, rho: float, seed: int, settings: ValidationSettings
+    before: HeldOut, after: HeldOut, unit: Labels, rho: float, seed: int, settings: ValidationSettings
 ) -> tuple[Interval, Interval]:
     """Intervals of the decrease of the RMS error [m] and of the part of the mean square that is removed.
 
-    From resampled contiguous pieces of rows, which are long against the memory of the noise.
+    From resampled contiguous pieces of units, which are long against the memory of the noise. `unit` is that
+    of each row.
     """
     judged = before.known & after.known
-    count = int(judged.sum())
+    begins = np.flatnonzero(np.diff(unit[judged], prepend=-1))
+    count = len(begins)
     if count == 0:  # no row that judges has a level
         return (0.0, 0.0), (0.0, 0.0)
     pieces = int(count * (1.0 - rho) / settings.memories)
     pieces = min(max(settings.fewest_pieces, min(pieces, settings.pieces)), count)
-    firsts = -(-np.arange(pieces + 1) * count // pieces)  # a piece begins at the first whole row
+    firsts = np.append(begins, judged.sum())[-(-np.arange(pieces + 1) * count // pieces)]
     rows = np.diff(firsts)
-    errors = [held.error if count == len(judged) else held.error[judged] for held in (before, after)]
+    errors = [held.error if judged.all() else held.error[judged] for held in (before, after)]
     squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
     drawn = np.random.default_rng(seed).integers(len(rows), size=(settings.resamples, len(rows)))
     places = drawn + len(rows) * np.arange(settings.resamples)[:, None]
@@ -169,30 +174,6 @@ def on_common_rows(one: HeldOut, other: HeldOut) -> tuple[HeldOut, HeldOut]:
     return one.on(rows), other.on(rows)
 
 
-def cannot_judge(with_cause: HeldOut, without: HeldOut, signal: Column, share: float) -> bool:
-    """Whether the folds cannot validate a cause, because their errors with and without it are equal.
-
-    docs/method.md, Eq. 29.
-
-    If a cause acts at one station only, a fit without this station does not find its size, and the
-    cause changes no other station. The remaining difference is due to chance.
-
-    Parameters
-    ----------
-    with_cause, without : HeldOut
-    signal : ndarray, shape (n,)
-        What the cause adds to every reading [m].
-    share : float
-        Part of this signal by which the errors must differ.
-    """
-    judged = with_cause.known & without.known
-    one, other = with_cause.error, without.error
-    if not judged.all():
-        one, other, signal = one[judged], other[judged], signal[judged]
-    some = (slice(first, first + _CACHED) for first in range(0, len(signal), _CACHED))
-    return sum(_squares(one[rows] - other[rows]) for rows in some) < share**2 * _squares(signal)
-
-
 def _squares(values: Column) -> float:
     return float(np.einsum("i,i->", values, values))  # one pass, one thread
 
@@ -208,7 +189,8 @@ def floor(case: Case, variance: float) -> float:
     white = case.without_slow_air(sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products)
     width = case.settings.noise_models.ridge_width
     given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, width)
-    return float(np.sqrt(_core.residual_variance(white, *given)))
+    within = float(np.mean(case.table.deviation**2))  # of rows inside of units no column explains any
+    return float(np.sqrt(_core.residual_variance(white, *given) + within))
 
 
 def summarize(
@@ -218,16 +200,17 @@ def summarize(
     after: HeldOut,
     rms_floor: float,
     scheme: str,
+    unit: Labels,
     rho: float,
     seed: int,
     settings: ValidationSettings,
 ) -> Gain:
-    """Put the errors together: docs/method.md, Eq. 31; `rho` is the autoregression of the noise."""
+    """Put the errors together: docs/method.md, Eq. 31; `rho` is the autoregression of the noise of units."""
     before, after = on_common_rows(before, after)
     judged = int(before.known.sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
-    gained, removed = intervals(before, after, rho, seed, settings)
+    gained, removed = intervals(before, after, unit, rho, seed, settings)
     worth = reachable > settings.reachable * before.rms**2  # else there is no gain to reach
     return Gain(
         rms_fixed_speed_m=rms_fixed,

@@ -18,7 +18,7 @@ from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
 from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure, on_common_rows
-from echocal.diagnose.validation.refute import Rest
+from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.score import Score, score
 from echocal.diagnose.validation.trials import Trials
 from echocal.model import Model
@@ -70,7 +70,7 @@ class Judge(Protocol):
 
 @dataclass(frozen=True)
 class Nested:
-    """Cross-validation: each fold chooses, refutes and fits without its rows.
+    """Cross-validation: each fold chooses and fits without its rows.
 
     Attributes
     ----------
@@ -135,8 +135,9 @@ class Nested:
         if not self.of_claims:
             noises = [self.known.get((folds.fit & ~held).tobytes(), (None, noise))[1] for held in folds.held]
         if case.offsets is not None:
-            after = measure(case.table_without_offsets, folds, fitted)
-            before = Trials(case, noise, case.table_without_offsets).base()
+            after = measure(case.rows_without_offsets, case.row_folds, fitted)
+            before = Trials(case, noise, case.rows_without_offsets).base()
+        after, before = after.of_units(case.table), before.of_units(case.table)
         return score(after, before, case.sums.order, folds, noises)
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
@@ -149,7 +150,7 @@ class Nested:
 
     def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
         """Errors of a model that is a function of the blocks that it is fitted on."""
-        return measure(self.case.table, self.case.folds, fitted)
+        return measure(self.case.table.rows, self.case.row_folds, fitted)
 
     def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
         """The model that some blocks choose, if such models were judged; of all blocks, the final one."""
@@ -158,7 +159,8 @@ class Nested:
 
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with one speed [m]."""
-        return fixed_speed_rms(self.case.table, self.case.folds, _speed(self.case.base, self.case.table))
+        rows = self.case.table.rows
+        return fixed_speed_rms(rows, self.case.row_folds, _speed(self.case.base, rows))
 
     @property
     def of_claims(self) -> bool:
@@ -169,13 +171,13 @@ class Nested:
         return self._chosen(blocks)[0]
 
     def _chosen(self, blocks: Mask) -> tuple[Model, Noise]:
-        """The model that some blocks choose, refute and fit, and the noise beside it."""
+        """The model that some blocks choose and fit, and the noise beside it."""
         if (key := blocks.tobytes()) in self.known:
             return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self._divided(blocks), folds=folds, signals={}, probable=self.noises)
-        selection, rest = chosen(part, self.tried)
-        model = Trials(part, selection.noise).fitted(rest.hypothesis, rest.kept)(blocks)
+        selection = chosen(part, self.tried)
+        model = Trials(part, selection.noise).fitted(selection.best.hypothesis, selection.claims)(blocks)
         self.known[key] = model, selection.noise
         return self.known[key]
 
@@ -219,12 +221,13 @@ class HeldOutRows:
 
     def judged(self, trials: Trials, rest: Rest) -> Rest:
         """The same claims, all of which these rows judge."""
-        return replace(rest, after=self.sized(trials, rest), unjudged=())
+        return replace(rest, after=self.sized(trials, rest))
 
     def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
         """Log density of these rows with the judged model, less that with the base; levels are free."""
         blocks = np.zeros(len(self.held), dtype=np.int64)
         folds = Folds(blocks, (np.array([True]),), np.array([False]), self.scheme)
+        after, before = after.of_units(self.held), before.of_units(self.held)
         return score(after, before, self.held.order, folds, [noise])
 
     def sized(self, trials: Trials, rest: Rest) -> HeldOut:
@@ -245,14 +248,15 @@ class HeldOutRows:
 
     def fixed_speed(self) -> float:
         """Error of a device that converts every echo with the mean speed of the other rows [m]."""
-        seen, held = (_speed(self.case.base, table) for table in (self.case.table, self.held))
+        rows, judging = self.case.table.rows, self.held.rows
+        seen, held = (_speed(self.case.base, table) for table in (rows, judging))
         usual = float(seen.mean())
-        other, own = self.case.table.indication / seen * usual, self.held.indication / held * usual
+        other, own = rows.indication / seen * usual, judging.indication / held * usual
         return HeldOut(self._less_the_distance(own, lambda: other)).rms
 
     def errors(self, model: Model) -> Column:
         """Held-out rows corrected by a model, less reference or level [m]."""
-        return self._less_the_distance(self.held.correct(model), lambda: self.case.table.correct(model))
+        return self._less_the_distance(self.held.rows.correct(model), lambda: self.case.table.correct(model))
 
     def _less_the_distance(self, values: Column, seen: Callable[[], Column]) -> Column:
         """Less the reference; else less the level.
@@ -260,8 +264,8 @@ class HeldOutRows:
         The first held-out segment in time continues the last one of the other rows, and has its level, unless
         the target was put up anew. A segment that begins later has a level of its own.
         """
-        if self.held.reference is not None:
-            return values - self.held.reference
+        if (reference := self.held.rows.reference) is not None:
+            return values - reference
         groups, others = self.held.groups, self.case.table.groups
         level = levels(values, groups, np.ones(len(values), dtype=bool), np.mean)
         first = int(self.held.conditions["elapsed_time"].argmin())

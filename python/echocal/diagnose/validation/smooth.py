@@ -13,7 +13,6 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.smoothing import Smoother, values_of
 from echocal.diagnose.validation.gain import errors, intervals, on_common_rows
 from echocal.diagnose.validation.judges import Judge
-from echocal.diagnose.validation.one_session import of_one_session
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model, Shape, Smooth
@@ -70,10 +69,11 @@ def smooth_correction(
         return models(blocks).with_shape(own)
 
     before, after = on_common_rows(judge.extended(models), judge.extended(extended))
-    gained, removed = intervals(before, after, noise.rho, case.seed, case.settings.validation)
+    unit = case.table.unit if judge.held is None else judge.held.unit
+    gained, removed = intervals(before, after, unit, noise.rho, case.seed, case.settings.validation)
     given = {spline.against: values_of(case.table, spline.against) for spline in able}
     judging = case.table if judge.held is None else judge.held
-    residual = residual_uncertainty(judging, judgment.model, after, judge.scheme)
+    residual = residual_uncertainty(judging.rows, judgment.model, after, judge.scheme)
     return replace(
         found,
         smooth=replace(whole, residual_uncertainty=residual),
@@ -85,7 +85,6 @@ def smooth_correction(
         variance_removed_interval_95=removed,
         chosen_by_folds=tuple(folds),
         rows_outside=int(whole.outside(given).sum()),
-        session=of_one_session(case, judgment.model.with_shape(whole), judgment.model),
     )
 
 

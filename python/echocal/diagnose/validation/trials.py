@@ -11,7 +11,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
-from echocal.diagnose.validation.gain import HeldOut, cannot_judge, measure
+from echocal.diagnose.validation.gain import HeldOut, measure
 from echocal.diagnose.validation.score import Score, score
 from echocal.model import Model
 
@@ -30,7 +30,7 @@ class Trials:
     noise : Noise
         Under which sizes are fitted.
     table : Table or None
-        With the readings that are judged; None for those of the case.
+        Rows with the readings that are judged; None for those of the case.
     known : dict
         Errors that were computed before.
     """
@@ -57,17 +57,14 @@ class Trials:
         return self.known[key]
 
     def _measured(self, fitted: Callable[[Mask], Model]) -> HeldOut:
-        table = self.case.table if self.table is None else self.table
-        return measure(table, self.case.folds, fitted)
+        table = self.case.table.rows if self.table is None else self.table
+        return measure(table, self.case.row_folds, fitted)
 
     def score(self, one: HeldOut, other: HeldOut) -> Score:
         """Log density of the rows of the folds with one model, less that with another one."""
-        folds = self.case.folds
-        return score(one, other, self.case.sums.order, folds, [self.noise] * len(folds.held))
-
-    def cannot_judge(self, one: HeldOut, other: HeldOut, signal: NDArray[np.float64]) -> bool:
-        """Whether the folds cannot validate causes with this signal."""
-        return cannot_judge(one, other, signal, self.case.settings.validation.informative_share)
+        folds, table = self.case.folds, self.case.table
+        errors = one.of_units(table), other.of_units(table)
+        return score(*errors, self.case.sums.order, folds, [self.noise] * len(folds.held))
 
     def fitted(self, hypothesis: Hypothesis, kept: Sequence[Claim]) -> Callable[[Mask], Model]:
         """The model with the kept causes, as a function of the blocks that it is fitted on."""

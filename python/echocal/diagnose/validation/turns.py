@@ -49,7 +49,7 @@ def in_turns(case: Case, model: Model) -> Turns | None:
     case : Case
     model : Model
     """
-    table, settings = case.table, case.settings.smooth
+    table, settings = case.table.rows, case.settings.smooth
     first = slice(0, settings.most_rows)  # enough of a long table
     left = _left(table, model, first)
     known = np.isfinite(left)
@@ -85,7 +85,7 @@ def _left(table: Table, model: Model, rows: slice) -> Column:
 
 def _recorded(case: Case) -> Iterator[Column]:
     """Columns that may take turns, too."""
-    table = case.table
+    table = case.table.rows
     columns = [*table.conditions.values(), *table.extra.values(), *table.labels.values()]
     for column in columns if table.reference is None else [*columns, table.reference]:
         if np.isfinite(column).all():

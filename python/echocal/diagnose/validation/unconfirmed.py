@@ -5,8 +5,9 @@ from dataclasses import replace
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.selection.claims import without
+from echocal.diagnose.validation.gain import on_common_rows
 from echocal.diagnose.validation.judges import Judge
-from echocal.diagnose.validation.refute import Rest
+from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.trials import Trials
 from echocal.diagnose.validation.validate import Validation
 
@@ -17,8 +18,8 @@ def unconfirmed(case: Case, validation: Validation, judge: Judge, noise: Noise) 
     """Say of each cause whether the rows that judge the model show it.
 
     The whole model is better than the base on these rows, but one large cause is enough for that. The rows
-    show a cause if they are more probable with it than without it, by odds that count as strong. Such a
-    doubt changes no model: what these rows say must not choose what they measure.
+    show a cause if they are more probable with it than without it, by odds that count as strong, and their
+    error is smaller. Such a doubt changes no model: what these rows say must not choose what they measure.
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ def unconfirmed(case: Case, validation: Validation, judge: Judge, noise: Noise) 
         return {}
     trials = Trials(case, noise)
     hypothesis = validation.fit.hypothesis
-    whole = Rest(hypothesis, kept, judge.base(), (), ())
+    whole = Rest(hypothesis, kept, judge.base())
     after, rows = judge.sized(trials, whole), validation.gain.judged_rows
     said = {}
     for claim in kept:
@@ -47,7 +48,8 @@ def unconfirmed(case: Case, validation: Validation, judge: Judge, noise: Noise) 
         fewer = replace(whole, hypothesis=without(hypothesis, claim.cause), kept=others)
         alone = judge.sized(trials, fewer)
         score = judge.compared(trials, after, alone)
-        if score.total < case.settings.claims.confirmed and claim.cause not in validation.unjudged:
+        one, other = on_common_rows(after, alone)
+        if score.total < case.settings.claims.confirmed or one.rms >= other.rms:
             said[claim.cause] = (
                 f"the {rows} do not show {claim.cause} beside the other causes: with it, their log density "
                 f"changes by {score.total:+.1f}, and the error is {1e3 * after.rms:.2f} mm, without it "

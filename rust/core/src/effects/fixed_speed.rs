@@ -16,8 +16,8 @@ impl Effect for FixedSpeed {
         stage: Stage::Firmware,
         sentence: "The device converts with one fixed speed of sound at every temperature.",
         formula: "c_device' = c_device + weight (speed - c_device); weight 1 is the fixed speed alone",
-        source: "340 and 343 m/s (adafruit_hcsr04, esphome 2212), 344.8 m/s (58 us/cm), \
-                 350.9 m/s (NewPing's 57 us/cm) in public HC-SR04 code",
+        source: "340 and 343 m/s (adafruit_hcsr04, esphome 2212); cm = us / divisor is 20000 / divisor m/s: \
+                 57 (NewPing), 58 or 29 for one way (Arduino), 58.2 or 29.1, 59, 60 in public HC-SR04 code",
         parameters: &[
             ParameterFacts {
                 name: "weight",
@@ -36,7 +36,15 @@ impl Effect for FixedSpeed {
                 neutral: 343.0,
                 bounds: (300.0, 400.0),
                 prior_scale: 5.0,
-                known: &[340.0, 343.0, 344.8, 350.9],
+                known: &[
+                    340.0,
+                    343.0,
+                    2e4 / 57.0,
+                    2e4 / 58.0,
+                    2e4 / 58.2,
+                    2e4 / 59.0,
+                    2e4 / 60.0,
+                ],
                 ..ParameterFacts::USUAL
             },
         ],

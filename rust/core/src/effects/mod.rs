@@ -107,6 +107,7 @@ registry!(
     reference_scale::ReferenceScale,
     oblique_target::ObliqueTarget,
     recorded_angle::RecordedAngle,
+    slant_range::SlantRange,
     beam_edge::BeamEdge,
     zero_error::ZeroError,
     drift::Drift,

@@ -10,6 +10,8 @@ from echocal.observations.marks import RowRule
 
 __all__ = ["count_evidence", "far_rule", "one_sided_outliers"]
 
+_PARTS = np.linspace(0.025, 1.0, 40)[:, None]  # of the far rows, tried
+
 
 def one_sided_outliers(
     view: View, sign: int, settings: FaultSettings, least: float = 0.0
@@ -71,7 +73,7 @@ def count_evidence(view: View, rows: NDArray[np.bool_], settings: FaultSettings)
     """Log Bayes factor of a fault that hits some percent of the rows, against heavy tails and odd rows.
 
     Tails have two sides, and more rows that are somewhat less far off. Rows that are odd for a reason
-    outside the catalogue are on this side by chance, and seldom very far off.
+    outside the catalogue are on either side, and off by any order of magnitude.
     """
     own, count, total = settings.outliers, int(rows.sum()), int(view.good.sum())
     off = _over_the_limit(view, settings)
@@ -79,9 +81,21 @@ def count_evidence(view: View, rows: NDArray[np.bool_], settings: FaultSettings)
     chance = max(0.5 * chance_far(view, settings.far), tail)
     usual = max(own.usual * total + 0.5, chance)
     against_tails = min(count * np.log(max(usual, 1.0) / chance) - (usual - chance), settings.cap)
-    very_far = int((np.abs(off[rows]) > own.very_far).sum())
-    odd = np.log(own.odd) + count * np.log(0.5) + very_far * np.log(own.odd_very_far)
+    odd = np.log(own.odd) - _against_odd(view, rows, off, own) - np.log((count + 1) / own.alone)
     return float(against_tails - np.logaddexp(np.log(1.0 - own.odd), odd + against_tails))
+
+
+def _against_odd(view: View, rows: NDArray[np.bool_], off: NDArray[np.float64], own: Outliers) -> float:
+    """Log Bayes factor of echoes over another way against odd rows: docs/method.md, Eq. 30b.
+
+    All far rows are such echoes, or any part of them, with the same prior. `off` is in units of the limit.
+    """
+    beyond = view.good & (np.abs(off) > 1.0)
+    way = np.abs(view.expected[beyond] / view.deviation[beyond])
+    orders = np.maximum(np.log(way * np.abs(off[beyond])), 1.0)  # of magnitude, to which odd rows are off
+    over = own.anywhere * orders / np.maximum(way, 1.0) + 1.0 - own.anywhere  # density over that of odd rows
+    logs = np.log(_PARTS * np.where(rows[beyond], 2.0 * over, 0.0) + (1.0 - _PARTS) + 1e-300).sum(axis=1)
+    return float(np.logaddexp(logs[-1], np.logaddexp.reduce(logs) - np.log(len(logs))) - np.log(2))
 
 
 def _over_the_limit(view: View, settings: FaultSettings) -> NDArray[np.float64]:

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.view import View
-from echocal.diagnose.settings.faults import FaultSettings
+from echocal.diagnose.settings.faults import FaultSettings, SharedFactor
 from echocal.observations import Observations
 
-__all__ = ["FARTHEST", "Factor", "divided", "factor_of", "multiplied_reference"]
+__all__ = ["FARTHEST", "Factor", "divided", "factor_of", "log_free", "log_usual", "multiplied_reference"]
 
 FARTHEST = 100.0
 """Distance that no echo in air comes back from [m]."""
@@ -37,18 +37,29 @@ def factor_of(view: View, factors: tuple[float, ...], settings: FaultSettings) -
         return None  # no row is near any of them
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / view.reference)
-    log_ratio = log_ratio[np.isfinite(log_ratio)]
+    log_ratio = log_ratio[np.isfinite(log_ratio) & view.measured]
     if len(log_ratio) == 0:
         return None
     center = float(np.median(log_ratio))
     nearest = min(factors, key=lambda factor: abs(center - np.log(factor)))
-    off = center - float(np.log(nearest))
+    known = log_usual(center - float(np.log(nearest)), limits)
     shared = float(np.mean(np.abs(log_ratio - np.log(nearest)) < limits.near))
-    if abs(off) > limits.near or shared < limits.most:
-        return None
-    without, with_it = (1.5 * np.log1p((x / limits.spread) ** 2) for x in (center, off))
-    gain = len(log_ratio) * max(shared - 0.5, 0.0)  # many rows, one story
-    return Factor(nearest, float(np.exp(center)), min(float(without - with_it) + gain, settings.cap))
+    if known < log_free(center) or shared < limits.most:
+        return None  # any factor at all is as probable
+    evidence = float(np.clip(known - log_usual(center, limits), -settings.cap, settings.cap))
+    return Factor(nearest, float(np.exp(center)), evidence)
+
+
+def log_usual(off: float, limits: SharedFactor, uncertainty: float = 0.0) -> float:
+    """Log density of a log ratio that laws, thermometers and clocks leave."""
+    width = np.hypot(limits.spread, uncertainty)
+    return float(-0.5 * (off / width) ** 2 - np.log(width * np.sqrt(2 * np.pi)))
+
+
+def log_free(log_ratio: float) -> float:
+    """Log density of the log of a factor of which nothing is known, but that it is from 1/10 to 10."""
+    widest = float(np.log(10.0))
+    return -float(np.log(2 * widest)) if abs(log_ratio) <= widest else -np.inf
 
 
 def divided(view: View, factor: float | NDArray[np.float64], column: str) -> Observations:

@@ -132,7 +132,7 @@ def find_faults(
     known = not constant and (given is not None or observations.reference_distance is not None)
     view = View(observations, base, given, known, noise_settings.step_by_chance)
     found = []
-    for fault in (*registry.of_kind("gross"), *registry.of_kind("row")):
+    for fault in registry.FAULTS:
         if fault.facts.kind == "row" and not view.good.any():
             continue
         if fault.facts.kind == "gross" and columns is not None and fault.facts.id not in columns:

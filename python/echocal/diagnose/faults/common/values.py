@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FarRows
 
-__all__ = ["POWER_ON", "at_power_on", "chance_far", "far", "millimeters", "recorded", "repeats"]
+__all__ = ["POWER_ON", "at_power_on", "chance_far", "expected_everywhere", "far", "millimeters", "recorded"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -29,6 +29,14 @@ def recorded(view: View) -> Column:
     return view.observations.echo_time if reading is None else reading
 
 
+def expected_everywhere(view: View) -> Column:
+    """What each row should read, also of rows that cannot be used [m]."""
+    if view.reference is not None:
+        return view.expected
+    rows, known = np.arange(len(view)), np.isfinite(view.expected)
+    return np.interp(rows, rows[known], view.expected[known]) if known.any() else view.expected
+
+
 def far(view: View, settings: FarRows) -> Mask:
     """Rows farther off than noise or air."""
     if view.farthest <= settings.deviations * view.scatter:
@@ -48,15 +56,6 @@ def chance_far(view: View, settings: FarRows) -> float:
     part = len(limit) / max(len(limit[::97]), 1)
     scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
     return float(2 * part * stdtr(3, -limit[::97] / scale).sum()) + 1e-3
-
-
-def repeats(values: Column) -> float:
-    """Part of the rows whose value some other row has too, to a part in 1e9."""
-    finite = values[np.isfinite(values)]
-    if len(finite) == 0:
-        return 0.0
-    _, counts = np.unique(np.round(finite / max(abs(float(np.median(finite))), 1e-12), 9), return_counts=True)
-    return float(counts[counts > 1].sum() / len(finite))
 
 
 def millimeters(value: float) -> str:

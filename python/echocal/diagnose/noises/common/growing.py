@@ -69,7 +69,7 @@ def growth_of(case: Case, inference: Inference) -> Finding | None:
     if probability < settings.subtracted:
         return None
     top, white = inference.fits[0], next(one for one in case.noises if not one.rho and not one.growth)
-    fitted = noise.fit(Traced.of(case, sampled(case, settings)).left_by(top, white), settings)
+    fitted = noise.fit(Traced.of(case, sampled(case.row_folds, settings)).left_by(top, white), settings)
     if fitted is None:
         return None
     found = NoisePosterior(inference.fits, likelihoods={(): {NOISE_GROWTH: fitted}})

@@ -8,16 +8,13 @@ from scipy.special import gammaln
 
 from echocal.diagnose.settings.priors import WIDEST
 
-__all__ = ["ORDERS", "PERIOD", "Placements", "log_lattice", "log_prior", "log_prior_along", "propose"]
+__all__ = ["ORDERS", "Placements", "log_lattice", "log_prior", "log_prior_along", "propose"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 ORDERS = np.arange(-4, 5)
 """Whole periods that a placement may be off."""
-
-PERIOD = 25e-6
-"""Period of the burst [s], of 40 kHz (HC-SR04 data sheet)."""
 
 _ROUNDS = 25  # of the fixed point; more change no integer of the tables tried
 _PHASES = (0.0, 0.25, 0.5, 0.75)  # of a period, at which the fixed point starts

@@ -9,8 +9,9 @@ from scipy.special import gammaln
 
 from echocal.diagnose.noises.common.trace import group_medians
 from echocal.diagnose.preprocess.table import Table
+from echocal.diagnose.preprocess.units import visits
 
-__all__ = ["as_one_segment", "labelings", "some_of_each", "visits", "whole_steps"]
+__all__ = ["as_one_segment", "labelings", "some_of_each", "whole_steps"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -80,18 +81,6 @@ def whole_steps(table: Table, period: Column, fewest: int, alike: float) -> bool
 def as_one_segment(table: Table) -> Table:
     """The table with one unknown level; its series begin where they did."""
     return replace(table, groups=np.zeros_like(table.groups), steps=table.steps[:0])
-
-
-def visits(table: Table) -> Labels:
-    """Number the runs of rows in which the target stayed: a burst, or rows without a gap at one station."""
-    new = table.starts.copy()
-    if table.reference is not None:
-        new[1:] |= np.diff(table.reference) != 0
-    position = table.conditions.get("position_in_group")
-    if position is not None:
-        new[1:] |= np.diff(position) < 0
-    new[:1] = False
-    return np.cumsum(new, dtype=np.int64)
 
 
 def _hops(visit: Labels, left: Column, period: Column, window: int) -> tuple[NDArray[np.bool_], Column]:

@@ -14,6 +14,7 @@ from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.kinds import FittedNoise, NuisanceNoise
 from echocal.diagnose.noises.common.trace import Likelihood, Trace
+from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noises import NoiseSettings
 
@@ -103,7 +104,7 @@ def infer_noises(
     chosen += [ids for ids in [()] if ids not in chosen]
     gains: dict[Ids, float] = {}
     shares = NoisePosterior([])
-    traced = Traced.of(case, sampled(case, settings))
+    traced = Traced.of(case, sampled(case.row_folds, settings))
     for ids in chosen:
         trace = traced.left_by(best[ids], reduced.likeliest(best[ids])[0])
         gains[ids], shares.fitted[ids], shares.likelihoods[ids] = _beside(trace, tried, settings)
@@ -148,10 +149,10 @@ def _gains_alike(
     ):  # what fits about as well as these leaves about the same
         near = [ids for ids in wanted if best[ids].log_posterior > first - reach]
         return dict.fromkeys(near, min(probable))
-    known = {ids: traced.case.left(best[ids], traced.rows) for ids in gains}
+    known = {ids: traced.case.left(best[ids], traced.units) for ids in gains}
     found = {}
     for ids in wanted[: settings.sets_alike]:
-        left = traced.case.left(best[ids], traced.rows)
+        left = traced.case.left(best[ids], traced.units)
         nearest = min(known, key=lambda other: float(np.sum((left - known[other]) ** 2)))
         found[ids] = gains[nearest]
     return found
@@ -165,9 +166,9 @@ def _with_nothing(case: Case, fits: list[HypothesisFit], reduced: Stack) -> list
     return [*fits, fit_hypothesis(Hypothesis((), prior), reduced)]
 
 
-def sampled(case: Case, settings: NoiseSettings) -> NDArray[np.int64]:
-    """Rows that fits may see, in segments where there are many."""
-    rows = np.flatnonzero(case.folds.fit[case.folds.blocks])
+def sampled(folds: Folds, settings: NoiseSettings) -> NDArray[np.int64]:
+    """Rows, or units, that fits may see, in segments where there are many."""
+    rows = np.flatnonzero(folds.fitted)
     count, length = settings.segments, settings.segment_rows
     if len(rows) <= count * length:
         return rows
@@ -193,10 +194,16 @@ def _beside(
 
 @dataclass(frozen=True)
 class Traced:
-    """Rows whose residuals are traced, and what is the same beside each hypothesis."""
+    """Rows whose residuals are traced, and what is the same beside each hypothesis.
+
+    Where units have several rows, only what a row is off its unit is traced: what the rows of a unit share
+    counts once, and a noise of rows would count it in each.
+    """
 
     case: Case
-    rows: NDArray[np.int64]
+    units: NDArray[np.int64]
+    unit: NDArray[np.int64]
+    scatter: NDArray[np.float64]
     order: Order
     speed: NDArray[np.float64]
     segment: NDArray[np.int64]
@@ -204,27 +211,36 @@ class Traced:
     @classmethod
     def of(cls, case: Case, rows: NDArray[np.int64]) -> "Traced":
         """Rows of a case that are to be traced."""
-        conditions = {name: column[rows] for name, column in case.table.conditions.items()}
+        table = case.table
+        conditions = {name: column[rows] for name, column in table.rows.conditions.items()}
         speed = case.base.indication(np.full(len(rows), 2.0), conditions)
-        return cls(case, rows, case.sums.order.at(rows), speed, _segments(case, rows))
+        units, unit = np.unique(table.unit[rows], return_inverse=True)
+        order, scatter = case.sums.order.at(units), table.deviation[rows]
+        return cls(case, units, unit, scatter, order, speed, _segments(case, units)[unit])
 
     def left_by(self, fit: HypothesisFit, noise: Noise) -> Trace:
-        """What a hypothesis leaves."""
-        left, groups = self.case.left(fit, self.rows), self.order.groups
-        if noise.slow_air:
-            whole = self.case.left(fit, np.arange(len(self.case.table)))
-            left -= self.case.slow_air_in(whole, self.case.folds.fit, noise)[self.rows]
-        flat = self.case.sums.flat_level
-        if flat:  # each segment has a level of its own
-            left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
+        """What a hypothesis leaves of the rows."""
+        joined = self.case.table.members is not None
+        left = self.scatter if joined else self.left_of_units(fit, noise)
         return Trace(
             left=left,
-            innovation=innovation(left, self.order, noise),
-            distance=self.order.distance,
+            innovation=left if joined else innovation(left, self.order, noise),
+            distance=self.order.distance[self.unit],
             speed=self.speed,
             segment=self.segment,
-            free_mean=flat or bool(fit.hypothesis.variants),
+            rounding=self.case.table.rounding,
+            free_mean=joined or self.case.sums.flat_level or bool(fit.hypothesis.variants),
         )
+
+    def left_of_units(self, fit: HypothesisFit, noise: Noise) -> NDArray[np.float64]:
+        """What a hypothesis leaves of the units [m]."""
+        left, groups = self.case.left(fit, self.units), self.order.groups
+        if noise.slow_air:
+            whole = self.case.left(fit, np.arange(len(self.case.table)))
+            left -= self.case.slow_air_in(whole, self.case.folds.fit, noise)[self.units]
+        if self.case.sums.flat_level:  # each segment has a level of its own
+            left -= (np.bincount(groups, left) / np.maximum(np.bincount(groups), 1))[groups]
+        return left
 
 
 def _segments(case: Case, rows: NDArray[np.int64]) -> NDArray[np.int64]:

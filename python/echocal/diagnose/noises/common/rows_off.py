@@ -56,6 +56,8 @@ def without_rows_off(
     RowsOff or None
         None if no such noise is more probable than not, or if its error in each row is not known.
     """
+    if case.table.members is not None:  # their means are without the periods that rows missed
+        return None
     for noise in tried:
         probability = shares.probability(noise.facts.id)
         if noise.offsets is None or probability < case.settings.noises.subtracted:

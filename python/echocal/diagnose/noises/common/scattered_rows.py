@@ -49,14 +49,16 @@ class Scattered:
     gain: float
 
     @classmethod
-    def of(cls, left: Column) -> "Scattered | None":
+    def of(cls, left: Column, least: float = VARIANCE_FLOOR) -> "Scattered | None":
         """Fit by expectation and maximization (doi:10.1111/j.2517-6161.1977.tb01600.x).
 
-        None if both kinds become one.
+        `least` is the standard deviation that every row has, as that of its rounding [m]. None if both kinds
+        become one.
         """
         square = left**2
         usual, whole = _MAD_TO_SD**2 * float(np.median(square)), float(square.mean())
-        if not VARIANCE_FLOOR**2 < usual < whole:
+        usual = max(usual, least**2)
+        if not usual < whole:
             return None
         part, wide = _START[0], max(_START[1] ** 2 * usual, whole)
         for _ in range(_STEPS):
@@ -64,9 +66,7 @@ class Scattered:
             part = float(share.mean())
             if not 0.0 < part < 1.0:
                 return None
-            usual = float(((1.0 - share) * square).sum() / (1.0 - share).sum())
-            if usual < VARIANCE_FLOOR**2:
-                return None
+            usual = max(float(((1.0 - share) * square).sum() / (1.0 - share).sum()), least**2)
             wide = float((share * square).sum() / share.sum())
         logs = [np.log(p) - 0.5 * (square / v + np.log(v)) for p, v in ((1 - part, usual), (part, wide))]
         log = float(np.logaddexp(*logs).sum())
@@ -117,7 +117,7 @@ def without_scattered_rows(
         scattered, off = found
         offsets = off if case.offsets is None else off + case.offsets
         other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
-        other = replace(other, discounted=off, remarks=(_said(scattered, len(off)),))
+        other = replace(other, remarks=(_said(scattered, len(off)),))
         inference = infer(other)
         fits = inference.fits
     return None if other is None else (other, inference)
@@ -131,14 +131,15 @@ def _exceptions(
     Each hypothesis competes with noise of one kind of rows, too: a cause whose column has rare large values
     leaves nothing that scatters.
     """
-    rows = sampled(case, settings)
+    rows = sampled(case.folds, settings)
+    least = max(VARIANCE_FLOOR, case.table.rounding)
     simplest = min(fits, key=lambda one: len(one.hypothesis.variants))
     found: list[tuple[float, Scattered | None, HypothesisFit]] = []
     for one in {id(one): one for one in (fits[0], simplest)}.values():
         left = _left(case, one, inference, off, rows)
         cost = 0.5 * len(one.mean) * float(np.log(len(rows)))
         found.append((_log_of_one_kind(left) - cost, None, one))
-        if _peaked(left, settings.worth) and (fit := Scattered.of(left)) is not None:
+        if _peaked(left, settings.worth) and (fit := Scattered.of(left, least)) is not None:
             found.append((fit.log - cost, fit, one))
     _, best, one = max(found, key=lambda each: each[0])
     if best is None or not best.counts(settings):
@@ -147,8 +148,9 @@ def _exceptions(
 
 
 def _left(case: Case, one: HypothesisFit, inference: Inference, off: Column, rows: Labels) -> Column:
-    """What a hypothesis leaves of some rows, with what was subtracted from them [m]."""
-    return Traced.of(case, rows).left_by(one, inference.reduced.likeliest(one)[0]).left + off[rows]
+    """What a hypothesis leaves of some units, with what was subtracted from them [m]."""
+    noise, first = inference.reduced.likeliest(one)[0], np.unique(case.table.unit, return_index=True)[1]
+    return Traced.of(case, first[rows]).left_of_units(one, noise) + off[rows]
 
 
 def _peaked(left: Column, worth: float) -> bool:

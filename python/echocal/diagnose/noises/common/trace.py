@@ -74,6 +74,8 @@ class Trace:
         Whether the hypothesis found a level of its own, so that zero means nothing.
     segment : ndarray of int, shape (n,)
         Segment of rows with one target, undisturbed, that each row belongs to.
+    rounding : float
+        Standard deviation of the error of rounding of each row [m]: no noise scatters less.
     """
 
     left: Column
@@ -82,6 +84,7 @@ class Trace:
     speed: Column
     free_mean: bool
     segment: NDArray[np.int64]
+    rounding: float = 0.0
 
     def __len__(self) -> int:
         return len(self.left)
@@ -108,8 +111,8 @@ class Trace:
         Of the rows as they are, or less what the nuisance noises explain, whichever is likelier: what these
         take from heavy tails makes other rows outliers.
         """
-        either = (_averaged(self.innovation), _averaged(self.left))
-        return float(np.logaddexp(*either) - np.log(2) - 0.5 * np.log(len(self)))
+        either = [_averaged(values, self.rounding) for values in (self.innovation, self.left)]
+        return float(np.logaddexp.reduce(either) - np.log(2) - 0.5 * np.log(len(self)))
 
 
 def group_medians(values: Column, groups: NDArray[np.int64]) -> Column:
@@ -121,6 +124,8 @@ def group_medians(values: Column, groups: NDArray[np.int64]) -> Column:
     return np.asarray(0.5 * middle)
 
 
-def _averaged(values: Column) -> float:
-    logs = [log_density(values, scale_of(values, freedom), freedom).sum() for freedom in KERNELS]
+def _averaged(values: Column, least: float) -> float:
+    scales = [np.asarray(np.maximum(scale_of(values, freedom), least)) for freedom in KERNELS]
+    each = zip(scales, KERNELS, strict=True)
+    logs = [log_density(values, scale, freedom).sum() for scale, freedom in each]
     return float(np.logaddexp.reduce(logs) - np.log(len(KERNELS)))
