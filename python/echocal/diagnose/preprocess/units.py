@@ -44,7 +44,7 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     count = np.bincount(visit)
     if len(count) == len(table) or len(count) < settings.fewest:
         return table
-    mixture = row_mixture(table.indication, visit, period)
+    mixture = row_mixture(table.indication, visit, period, table.rounding)
 
     def mean(column: Column) -> Column:
         return np.asarray(np.bincount(visit, column) / count)
@@ -52,7 +52,7 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     temperature = table.conditions.get("temperature")
     if temperature is not None:
         warming = settings.per_kelvin * table.reference * (temperature - mean(temperature)[visit])
-        if float(np.mean(warming**2)) > max(mixture.scatter, table.rounding) ** 2:
+        if float(np.mean(warming**2)) > mixture.scatter**2:
             return table
     for name, column in table.conditions.items():
         of_device = name not in AIR and QUANTITIES[name].derived_from is None
@@ -74,7 +74,8 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
         groups=groups,
         members=Members(table, visit),
     )
-    return divided(units, units.row[:0], settings.gap)
+    every = np.ones(len(first), dtype=bool)  # the target is put up anew: no error goes on from visit to visit
+    return replace(divided(units, units.row[:0], settings.gap), starts=every)
 
 
 def visits(table: Table) -> Labels:
