@@ -125,7 +125,8 @@ def test_rows_one_step_off_do_not_scatter_more_than_others(random: np.random.Gen
         reading[off] += random.choice([1, -1], len(off))
         table = {"reading_cm": reading, "distance_cm": cm}
         found = echocal.diagnose(table, reading_speed="343", at={"temperature": "20+-2"})
-        right += found.rows["used"] == len(cm) and found.noise["standard_deviation_m"] > 1e-3
+        of_a_mean = 1e-3 / 6**0.5  # the six rows of a placement count as one
+        right += found.rows["used"] == len(cm) and found.noise["standard_deviation_m"] > of_a_mean
     assert right >= ENOUGH
 
 

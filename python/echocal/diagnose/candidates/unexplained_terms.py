@@ -94,11 +94,10 @@ def term_candidates(
 ) -> None:
     """Add an unexplained term against each column with enough values.
 
-    A term has a mean. Without it, an offset would be claimed for the mean of an unknown effect. A
-    term against the distance has neither a mean nor a linear part, because an offset and a scale
-    are causes of the catalogue; one against the echo quality has no linear part either, if that cause
-    competes. The candidates' `line` is for the check that these two are more
-    than parts of an unknown effect.
+    No term has a mean, because an offset is a cause of the catalogue: a term with one would take up a
+    delay. A term against the distance has no linear part either, because a scale is a cause, too, nor
+    has one against the echo quality, if that cause competes. The candidates' `line` is for the check that
+    these two are more than parts of an unknown effect.
 
     Parameters
     ----------
@@ -114,28 +113,27 @@ def term_candidates(
         Columns that are no known quantities.
     """
     constant = np.full(len(next(iter(against.values()))), settings.size)
-    mean = [found.columns.store(constant)] if known_distance else []
-    line = list(mean)
+    line = [found.columns.store(constant)] if known_distance else []
     for name, column in against.items():
         if most := degrees_of(column, settings, further=name in further):
             basis = Basis.of(name, column, settings)
-            own, first = mean, 1
+            first = 1
             if name == "distance":
                 line += found.columns.legendre(column, basis.low, basis.high, [settings.size])
-                own, first = [], 2
+                first = 2
             elif name in _LINEAR and any(v.cause == name for v in found.variants):
                 first = 2
             functions = found.columns.legendre(
                 column, basis.low, basis.high, _scales(settings)[first - 1 : most], first=first
             )
             for degree in sorted({min(degree, most) for degree in settings.degrees}):
-                found.variants.append(_term([*own, *functions[: degree + 1 - first]], name))
+                found.variants.append(_term(functions[: degree + 1 - first], name))
     if line:
         found.line = replace(_term(line, ""), scales=(settings.size,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > settings.fewest_days * _DAY:
         waves = found.columns.waves(elapsed, _DAY, _harmonics(settings))
-        found.variants.append(_term([*mean, *waves], HOUR))
+        found.variants.append(_term(waves, HOUR))
 
 
 def degrees_of(column: Column, settings: TermSettings, *, further: bool = False) -> int:

@@ -80,6 +80,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         for line in lines
     ]
     evidence = np.logaddexp.reduce(likely + with_it) - np.logaddexp.reduce(likely + without)
+    if evidence < 0.0:  # a usual error of scale is more probable, which the glance above has not looked for
+        return None
     found = lines[int(likely.argmax())]
     because = (
         f"readings are {found.factor:.2f} times the reference distance, at all distances "

@@ -22,6 +22,7 @@ def _fault(id_: str) -> Fault:
 FAULTS: tuple[Fault, ...] = tuple(
     _fault(id_)
     for id_ in (
+        "blanking_distance",
         "stuck_reading",
         "dead_column",
         "swapped_columns",
@@ -32,7 +33,6 @@ FAULTS: tuple[Fault, ...] = tuple(
         "device_factor",
         "shifted_rows",
         "computed_table",
-        "blanking_distance",
         "censored_range",
         "reset_temperature",
         "mistyped_rows",

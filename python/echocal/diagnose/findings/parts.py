@@ -300,7 +300,8 @@ class Gain:
         Log density of these rows, under the noise, with the extended model less that with the base. None
         where the model is the base, and of several tables.
     log_score_interval_95 : tuple of float or None
-        Of the same, from contiguous pieces of rows.
+        Of the same, from contiguous pieces of rows. None where the units are visits: what a model adds
+        differs from visit to visit with the distance, and these differences are no uncertainty.
     """
 
     rms_fixed_speed_m: float | None
@@ -322,12 +323,13 @@ class Gain:
     def earned(self) -> bool:
         """Whether rows that were not fitted prove a gain: only then a cause is named.
 
-        The interval of the gain is above zero, and that of the log score, which a pool does not have. The log
-        score alone would name what removes one hundredth of the error, and what another window does not have.
+        The interval of the gain is above zero, and so is that of the log score, or the log score where it has
+        no interval. A pool has neither. The log score alone would name what removes one hundredth of the
+        error, and what another window does not have.
         """
-        score = self.log_score_interval_95
+        least = self.log_score if self.log_score_interval_95 is None else self.log_score_interval_95[0]
         smaller = self.rms_after_m < self.rms_before_m and self.interval_95[0] > 0.0
-        return smaller and (score is None or score[0] > 0.0)
+        return smaller and (least is None or least > 0.0)
 
     @property
     def judged_rows(self) -> str:

@@ -125,8 +125,9 @@ def model_of_table(
     drawn = sizes.covariance[np.ix_(given, given)] * unit[:, None] * unit
     fit = _conditioned(fit, at, sizes.mean[given] * unit, drawn)
     model = _model([table], fit, provenance)
-    left = HeldOut(errors(table.table, model, np.ones(len(table.table), dtype=bool)))
-    residual = residual_uncertainty(table.table, model, left, "the rows of the table")
+    rows = table.table.rows
+    left = HeldOut(errors(rows, model, np.ones(len(rows), dtype=bool)))
+    residual = residual_uncertainty(rows, model, left, "the rows of the table")
     return model.with_residual_uncertainty(residual), sizes
 
 

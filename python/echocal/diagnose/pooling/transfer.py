@@ -47,23 +47,25 @@ def transfer(
     The residual uncertainty is that of the shared causes on these tables, or of the base where their error
     is larger.
     """
-    before, after, distance, each = [], [], [], []
+    before, after, distance, unit, each = [], [], [], [], []
     for place, table in enumerate(pool.tables):
         chosen = choose(pool, sets, classes, without=place).best
         others = [other for other in range(len(pool.tables)) if other != place]
-        rows = np.ones(len(table.table), dtype=bool)
+        rows = table.table.rows
+        every = np.ones(len(rows), dtype=bool)
         with warnings.catch_warnings(action="ignore", category=DomainWarning):
             model = shared_model(pool, chosen, {}, others, table)
-            base, extended = (errors(table.table, one, rows) for one in (table.base.model(), model))
+            base, extended = (errors(rows, one, every) for one in (table.base.model(), model))
         known = np.isfinite(base) & np.isfinite(extended)
         before.append(base[known])
         after.append(extended[known])
-        distance.append(table.table.distance(table.base.model())[known])
+        distance.append(rows.distance(table.base.model())[known])
+        unit.append(table.table.unit[known] + sum(len(t.table) for t in pool.tables[:place]))
         ids = tuple(model.effects.keys() - table.base.effects.keys())
         each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
     rho = max(table.diagnosis.noise["autoregression"] for table in pool.tables)
-    gained, removed = intervals(one, other, np.arange(len(one.error)), rho, seed, pool.settings.validation)
+    gained, removed = intervals(one, other, np.concatenate(unit), rho, seed, pool.settings.validation)
     floor = _floor(pool, min(one.rms, other.rms))
     reachable = one.rms**2 - floor**2
     worth = reachable > pool.settings.validation.reachable * one.rms**2
@@ -91,7 +93,7 @@ def _rms(error: NDArray[np.float64]) -> float:
 
 def _floor(pool: Pool, most: float) -> float:
     """Floor of all rows, from the floors of the tables."""
-    gains = [(t.diagnosis.gain, len(t.table)) for t in pool.tables]
+    gains = [(t.diagnosis.gain, len(t.table.rows)) for t in pool.tables]
     known = [(gain.rms_floor_m**2, rows) for gain, rows in gains if gain is not None]
     total = sum(rows for _, rows in known)
     return min(float(np.sqrt(sum(square * rows for square, rows in known) / max(total, 1))), most)

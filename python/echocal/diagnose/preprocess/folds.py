@@ -45,9 +45,13 @@ class Folds:
     def of(cls, table: Table, settings: RowSettings) -> "Folds":
         """Cross-validate by stations or by runs of rows."""
         count = settings.folds
-        stations = 1 + int(table.groups.max())
-        if table.reference is not None and stations >= count:
-            blocks, by = table.groups % count, table.grouped_by or "station"
+        groups, reference = table.groups, table.reference
+        if table.members is not None and reference is not None and not groups.any():
+            groups = np.unique(reference, return_inverse=True)[
+                1
+            ]  # nearly every visit has a distance of its own
+        if reference is not None and int(groups.max()) + 1 >= count:
+            blocks, by = groups % count, table.grouped_by or "station"
         else:
             blocks = _runs(len(table), count)
             if table.reference is None:

@@ -51,7 +51,7 @@ class RowMixture:
     scatter: float
 
 
-def row_mixture(reading: Column, visit: Labels, period: Column) -> RowMixture:
+def row_mixture(reading: Column, visit: Labels, period: Column, rounding: float = 0.0) -> RowMixture:
     """Fit the mixture, its shares and its scatter common to all visits: docs/method.md, Eq. 1a.
 
     Parameters
@@ -62,25 +62,30 @@ def row_mixture(reading: Column, visit: Labels, period: Column) -> RowMixture:
         Visit of each row, in ascending order from 0.
     period : ndarray, shape (n,)
         Length of one period [m].
+    rounding : float
+        Standard deviation of the error of rounding of a reading [m]: the core scatters no less.
     """
+    least = max(rounding, VARIANCE_FLOOR)
     count = np.bincount(visit)
     firsts = np.append(0, np.cumsum(count)[:-1])
     order = np.lexsort((reading, visit))
     middle = 0.5 * (reading[order[firsts + (count - 1) // 2]] + reading[order[firsts + count // 2]])
     off = reading - middle[visit]
     free = max(len(reading) - len(count), 1) / len(reading)  # a median takes up a part of the scatter
-    fitted = _fitted(off, period, _ORDERS, free)
+    fitted = _fitted(off, period, _ORDERS, free, least)
     if not float(np.median(period)) > _APART * fitted[0]:  # periods are not told apart
-        fitted = _fitted(off, period, _ORDERS[:1], free)
+        fitted = _fitted(off, period, _ORDERS[:1], free, least)
     scatter, kept, missed = fitted
     mean = np.bincount(visit, kept * (reading - missed * period)) / np.bincount(visit, kept)
     return RowMixture(np.asarray(mean), scatter)
 
 
-def _fitted(off: Column, period: Column, orders: Column, free: float) -> tuple[float, Column, Column]:
+def _fitted(
+    off: Column, period: Column, orders: Column, free: float, floor: float
+) -> tuple[float, Column, Column]:
     """Scatter of the core; of each row, whether it is not wild (probability), and its missed periods."""
     least = np.sort(np.abs(off))[: int(_TAME * len(off)) or 1]
-    scatter = max(float(np.sqrt(np.mean(least**2) / free)) / _OF_TAME, VARIANCE_FLOOR)
+    scatter = max(float(np.sqrt(np.mean(least**2) / free)) / _OF_TAME, floor)
     share = np.append(_PRIOR[: len(orders)], _PRIOR[-1])
     beside = off[:, None] - orders * period[:, None]
     for _ in range(_ROUNDS):
@@ -91,6 +96,6 @@ def _fitted(off: Column, period: Column, orders: Column, free: float) -> tuple[f
         share /= share.sum()
         weight = part[:, :-1]
         square = float((weight * beside**2).sum() / weight.sum() / free)
-        scatter = max(float(np.sqrt(square)), VARIANCE_FLOOR)
+        scatter = max(float(np.sqrt(square)), floor)
     kept = np.maximum(weight.sum(axis=1), 1e-6)
     return scatter, kept, np.asarray((weight * orders).sum(axis=1) / kept)

@@ -9,6 +9,7 @@ from echocal.diagnose.preprocess.row_mixture import row_mixture
 from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.table import Members, Table
 from echocal.diagnose.settings.rows import RowSettings
+from echocal.quantities import AIR, QUANTITIES
 
 __all__ = ["joined", "visits"]
 
@@ -20,8 +21,9 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     """Join the rows of each visit where the air hardly changes in it: docs/method.md, Eq. 1a.
 
     What the rows of a visit share (the tape, the tilt of the target, the air on the way) does not average
-    out over them. So they tell no more about a cause than their mean does, unless the air changes during
-    the visit by more than a row scatters.
+    out over them. So they tell no more about a cause than their mean does, unless the temperature changes
+    during the visit by more than a row scatters, or another recorded quantity, as an angle or a supply
+    voltage, varies more inside of visits than between them.
 
     Parameters
     ----------
@@ -42,7 +44,7 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     count = np.bincount(visit)
     if len(count) == len(table) or len(count) < settings.fewest:
         return table
-    mixture = row_mixture(table.indication, visit, period)
+    mixture = row_mixture(table.indication, visit, period, table.rounding)
 
     def mean(column: Column) -> Column:
         return np.asarray(np.bincount(visit, column) / count)
@@ -50,7 +52,11 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     temperature = table.conditions.get("temperature")
     if temperature is not None:
         warming = settings.per_kelvin * table.reference * (temperature - mean(temperature)[visit])
-        if float(np.mean(warming**2)) > max(mixture.scatter, table.rounding) ** 2:
+        if float(np.mean(warming**2)) > mixture.scatter**2:
+            return table
+    for name, column in table.conditions.items():
+        of_device = name not in AIR and QUANTITIES[name].derived_from is None
+        if of_device and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
             return table
     first = np.unique(visit, return_index=True)[1]
     groups = np.unique(table.groups[first], return_inverse=True)[1].astype(np.int64)
@@ -68,7 +74,8 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
         groups=groups,
         members=Members(table, visit),
     )
-    return divided(units, units.row[:0], settings.gap)
+    every = np.ones(len(first), dtype=bool)  # the target is put up anew: no error goes on from visit to visit
+    return replace(divided(units, units.row[:0], settings.gap), starts=every)
 
 
 def visits(table: Table) -> Labels:

@@ -176,7 +176,7 @@ def _unearned(gain: Gain) -> str:
             "mm. Under the noise these rows are more probable with it, so it is not refuted. But the error "
             "is not smaller, so the model leaves it out, and it is not named"
         )
-    first, last = gain.log_score_interval_95 or (0.0, 0.0)
+    first, last = gain.log_score_interval_95 or (gain.log_score or 0.0,) * 2
     return (
         f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
         f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). Not both intervals are above 0, "

@@ -213,7 +213,9 @@ def _gain(
         settings.validation,
     )
     if score is not None and rest.kept:
-        gain = replace(gain, log_score=score.total, log_score_interval_95=score.interval(settings.validation))
+        visits = case.table.members is not None
+        interval = None if visits else score.interval(settings.validation)
+        gain = replace(gain, log_score=score.total, log_score_interval_95=interval)
     ids = [claim.cause for claim in rest.kept]
     return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
 
