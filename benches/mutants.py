@@ -158,7 +158,7 @@ MUTANTS = (
     Mutant(
         "rows of one station in every fold",
         "preprocess/folds.py",
-        "table.groups % count, table.grouped_by",
+        "groups % count, table.grouped_by",
         "np.arange(len(table)) % count, table.grouped_by",
         "test_diagnose_unseen_rows.py",
     ),

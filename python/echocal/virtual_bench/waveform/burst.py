@@ -119,9 +119,13 @@ class BurstResponse:
 
     @property
     def peak(self) -> float:
-        """The most that an envelope reaches, 5 % more to be safe; looked for in nine of the answers."""
+        """The most that an envelope reaches, 5 % more to be safe; looked for in nine of the answers.
+
+        A chain of k resonances that decay at a rate of a answers to a short burst most (k - 1) / a after it.
+        """
         some = np.argsort(np.abs(self.carrier))[np.linspace(0, len(self.carrier) - 1, 9).astype(int)]
-        at = np.linspace(0.0, 4 * self.length, 65)
+        longest = self.rates.shape[1] / float(np.abs(self.rates.real).min())
+        at = np.linspace(0.0, 4 * self.length + longest, 257)
         return float(1.05 * np.abs(self.at(some).envelope(np.tile(at, (9, 1)))).max())
 
     def at(self, rows: NDArray[np.int64]) -> "BurstResponse":

@@ -17,6 +17,8 @@ from echocal.observations.marks import MARKS, RowRule
 
 __all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]
 
+_FEWEST = 8  # usable rows that a diagnosis needs, as `rows.fewest`
+
 
 @dataclass(frozen=True)
 class Faults:
@@ -143,9 +145,12 @@ def find_faults(
         finding = replace(finding, facts=settings.facts(finding.facts))
         if not finding.probability >= settings.listed:  # nor one that is not a number
             continue
-        found.append(finding)
         if finding.probability >= settings.accepted and finding.repaired is not None:
-            view = view.after(finding.repaired)
+            after = view.after(finding.repaired)
+            if fault.facts.kind == "row" and after.good.sum() < _FEWEST <= view.good.sum():
+                continue  # what nearly all rows have is the scene, and no fault of rows
+            view = after
+        found.append(finding)
     harmless: list[str] = []
     if view.good.any():
         steps, harmless, view = find_steps(view, noise_settings)
