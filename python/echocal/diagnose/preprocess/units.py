@@ -42,8 +42,8 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
         return table
     visit = visits(table)
     count = np.bincount(visit)
-    if len(count) == len(table) or len(count) < settings.fewest:
-        return table
+    if 2 * len(count) > len(table) or len(count) < settings.fewest:
+        return table  # few rows follow one of the same distance, and those by chance
     mixture = row_mixture(table.indication, visit, period, table.rounding)
 
     def mean(column: Column) -> Column:

@@ -15,6 +15,7 @@ _KERNELS = (np.inf, 8.0, 4.0, 2.5)  # degrees of freedom of the noise: normal, a
 _FIRST, _RATIO = 0.05, 0.04  # end of the first bin of deviations [robust sd], and its log ratio to the next
 _BINS = np.append(0.0, _FIRST * np.exp(_RATIO * np.arange(430)))
 _SCALES = np.geomspace(0.25, 2.0, 40)[:, None, None]  # of the noise, in the same unit
+_NEGLIGIBLE = 1e-4  # weight of noises beside the likeliest one that decide nothing
 _PARTS = np.append(0.0, np.geomspace(1e-4, 0.1, 10))[:, None]  # of rows that are wild
 
 
@@ -44,17 +45,22 @@ def wild_beyond(off: Column, spread: float, way: float, step: float, settings: R
     bins = np.log(np.maximum(off / (_FIRST * spread), 1e-3)) / _RATIO + 1.0
     counts = np.bincount(np.clip(bins, 0.0, len(_BINS) - 1).astype(np.int64), minlength=len(_BINS))
     some = np.flatnonzero(counts)
-    at = np.maximum(_BINS[some] * np.exp(0.5 * _RATIO), 0.5 * _FIRST)
     orders = np.log(way / spread / _WILD)
-    wild = _PARTS * np.where(at > _WILD, 1.0 / (at * orders), 0.0)  # any order of magnitude
     prior = np.log(np.where(_PARTS[:, 0] > 0, settings.wild / (len(_PARTS) - 1), 1.0 - settings.wild))
-    noise = np.stack([(1.0 - _PARTS) * _density(at / _SCALES, freedom) / _SCALES for freedom in _KERNELS])
+    at = np.maximum(_BINS * np.exp(0.5 * _RATIO), 0.5 * _FIRST)
+    each = np.where(at > _WILD, 1.0 / (at * orders), 0.0)  # any order of magnitude
+    wild = _PARTS * each[some]
+    noise = np.stack([(1.0 - _PARTS) * _density(at[some] / _SCALES, nu) / _SCALES for nu in _KERNELS])
     log = (counts[some] * np.log(noise + wild + 1e-300)).sum(axis=-1) + prior
-    weight = np.exp(log - log.max())[..., None]
-    probable = (weight * wild / (noise + wild + 1e-300)).sum(axis=(0, 1, 2)) / weight.sum()
-    usual = np.flatnonzero(probable < 0.5)
-    beyond = int(usual[-1]) + 1 if len(usual) else 0
-    return float(_BINS[some[beyond]] * spread) if beyond < len(some) else np.inf
+    weight = np.exp(log - log.max())
+    probable = np.zeros(len(_BINS))  # of a row in each bin, whether one is there or not
+    for kernel, scale, part in np.argwhere(weight > _NEGLIGIBLE):
+        width, share = float(_SCALES[scale, 0, 0]), float(_PARTS[part, 0])
+        usual = (1.0 - share) * _density(at / width, _KERNELS[kernel]) / width
+        probable += weight[kernel, scale, part] * share * each / (usual + share * each + 1e-300)
+    usual_bins = np.flatnonzero(probable < 0.5 * weight[weight > _NEGLIGIBLE].sum())
+    beyond = int(usual_bins[-1]) + 1 if len(usual_bins) else 0
+    return float(_BINS[beyond] * spread) if beyond < len(_BINS) else np.inf
 
 
 def _density(unit: Column, freedom: float) -> Column:
