@@ -167,7 +167,7 @@ def test_a_table_that_cannot_test_a_cause_neither_supports_nor_contradicts(
 
 def probability(tables: list[TableInference]) -> float:
     pool = Pool(tables, Settings(), opposition(tables, Settings()))
-    return pool.ranking(search(pool)).ranking.of([LAG])
+    return pool.ranking(search(pool)).of([LAG])
 
 
 def odds(p: float) -> float:
@@ -185,8 +185,8 @@ def test_a_refuted_cause_counts_against(tables: list[TableInference]) -> None:
 def test_recurrence_raises_the_probability(tables: list[TableInference]) -> None:
     pool = Pool(tables, Settings())
     sets = search(pool)
-    both = pool.ranking(sets).ranking.of([LAG])
-    assert both > max(pool.ranking(sets, without=k).ranking.of([LAG]) for k in (0, 1))
+    both = pool.ranking(sets).of([LAG])
+    assert both > max(pool.ranking(sets, without=k).of([LAG]) for k in (0, 1))
 
 
 @pytest.mark.statistical

@@ -97,7 +97,7 @@ def corners_and_middle(ranges: Ranges) -> dict[str, Column]:
     condition is at each end equally often.
     """
     bits = max(min(len(ranges), 3), len(ranges).bit_length())
-    masks = sorted(range(1, 2**bits), key=lambda mask: (mask.bit_count() > 1, -mask.bit_count()))
+    masks = sorted(range(1, 2**bits), key=lambda mask: (mask.bit_count() > 1, -mask.bit_count(), -mask))
     columns = {}
     for (name, (low, high)), mask in zip(ranges.items(), masks, strict=False):
         ends = [(low, high)[(corner & mask).bit_count() % 2] for corner in range(2**bits)]

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit
 from echocal.diagnose.pooling.hierarchy import Grid, Likelihoods, Population, left_out, population
 from echocal.diagnose.pooling.shared_forms import SharedForm, shared_forms
@@ -17,7 +16,7 @@ from echocal.diagnose.pooling.table import TableInference, log_prior_of_set
 from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.settings import Settings
 
-__all__ = ["Pool", "SharedRanking", "SharedSet", "search"]
+__all__ = ["Pool", "SharedSet", "search"]
 
 Mask = NDArray[np.bool_]
 Forms = tuple[SharedForm, ...]
@@ -43,35 +42,35 @@ class SharedSet:
     population: Population
     others: NDArray[np.floating[Any]]
 
+    @cached_property
+    def hypothesis(self) -> Hypothesis:
+        """The set as a hypothesis about mean sizes, for the rules that choose among hypotheses."""
+        ends = np.cumsum([0, *(len(form.names) for form in self.forms)]).tolist()
+        variants = (form.variant(first) for form, first in zip(self.forms, ends, strict=False))
+        return Hypothesis(tuple(variants), float(np.exp(self.log_prior)))
+
     @property
     def causes(self) -> frozenset[str]:
         """Ids."""
-        return frozenset(form.cause for form in self.forms)
+        return frozenset(self.hypothesis.causes)
 
     @property
     def log_posterior(self) -> float:
         """Up to a constant common to all sets."""
         return self.log_prior + self.population.log_evidence
 
+    def form(self, cause: str) -> SharedForm:
+        """Form of one of its causes."""
+        return next(form for form in self.forms if form.cause == cause)
 
-@dataclass(frozen=True)
-class SharedRanking:
-    """Probabilities of shared sets.
+    def place(self, cause: str) -> slice:
+        """Places of the sizes of one of its causes."""
+        return next(place for variant, place in self.hypothesis.placed if variant.cause == cause)
 
-    Attributes
-    ----------
-    ranking : Ranking
-    sets : mapping of int to SharedSet
-        By the identity of the hypothesis.
-    """
-
-    ranking: Ranking
-    sets: Mapping[int, SharedSet]
-
-    def best(self, beyond: tuple[str, ...] | None = None) -> SharedSet | None:
-        """As `Ranking.best`."""
-        found = self.ranking.best(beyond)
-        return None if found is None else self.sets[id(found)]
+    def fit(self, without: int | None = None) -> HypothesisFit:
+        """The hypothesis after the data of all tables, or of all but one."""
+        evidence = self.population.log_evidence if without is None else float(self.others[without])
+        return HypothesisFit(self.hypothesis, evidence, *self.population.mean, np.ones(1), 1.0)
 
 
 @dataclass
@@ -86,12 +85,15 @@ class Pool:
         Log odds of a table against a cause, by the names of both. Such a table says nothing about the size.
     known : dict
         Sets that were computed before.
+    rivals : dict
+        Classes that were computed before.
     """
 
     tables: Sequence[TableInference]
     settings: Settings
     against: Mapping[tuple[str, str], float] = field(default_factory=dict)
     known: dict[frozenset[SharedForm], SharedSet] = field(default_factory=dict, repr=False)
+    rivals: dict[tuple[frozenset[SharedForm], str], tuple[str, ...]] = field(default_factory=dict, repr=False)
 
     @cached_property
     def forms(self) -> dict[str, list[SharedForm]]:
@@ -116,17 +118,16 @@ class Pool:
             log[at] += sum(self.against.get((table.name, form.cause), 0.0) for form in forms)
         return Likelihoods(log, information, precision)
 
-    def grid(self, forms: Forms) -> Grid:
-        """Widths and standard deviations between tables that are tried."""
-        return Grid.of([len(form.names) for form in forms], self.settings.pooling.between)
+    def _grid(self, forms: Forms) -> tuple[Grid, list[tuple[float, float]]]:
+        """Widths and standard deviations between tables that are tried, and the bounds of the sizes."""
+        grid = Grid.of([len(form.names) for form in forms], self.settings.pooling.between)
+        return grid, [bound for form in forms for bound in form.bounds]
 
     def evaluated(self, forms: Forms) -> SharedSet:
         """One set after the data."""
         key = frozenset(forms)
         if key not in self.known:
-            likelihoods = self.likelihoods(forms)
-            bounds = [bound for form in forms for bound in form.bounds]
-            found, others = left_out(likelihoods, self.grid(forms), bounds)
+            found, others = left_out(self.likelihoods(forms), *self._grid(forms))
             prior = log_prior_of_set(len(forms), len(self.forms), self.settings.priors)
             prior += float(sum(np.log(form.weight) for form in forms))
             self.known[key] = SharedSet(forms, prior, found, others)
@@ -134,15 +135,12 @@ class Pool:
 
     def population(self, forms: Forms, tables: Mask) -> Population:
         """Sizes of a set from some tables."""
-        bounds = [bound for form in forms for bound in form.bounds]
-        return population(self.likelihoods(forms).only(tables), self.grid(forms), bounds)
+        return population(self.likelihoods(forms).only(tables), *self._grid(forms))
 
-    def ranking(self, sets: Sequence[SharedSet], without: int | None = None) -> SharedRanking:
+    def ranking(self, sets: Sequence[SharedSet], without: int | None = None) -> Ranking:
         """Probabilities of the sets, from all tables or without one."""
-        fits = [(_fit(found, without), found) for found in sets]
-        fits.sort(key=lambda pair: -pair[0].log_posterior)
-        ranking = rank([fit for fit, _ in fits], len(self.forms), self.settings)
-        return SharedRanking(ranking, {id(fit): found for fit, found in fits})
+        fits = sorted((found.fit(without) for found in sets), key=lambda fit: -fit.log_posterior)
+        return rank(fits, len(self.forms), self.settings)
 
 
 def search(pool: Pool) -> list[SharedSet]:
@@ -177,24 +175,3 @@ def _grows(found: Sequence[SharedSet], size: int) -> bool:
     """Whether the best set of a size is better than all smaller ones."""
     own = max((one.log_posterior for one in found if len(one.forms) == size), default=-np.inf)
     return bool(own > max(one.log_posterior for one in found if len(one.forms) < size))
-
-
-def _fit(found: SharedSet, without: int | None) -> HypothesisFit:
-    """A shared set as a hypothesis about mean sizes, for the rules that choose among hypotheses."""
-    ends = np.cumsum([0, *(len(form.names) for form in found.forms)])
-    variants = tuple(
-        Variant(
-            form.cause,
-            offset=None if form.names else 0,
-            free=tuple(range(ends[i], ends[i + 1])),
-            names=form.names,
-            scales=form.scales,
-            bounds=form.bounds,
-            weight=form.weight,
-        )
-        for i, form in enumerate(found.forms)
-    )
-    evidence = found.population.log_evidence if without is None else float(found.others[without])
-    prior = float(np.exp(found.log_prior))
-    mean, covariance = found.population.mean, found.population.covariance
-    return HypothesisFit(Hypothesis(variants, prior), evidence, mean, covariance, np.ones(1), 1.0)

@@ -1,6 +1,6 @@
 """What one table says about sets of causes that all tables may share: docs/method.md, Eq. 35 and 36."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -126,6 +126,17 @@ class TableInference:
     def of_forms(self, form: SharedForm) -> list[Variant]:
         """Forms of this table that are a shared form."""
         return [v for v in self.variants if v.cause == form.cause and self._keys[id(v)] == form.key]
+
+    def shared(
+        self, forms: Sequence[SharedForm], hypothesis: Hypothesis
+    ) -> Iterator[tuple[SharedForm, slice, Array]]:
+        """Forms whose sizes a hypothesis of this table has: the places, and the unit of a shared size."""
+        by_cause = {form.cause: form for form in forms if form.names}
+        for variant, place in hypothesis.placed:
+            if (form := by_cause.get(variant.cause)) is not None:
+                count = len(form.names)
+                unit = np.array(form.scales) / np.array(variant.scales)
+                yield form, slice(place.start, place.start + count), unit
 
     @cached_property
     def _by_form(self) -> dict[tuple[str, tuple[object, ...]], set[int]]:

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import Gain
-from echocal.diagnose.pooling.choice import Classes, choose
+from echocal.diagnose.pooling.choice import choose
 from echocal.diagnose.pooling.models import shared_model
 from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.validation.gain import HeldOut, errors, intervals
@@ -40,7 +39,7 @@ class Transfer:
 
 
 def transfer(
-    pool: Pool, sets: Sequence[SharedSet], classes: Classes, causes: Sequence[str], seed: int
+    pool: Pool, sets: Sequence[SharedSet], causes: Sequence[str], seed: int
 ) -> tuple[Gain, tuple[Transfer, ...], ResidualUncertainty | None]:
     """Leave each table out once, and judge the model of the others on it.
 
@@ -49,7 +48,7 @@ def transfer(
     """
     before, after, distance, unit, each = [], [], [], [], []
     for place, table in enumerate(pool.tables):
-        chosen = choose(pool, sets, classes, without=place).best
+        chosen = choose(pool, sets, without=place).best
         others = [other for other in range(len(pool.tables)) if other != place]
         rows = table.table.rows
         every = np.ones(len(rows), dtype=bool)
@@ -62,7 +61,7 @@ def transfer(
         distance.append(rows.distance(table.base.model())[known])
         unit.append(table.table.unit[known] + sum(len(t.table) for t in pool.tables[:place]))
         ids = tuple(model.effects.keys() - table.base.effects.keys())
-        each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
+        each.append(Transfer(ids, int(known.sum()), HeldOut(base[known]).rms, HeldOut(extended[known]).rms))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
     rho = max(table.diagnosis.noise["autoregression"] for table in pool.tables)
     gained, removed = intervals(one, other, np.concatenate(unit), rho, seed, pool.settings.validation)
@@ -85,10 +84,6 @@ def transfer(
     )
     left = (other if causes and not other.rms > one.rms else one).error
     return gain, tuple(each), ResidualUncertainty.measured(left, np.concatenate(distance), 0.0, SCHEME)
-
-
-def _rms(error: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(error**2))) if len(error) else np.nan
 
 
 def _floor(pool: Pool, most: float) -> float:

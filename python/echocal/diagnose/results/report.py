@@ -73,7 +73,7 @@ def report(
         verdict=word,
         causes=causes,
         posterior=tuple(joint.sets.items()),
-        credible_set=credible_set(joint),
+        credible_set=credible_set(joint.sets.items(), case.settings.claims.credible),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
         smooth=smooth,
         remainder=shown,
