@@ -12,6 +12,8 @@ from echocal.registry import Effect
 
 __all__ = ["bound_forms", "no_thermometer", "read_from_thermometers"]
 
+_MOST = 8  # thermometers that are tried: each takes two columns of the sums
+
 
 def read_from_thermometers(effect: Effect) -> str:
     """Quantity that an effect reads from a further thermometer; empty where it reads none."""
@@ -69,8 +71,7 @@ def bound_forms(
 def _chosen(scene: Scene) -> list[str]:
     """Thermometers that are tried: all, or those whose difference from the first correlates best."""
     able = _complete(scene)
-    most = scene.settings.search.most_thermometers
-    if len(able) <= most:
+    if len(able) <= _MOST:
         return able
     left = scene.leftover - scene.leftover.mean()
 
@@ -80,7 +81,7 @@ def _chosen(scene: Scene) -> list[str]:
         size = float(apart @ apart)
         return float(left @ apart) ** 2 / size if size > 0.0 else 0.0
 
-    return sorted(able, key=alike, reverse=True)[:most]
+    return sorted(able, key=alike, reverse=True)[:_MOST]
 
 
 def _complete(scene: Scene) -> list[str]:

@@ -46,10 +46,7 @@ def members(
     forms: dict[Ids, list[HypothesisFit]] = {}
     for fit in ranking.fits:
         forms.setdefault(_named(fit.hypothesis.causes, left_out), []).append(fit)
-    best = {
-        named: _best(forms[named], left_out, stack, case.settings.search.form_preference)
-        for named in _chosen(shares, claimed)
-    }
+    best = {named: _best(forms[named], left_out, stack) for named in _chosen(shares, claimed)}
     models = _models(case, best, stack, doubtful=bool(refuted))
     weights = np.array([max(shares.get(named, 0.0), _LEAST) for named in models])
     return tuple(
@@ -86,9 +83,9 @@ def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
     ]
 
 
-def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack, undecided: float) -> HypothesisFit:
+def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack) -> HypothesisFit:
     """The best hypothesis of a set; fitted again if it contains causes that are left out."""
-    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes], undecided)
+    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes])
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:
         hypothesis = without(hypothesis, cause)

@@ -89,7 +89,7 @@ class Ranking:
         top = max(likely, key=lambda effects: (-_out_of_reach(effects), probability[effects]))
         same = [w for w in self.fits if w.hypothesis.effects == top]
         alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
-        return preferred(alike, self.settings.search.form_preference)
+        return preferred(alike)
 
     def _next_larger(self, probability: Mapping[Ids, float], beyond: Ids) -> dict[Ids, float]:
         """Sets with the fewest further effects that are not improbable beside those with more."""

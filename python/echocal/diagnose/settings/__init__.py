@@ -21,7 +21,6 @@ from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.pooling import PoolingSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.diagnose.settings.search import SearchSettings
 from echocal.diagnose.settings.smooth import SmoothSettings
 from echocal.diagnose.settings.validation import ValidationSettings
 from echocal.errors import UsageError
@@ -35,7 +34,6 @@ __all__ = [
     "PoolingSettings",
     "PriorSettings",
     "RowSettings",
-    "SearchSettings",
     "Settings",
     "SmoothSettings",
     "TermSettings",
@@ -60,7 +58,6 @@ class Settings:
     priors: PriorSettings = field(default_factory=PriorSettings)
     terms: TermSettings = field(default_factory=TermSettings)
     noise_models: NoiseModelSettings = field(default_factory=NoiseModelSettings)
-    search: SearchSettings = field(default_factory=SearchSettings)
     claims: ClaimSettings = field(default_factory=ClaimSettings)
     validation: ValidationSettings = field(default_factory=ValidationSettings)
     smooth: SmoothSettings = field(default_factory=SmoothSettings)
