@@ -252,7 +252,7 @@ MUTANTS = (
     Mutant(
         "the credible set is the most probable set alone",
         "verdict.py",
-        "if total >= joint.settings.claims.credible:",
+        "if total >= least:",
         "if total >= 0.0:",
         "test_diagnose_output.py",
     ),

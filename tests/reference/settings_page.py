@@ -197,6 +197,18 @@ CORE = (
         "hand",
     ),
     (
+        "INTERVAL",
+        "probability",
+        "validation/gain.py",
+        "of the intervals of the gain and of the log score; convention",
+    ),
+    (
+        "_MEMORIES",
+        "memories of the noise",
+        "validation/gain.py",
+        "in a piece of these intervals; argument: exp(-2) of the autocorrelation is left over such a length",
+    ),
+    (
         "_APART",
         "standard deviations",
         "preprocess/row_mixture.py",
@@ -241,7 +253,7 @@ def _constant(name: str, file: str) -> str:
     folder = "rust/infer/src" if file.endswith(".rs") else "python/echocal/diagnose"
     text = (ROOT / folder / file).read_text(encoding="utf-8")
     found = re.search(
-        rf"^(?:pub(?:\([a-z]+\))? )?(?:const )?{name}(?:: [^=]+)? = (.+?);?$", text, re.MULTILINE
+        rf"^(?:pub(?:\([a-z]+\))? )?(?:const )?{name}(?:: [^=]+)? = (.+?);?(?:  #.*)?$", text, re.MULTILINE
     )
     assert found, f"{file} has no constant {name}"
     value = re.sub(r"\bnp\.inf\b", "infinite", found[1].strip("[]()"))

@@ -24,6 +24,8 @@ __all__ = ["examine"]
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
+_WIDE = 250  # columns of a table without slow air, which makes three times the products
+
 
 def examine(
     table: Table,
@@ -68,7 +70,7 @@ def examine(
     recorded = {**table.known, **table.extra}
     against = {name: column for name, column in recorded.items() if name not in found.aside}
     term_candidates(found, against, settings.terms, known_distance=groups is None, further=table.extra)
-    if len(found.columns) <= settings.noise_models.slow_air_width:
+    if len(found.columns) <= _WIDE:
         found.slow_air = slow_air_columns(found, scene)
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))

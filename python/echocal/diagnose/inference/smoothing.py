@@ -36,6 +36,22 @@ def values_of(table: Table, name: str) -> Column:
     return table.conditions[name] if name in table.conditions else table.extra[name]
 
 
+MOST_ROWS = 50_000
+"""Rows of a larger table that are fitted: evenly spaced runs."""
+
+_RUN = 500  # rows, far longer than noise is correlated
+_PENALTIES = (
+    1e-4,
+    1e-3,
+    1e-2,
+    1e-1,
+    1.0,
+    1e2,
+)  # of the trace: about ten degrees of freedom to a straight line
+_MOST_TERMS = 6  # columns of one smooth correction
+_MOST_BESIDE = 8  # columns that are tried beside the first one: those that predict best alone
+
+
 @dataclass(frozen=True)
 class Coefficients:
     """Splines fitted to some rows.
@@ -87,7 +103,7 @@ class Smoother:
     ) -> "Smoother":
         """Pass once over the rows, for several residuals [m] that are to be explained."""
         settings, table = case.settings.smooth, case.table
-        rows = _rows(len(table), settings)
+        rows = _rows(len(table))
         columns = Columns(case.base.plain, np.ones(len(rows)), {}, None)
         columns.store(np.ones(len(rows)))
         has_offset = table.reference is not None
@@ -130,13 +146,13 @@ class Smoother:
         best: dict[int, float] = {}
         able, square = list(range(len(self.splines))), np.inf
         gains = np.zeros(len(held))
-        while len(best) < self.settings.most_terms and able:
+        while len(best) < _MOST_TERMS and able:
             tried = {place: self._gains(blocks, held, best, place, residual) for place in able}
             found = {
                 p: np.where(squares < square, parts.sum(axis=0), -np.inf)
                 for p, (parts, squares) in tried.items()
             }
-            able = sorted(able, key=lambda place: -found[place].max())[: self.settings.most_beside]
+            able = sorted(able, key=lambda place: -found[place].max())[:_MOST_BESIDE]
             place = able.pop(0)
             weight = int(found[place].argmax())
             more = tried[place][0][:, weight] - gains
@@ -172,7 +188,7 @@ class Smoother:
         own, penalty = self.places[place], self.splines[place].penalty
         products, _ = self.over(blocks)
         unit = float(np.trace(products[own, own]) / np.trace(penalty))
-        return unit * np.array(self.settings.penalties)
+        return unit * np.array(_PENALTIES)
 
     def _gains(
         self, blocks: Mask, held: Sequence[Mask], weights: Weights, place: int, residual: int
@@ -232,10 +248,10 @@ def _left(products: Column, used: Labels, residual: int, mean: Column) -> Column
     return np.asarray(products[residual, residual] - 2 * mean @ products[used, residual] + squares)
 
 
-def _rows(count: int, settings: SmoothSettings) -> Labels:
+def _rows(count: int) -> Labels:
     """All rows, or evenly spaced runs of many."""
-    if count <= settings.most_rows:
+    if count <= MOST_ROWS:
         return np.arange(count)
-    runs = settings.most_rows // settings.run
-    firsts = np.arange(runs) * (count - settings.run) // (runs - 1)
-    return (firsts[:, None] + np.arange(settings.run)).ravel()
+    runs = MOST_ROWS // _RUN
+    firsts = np.arange(runs) * (count - _RUN) // (runs - 1)
+    return (firsts[:, None] + np.arange(_RUN)).ravel()

@@ -21,6 +21,9 @@ __all__ = ["Pool", "SharedSet", "search"]
 Mask = NDArray[np.bool_]
 Forms = tuple[SharedForm, ...]
 
+_PAIRS_OF = 8  # most probable shared causes whose pairs are tried
+_FORMS = 3  # of a cause that are tried beside other shared causes
+_MOST_CAUSES = 4  # that all tables may share
 _GROWN = 4  # best sets that get one further cause
 
 
@@ -145,16 +148,15 @@ class Pool:
 
 def search(pool: Pool) -> list[SharedSet]:
     """No shared cause, each cause, pairs of the best causes, and larger sets greedily."""
-    settings = pool.settings.pooling
     found = [pool.evaluated(())]
     singles = [[pool.evaluated((form,)) for form in forms] for forms in pool.forms.values()]
     found += [one for forms in singles for one in forms]
     best = sorted(singles, key=lambda forms: -max(one.log_posterior for one in forms))
-    some = {forms[0].forms[0].cause: _few(forms, settings.forms) for forms in best[: settings.pairs_of]}
+    some = {forms[0].forms[0].cause: _few(forms, _FORMS) for forms in best[:_PAIRS_OF]}
     for pair in combinations(some, 2):
         found += [pool.evaluated(forms) for forms in product(*(some[cause] for cause in pair))]
     size = 2
-    while size < settings.most_causes and _grows(found, size):
+    while size < _MOST_CAUSES and _grows(found, size):
         sets = sorted((one for one in found if len(one.forms) == size), key=lambda one: -one.log_posterior)
         chosen = list({one.causes: one for one in reversed(sets)}.values())[::-1][:_GROWN]
         for one in chosen:

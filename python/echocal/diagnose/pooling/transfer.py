@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.findings.parts import Gain
+from echocal.diagnose.findings.parts import Gain, Ladder
 from echocal.diagnose.pooling.choice import choose
 from echocal.diagnose.pooling.models import shared_model
 from echocal.diagnose.pooling.search import Pool, SharedSet
-from echocal.diagnose.validation.gain import HeldOut, errors, intervals
+from echocal.diagnose.validation.gain import HeldOut, errors, summarize
 from echocal.errors import DomainWarning
 from echocal.model import ResidualUncertainty
 
@@ -64,31 +64,15 @@ def transfer(
         each.append(Transfer(ids, int(known.sum()), HeldOut(base[known]).rms, HeldOut(extended[known]).rms))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
     rho = max(table.diagnosis.noise["autoregression"] for table in pool.tables)
-    gained, removed = intervals(one, other, np.concatenate(unit), rho, seed, pool.settings.validation)
-    floor = _floor(pool, min(one.rms, other.rms))
-    reachable = one.rms**2 - floor**2
-    worth = reachable > pool.settings.validation.reachable * one.rms**2
-    rungs = [((), one.rms), *([(tuple(causes), other.rms)] if causes else [])]
-    gain = Gain(
-        rms_fixed_speed_m=None,
-        ladder=tuple(rungs),
-        rms_before_m=one.rms,
-        rms_after_m=other.rms,
-        rms_floor_m=floor,
-        held_out_rows=len(one.error),
-        fraction_of_reachable=(one.rms**2 - other.rms**2) / reachable if worth else None,
-        interval_95=gained,
-        variance_removed=1.0 - (other.rms / one.rms) ** 2 if one.rms > 0.0 else 0.0,
-        variance_removed_interval_95=removed,
-        scheme=SCHEME,
-    )
+    ladder: Ladder = (((), one.rms), *([(tuple(causes), other.rms)] if causes else []))
+    gain = summarize(None, ladder, one, other, _floor(pool), SCHEME, np.concatenate(unit), rho, seed)
     left = (other if causes and not other.rms > one.rms else one).error
     return gain, tuple(each), ResidualUncertainty.measured(left, np.concatenate(distance), 0.0, SCHEME)
 
 
-def _floor(pool: Pool, most: float) -> float:
+def _floor(pool: Pool) -> float:
     """Floor of all rows, from the floors of the tables."""
     gains = [(t.diagnosis.gain, len(t.table.rows)) for t in pool.tables]
     known = [(gain.rms_floor_m**2, rows) for gain, rows in gains if gain is not None]
     total = sum(rows for _, rows in known)
-    return min(float(np.sqrt(sum(square * rows for square, rows in known) / max(total, 1))), most)
+    return float(np.sqrt(sum(square * rows for square, rows in known) / max(total, 1)))

@@ -18,6 +18,7 @@ from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = [
+    "LISTED",
     "Claim",
     "Ranking",
     "alternatives",
@@ -31,6 +32,9 @@ __all__ = [
 ]
 
 Parameters = dict[str, dict[str, float]]
+
+LISTED = 1e-6
+"""Probability from which on a set of causes is listed."""
 
 
 @dataclass(frozen=True)
@@ -272,6 +276,6 @@ def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
 
 def posterior_sets(ranking: Ranking) -> dict[tuple[str, ...], float]:
     """Sets that are not too improbable to list, with probabilities that sum to one."""
-    kept = {ids: p for ids, p in ranking.sets if p >= ranking.settings.claims.listed_from}
+    kept = {ids: p for ids, p in ranking.sets if p >= LISTED}
     total = sum(kept.values())
     return {ids: p / total for ids, p in kept.items()}

@@ -22,7 +22,6 @@ from echocal.diagnose.settings.pooling import PoolingSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.diagnose.settings.smooth import SmoothSettings
-from echocal.diagnose.settings.validation import ValidationSettings
 from echocal.errors import UsageError
 
 __all__ = [
@@ -37,7 +36,6 @@ __all__ = [
     "Settings",
     "SmoothSettings",
     "TermSettings",
-    "ValidationSettings",
     "table",
 ]
 
@@ -59,7 +57,6 @@ class Settings:
     terms: TermSettings = field(default_factory=TermSettings)
     noise_models: NoiseModelSettings = field(default_factory=NoiseModelSettings)
     claims: ClaimSettings = field(default_factory=ClaimSettings)
-    validation: ValidationSettings = field(default_factory=ValidationSettings)
     smooth: SmoothSettings = field(default_factory=SmoothSettings)
     noises: NoiseSettings = field(default_factory=NoiseSettings)
     faults: FaultSettings = field(default_factory=FaultSettings)

@@ -91,15 +91,6 @@ class ClaimSettings:
         "argument: 1 in 31 sizes is larger by Eq. 6; the prior of an effect outside the catalogue is 1 in "
         "20. Without it, 3 of 12 tanks whose thermometer is in the box get the name of a gain that is wrong",
     )
-    tension: float = number(
-        3.0,
-        "standard uncertainties",
-        "a larger difference between the fitted and the theoretical size is a note",
-        "chosen by hand",
-    )
     reported_from: float = number(
         0.5, "probability", "from it on, a noise or a fault is reported", "more probable than not"
-    )
-    listed_from: float = number(
-        1e-6, "probability", "from it on, a set of causes is listed", "one in a million is negligible"
     )

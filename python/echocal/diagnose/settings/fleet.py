@@ -18,15 +18,6 @@ class FleetSettings:
         "argument: the least that keeps a prevalence from being exactly zero, and one sensor among many "
         "decides nothing",
     )
-    rounds: int = number(
-        2000, "rounds", "of the expectation maximization at most", "judgement; it ends by `settled`"
-    )
-    settled: float = number(
-        1e-6,
-        "probability",
-        "the prevalences are settled if none changes by more in a round",
-        "argument: it changes the expected number of sensors in a million by one",
-    )
     false_discovery_rate: float = number(
         0.05,
         "of the names",

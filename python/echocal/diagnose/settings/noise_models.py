@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.priors import WIDEST
 from echocal.diagnose.settings.threshold import number
 
 __all__ = ["AUTOREGRESSIONS", "VARIANCE_FLOOR", "NoiseModelSettings"]
@@ -86,43 +85,7 @@ class NoiseModelSettings:
         "its correlation times, each with an equal part of its variance",
         "judgement: a heater or a cloud, a room or the sun",
     )
-    slow_air_parts: int = number(
-        8, "1", "most functions of time that this difference is made of", "computing time"
-    )
-    slow_air_width: int = number(
-        250,
-        "columns",
-        "of a wider table no such difference is considered",
-        "memory: three times the products",
-    )
-    slow_air_least: float = number(
-        0.02, "1", "least part of its variance that a function has", "chosen by hand"
-    )
     white: float = number(
         0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
     )
     no_station_error: float = number(0.5, "probability", "prior of stations without errors", "the same")
-    distance_spread: float = number(
-        0.1,
-        "of the mean distance",
-        "with a smaller spread, distances do not show noise that grows with them",
-        "chosen by hand",
-    )
-    long_table: int = number(
-        20_000,
-        "rows",
-        "in a longer table, impossible noises are excluded first",
-        "computing time; tests/test_diagnose_autocorrelation.py checks the probabilities",
-    )
-    pruning: float = number(
-        300.0,
-        "log likelihood",
-        "a noise that is less likely by more, beside all columns at once, is not tried",
-        "argument: few columns cannot compensate more; the same test",
-    )
-    ridge_width: float = number(
-        WIDEST,
-        "prior sd",
-        "width of the prior when all columns are fitted at once",
-        "the widest of the prior widths",
-    )

@@ -43,8 +43,3 @@ class PoolingSettings:
         "that must support a cause before the pool names it",
         "argument: one table shows no recurrence",
     )
-    pairs_of: int = number(
-        8, "causes", "the most probable shared causes whose pairs are tried", "chosen by hand"
-    )
-    forms: int = number(3, "forms", "of a cause that are tried beside other shared causes", "chosen by hand")
-    most_causes: int = number(4, "causes", "that all tables may share", "chosen by hand")

@@ -8,6 +8,7 @@ from echocal.diagnose.findings.parts import Remainder, SmoothCorrection
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.selection.claims import Ranking
+from echocal.diagnose.settings.priors import WIDEST
 from echocal.diagnose.validation.turns import in_turns
 from echocal.diagnose.validation.validate import Validation
 
@@ -47,7 +48,7 @@ def remainder(
     if not far and not offered:
         return None
     (products,) = case.whitened(noise, case.folds.fit).products
-    width = case.settings.noise_models.ridge_width
+    width = WIDEST
     p_value, degrees = explained(products, case.sums.degrees(case.folds.fit), width)
     by_chance = p_value >= settings.far_from_chance and not offered
     against = tuple(case.found.terms)

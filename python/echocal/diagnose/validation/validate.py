@@ -119,7 +119,7 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
     score = judge.score(rest.after, before, selection.noise) if rest.kept else None
     refuted: tuple[Refuted, ...] = ()
     if score is not None and _larger(rest.after, before):
-        low, _ = score.interval(case.settings.validation)
+        low, _ = score.interval()
         if not low > 0.0:
             refuted, rest = _refuted(rest, before, score.total), _base_alone(rest, before)
     gain, withheld = _gain(trials, judge, rest, before, selection, score), None
@@ -197,7 +197,7 @@ def _gain(
     score: Score | None = None,
 ) -> Gain:
     """The gain of the base with some claims."""
-    case, settings = trials.case, trials.case.settings
+    case = trials.case
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
     variance = _fit(trials, rest, selection).variance
     gain = summarize(
@@ -210,11 +210,10 @@ def _gain(
         case.table.unit if judge.held is None else judge.held.unit,
         selection.noise.rho,
         case.seed,
-        settings.validation,
     )
     if score is not None and rest.kept:
         visits = case.table.members is not None
-        interval = None if visits else score.interval(settings.validation)
+        interval = None if visits else score.interval()
         gain = replace(gain, log_score=score.total, log_score_interval_95=interval)
     ids = [claim.cause for claim in rest.kept]
     return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
