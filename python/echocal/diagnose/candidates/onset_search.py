@@ -26,12 +26,10 @@ class OnsetSearch:
 
     Attributes
     ----------
-    effect : Effect
     parameters : mapping of str to float
         Parameters at which the tangents are taken, except the onset.
     place : str
         Name of the parameter that is the onset.
-    scene : Scene
     of : sequence of ndarray, shape (n,)
         Columns to be explained [m].
     known : dict of float to ndarray

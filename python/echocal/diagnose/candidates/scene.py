@@ -37,7 +37,6 @@ class Scene:
         Segment of each row if the level is unknown; None if the distance is known.
     residual : ndarray, shape (n,)
         Reading less what the base simulation predicts [m].
-    settings : Settings
     echoes : bool
         Whether the readings come from recorded echo times.
     stated_speed : str

@@ -40,7 +40,6 @@ class Spline:
         ``"distance"``, an influence quantity, or a further column.
     low, high : float
         Range of the column, in its unit.
-    pieces : int
     periodic : bool
         Whether both ends are one place, as midnight is.
     """
@@ -79,10 +78,8 @@ def splines(table: Table, tried: Mapping[str, object], terms: TermSettings) -> t
 
     Parameters
     ----------
-    table : Table
     tried : mapping
         Names of columns of unexplained terms, as people read them.
-    terms : TermSettings
     """
     found = []
     for name in tried:

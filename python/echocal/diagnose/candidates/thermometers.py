@@ -45,10 +45,8 @@ def bound_forms(
     ----------
     found : Candidates
         Extended in place.
-    effect : Effect
     quantity : str
         What it reads from a further thermometer.
-    scene : Scene
     forms : callable
         Makes the forms for a table that has the quantity.
     """

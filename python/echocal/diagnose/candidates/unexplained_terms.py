@@ -32,10 +32,8 @@ class Basis:
 
     Attributes
     ----------
-    against : str
     low, high : float
         Range of the functions: nearly all values of the column.
-    settings : TermSettings
     """
 
     against: str
@@ -106,7 +104,6 @@ def term_candidates(
     against : mapping of str to ndarray, shape (n,)
         Columns by their names for people. ``"time"`` in seconds also gives the hour of the day, if
         it spans more than two days.
-    settings : TermSettings
     known_distance : bool
         Whether the distance of every row is known. An unknown level includes the mean.
     further : collection of str

@@ -23,7 +23,6 @@ class Plan:
 
     Attributes
     ----------
-    rows : tuple of int
     classes : tuple of tuple of int
         Members that no two of the places separate.
     now, expected : float
@@ -42,14 +41,12 @@ def planned(prospect: Prospect, probability: Matrix, same: NDArray[np.int64], ro
 
     Parameters
     ----------
-    prospect : Prospect
     probability : ndarray, shape (m,)
         Of each member. The rest up to one belongs to causes that have no model.
     same : ndarray of int, shape (m,)
         Class of exact aliases of each member.
     rows : int
         Each place has one at least.
-    seed : int
     """
     places = prospect.shift.shape[1]
     shares = _shares(max(rows, places), places)

@@ -26,7 +26,6 @@ class SharedClaim:
 
     Attributes
     ----------
-    cause : str
     rivals : tuple of str
         Causes that no table separates from it.
     probability, alone : float

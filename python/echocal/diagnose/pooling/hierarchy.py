@@ -106,10 +106,8 @@ class Population:
 
     Attributes
     ----------
-    log_evidence : float
     weight : ndarray, shape (g,)
         Probability of each combination of the grid.
-    grid : Grid
     means : ndarray, shape (g, d)
         Of the mean size.
     covariances : ndarray, shape (g, d, d)

@@ -33,9 +33,6 @@ class SharedSet:
 
     Attributes
     ----------
-    forms : tuple of SharedForm
-    log_prior : float
-    population : Population
     others : ndarray, shape (k,)
         Log evidence of all tables but one, for each table.
     """
@@ -82,8 +79,6 @@ class Pool:
 
     Attributes
     ----------
-    tables : sequence of TableInference
-    settings : Settings
     against : mapping of (str, str) to float
         Log odds of a table against a cause, by the names of both. Such a table says nothing about the size.
     known : dict

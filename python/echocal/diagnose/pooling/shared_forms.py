@@ -22,8 +22,6 @@ class SharedForm:
 
     Attributes
     ----------
-    cause : str
-    key : tuple
     weight : float
         Probability among the forms of the cause.
     names : tuple of str

@@ -57,10 +57,6 @@ class TableInference:
 
     Attributes
     ----------
-    name : str
-    diagnosis : Diagnosis
-    table : Table
-    base : Base
     variants : list of Variant
         Forms that compete.
     skipped : mapping of str to str
@@ -71,7 +67,6 @@ class TableInference:
         Hypotheses, most probable first.
     threshold : float
         Probability of no effect below which an effect is claimed.
-    settings : Settings
     known : dict
         Likelihoods that were computed before.
     """

@@ -27,7 +27,6 @@ class Transfer:
     ----------
     causes : tuple of str
         That the others choose.
-    rows : int
     rms_before_m, rms_after_m : float
         Error of the base and of that model [m].
     """

@@ -20,8 +20,6 @@ class Threshold:
     ----------
     name : str
         Path inside the settings: ``crosstalk.least``.
-    value : float
-    unit, source : str
     """
 
     name: str
