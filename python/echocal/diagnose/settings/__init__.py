@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
-from echocal.diagnose.settings.causes import listed_thresholds
+from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.claims import ClaimSettings
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.fleet import FleetSettings
@@ -81,12 +81,8 @@ class Settings:
         return asdict(self)
 
 
-def table() -> Iterator[tuple[str, Any, str, str]]:
+def table() -> Iterator[Threshold]:
     """List all numbers: name, value, unit, and meaning with source.
-
-    Yields
-    ------
-    tuple
 
     Examples
     --------
@@ -94,8 +90,7 @@ def table() -> Iterator[tuple[str, Any, str, str]]:
     >>> next(value for name, value, *_ in table() if name == "claims.named")
     0.9
     """
-    for one in listed_thresholds(Settings()):
-        yield one.name, one.value, one.unit, one.source
+    return listed_thresholds(Settings())
 
 
 def _with(settings: Any, given: Any, name: str) -> Any:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.threshold import number
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["PoolingSettings"]
 
@@ -11,35 +11,32 @@ __all__ = ["PoolingSettings"]
 class PoolingSettings:
     """Numbers of a pool of several tables."""
 
-    between: tuple[float, ...] = number(
+    between: tuple[float, ...] = threshold(
         (0.0, 0.03, 0.1, 0.2, 0.4, 0.8),
         "prior sd",
-        "standard deviations between tables that are tried, all equally probable; 0 is one size for all",
+        "standard deviations between tables that are tried, all equally probable; 0 is one size for all; "
         "chosen by hand: from one size to sizes almost as different as those of unrelated devices",
     )
-    strong: float = number(
+    strong: float = threshold(
         8.0,
         "log likelihood ratio",
-        "from it on, a cause that the rows of its table refute has no support from this table",
-        "argument: at 8, which is four standard deviations, the expected gain on cross-validated rows is two "
-        "standard deviations above zero, so chance refutes such a cause in 2.5 % of tables",
+        "from it on, a cause that the rows of its table refute has no support from this table; argument: at "
+        "8, which is four standard deviations, the expected gain on cross-validated rows is two standard "
+        "deviations above zero, so chance refutes such a cause in 2.5 % of tables",
     )
-    against: float = number(
+    against: float = threshold(
         3.0,
         "log odds",
-        "most that one table in which a cause is refuted counts against it",
-        "chosen by hand: odds of 1 to 20",
+        "most that one table in which a cause is refuted counts against it; chosen by hand: odds of 1 to 20",
     )
-    speaks: float = number(
+    speaks: float = threshold(
         1.0,
         "log odds",
-        "a table whose log Bayes factor is at least this supports a cause; at most minus "
-        "this, it contradicts the cause",
-        "chosen by hand: odds of 2.7 to 1",
+        "a table whose log Bayes factor is at least this supports a cause; at most minus this, it "
+        "contradicts the cause; chosen by hand: odds of 2.7 to 1",
     )
-    fewest_tables: int = number(
+    fewest_tables: int = threshold(
         2,
         "tables",
-        "that must support a cause before the pool names it",
-        "argument: one table shows no recurrence",
+        "that must support a cause before the pool names it; argument: one table shows no recurrence",
     )
