@@ -1,7 +1,6 @@
 """What to measure next: conditions under which causes that these data cannot separate differ."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +47,7 @@ def propose(
     varied = corners_and_middle(ranges)
     conditions = _conditions(case, varied, members)
     known = case.table.reference is not None or "distance" in ranges
-    base = replace(case.base, air={**case.base.air, **case.table.air()}).model()
+    base = case.base_in_air.model()
     prospect = Prospect.of(members, base, conditions, noise, variance, known, stations)
     if not np.isfinite(prospect.shift).all() or not np.isfinite(prospect.spread).all():
         return _sides(members, (tuple(range(len(members))),), claimed)

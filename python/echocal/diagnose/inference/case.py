@@ -131,6 +131,11 @@ class Case:
         return bool(self.table.grouped_by)
 
     @property
+    def base_in_air(self) -> Base:
+        """The base with the medians of the recorded air, which a model assumes where none is given."""
+        return replace(self.base, air={**self.base.air, **self.table.air()})
+
+    @property
     def at_distances(self) -> bool:
         """Whether rows are at known distances that differ: noise may grow with them."""
         reference = self.table.reference

@@ -1,6 +1,7 @@
 """The model that all tables share, and the model of each table."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit
 from echocal.diagnose.pooling.choice import SharedClaim
 from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.pooling.table import TableInference
-from echocal.diagnose.selection.claims import columns_of, covariance_of, effects_of
+from echocal.diagnose.selection.claims import extended
 from echocal.diagnose.validation.gain import HeldOut, errors
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.model import Model
@@ -57,13 +58,10 @@ def _model(tables: Sequence[TableInference], fit: HypothesisFit, provenance: Map
     airs = [table.table.air() for table in tables]
     names = sorted({name for air in airs for name in air})
     medians = {name: float(np.median([air[name] for air in airs if name in air])) for name in names}
-    effects = effects_of(fit)
-    unknown = {name for id_ in effects for name in find_effect(id_).excludes}
+    unknown = {name for id_ in fit.hypothesis.effects for name in find_effect(id_).excludes}
     medians = {name: value for name, value in medians.items() if name not in unknown}
-    own = type(base)(base.law, base.effects, {**base.air, **medians}, base.device_speed)
-    places = own.model(effects).parameter_names
-    covariance = covariance_of(fit, places) if places else None
-    return own.model(effects, covariance=covariance, provenance=dict(provenance), columns=columns_of(fit))
+    own = replace(base, air={**base.air, **medians})
+    return extended(own, fit, provenance=dict(provenance))
 
 
 def model_of_table(

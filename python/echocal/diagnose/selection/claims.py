@@ -12,8 +12,10 @@ from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
+from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.selection.parsimony import Ids, probabilities
 from echocal.diagnose.settings import Settings
+from echocal.model import Model
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
@@ -24,8 +26,8 @@ __all__ = [
     "alternatives",
     "claims",
     "columns_of",
-    "covariance_of",
     "effects_of",
+    "extended",
     "free_size",
     "rank",
     "without",
@@ -238,7 +240,15 @@ def columns_of(fit: HypothesisFit, only: Sequence[str] | None = None) -> dict[st
     return {q: name for v in causes if only is None or v.cause in only for q, name in v.bound}
 
 
-def covariance_of(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float64]:
+def extended(base: Base, fit: HypothesisFit, only: Sequence[str] | None = None, **more: Any) -> Model:
+    """The base with these causes, and the covariance of their parameters; `more` goes to `Model`."""
+    effects = effects_of(fit, only)
+    names = base.model(effects).parameter_names
+    covariance = _covariance(fit, names) if names else None
+    return base.model(effects, covariance=covariance, columns=columns_of(fit, only), **more)
+
+
+def _covariance(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float64]:
     """Covariance of a model's parameters; zero where theory fixes one."""
     entries: list[tuple[int, int, float]] = []  # parameter of the model, coefficient, scale
     for variant, place in fit.hypothesis.placed:

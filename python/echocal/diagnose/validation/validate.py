@@ -1,6 +1,6 @@
 """Validation of the claims, and the gain of those that are kept."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -12,9 +12,7 @@ from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypo
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import (
     Claim,
-    columns_of,
-    covariance_of,
-    effects_of,
+    extended,
     parameters,
     without,
 )
@@ -128,11 +126,14 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
+    kept = [claim.cause for claim in rest.kept]
+    origin = {"made_by": "echocal diagnose", "rows": len(case.table.rows), "gain": asdict(gain)}
+    model = extended(case.base_in_air, _uncertain(fit, rest, stack), kept, provenance=origin)
     return Validation(
         rest.kept,
         refuted,
         fit,
-        _measured(trials, judge, rest, _extended(case, _uncertain(fit, rest, stack), rest.kept, gain)),
+        _measured(trials, judge, rest, model),
         gain,
         trials.fitted(rest.hypothesis, rest.kept),
         withheld,
@@ -217,19 +218,6 @@ def _gain(
         gain = replace(gain, log_score=score.total, log_score_interval_95=interval)
     ids = [claim.cause for claim in rest.kept]
     return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
-
-
-def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain) -> Model:
-    """Base and kept causes; where the air is not measured, the model assumes the recorded medians."""
-    base = replace(case.base, air={**case.base.air, **case.table.air()})
-    effects = effects_of(fit, [c.cause for c in kept])
-    names = base.model(effects).parameter_names
-    return base.model(
-        effects,
-        columns=columns_of(fit, [c.cause for c in kept]),
-        covariance=covariance_of(fit, names) if names else None,
-        provenance={"made_by": "echocal diagnose", "rows": len(case.table.rows), "gain": asdict(gain)},
-    )
 
 
 def _ladder(trials: Trials, judge: Judge, rest: Rest, before: HeldOut) -> Ladder:
