@@ -81,7 +81,7 @@ def _cause(cause: PooledCause) -> RenderableType:
 
 
 def _row(one: InTable) -> tuple[str, str, str]:
-    if one.role in {"not tested", "doubts"}:
+    if one.role == "not tested":
         return one.role, one.why, ""
     return f"{one.log_bayes:+.1f}", short_sizes(one.parameters), short_sizes(one.drawn)
 

@@ -79,22 +79,20 @@ def rivals(pool: Pool, shared: SharedSet, cause: str) -> tuple[str, ...]:
     """Causes that imitate a shared cause in every table that shows it."""
     key = frozenset(shared.forms), cause
     if key not in pool.rivals:
-        tables = [table for table in pool.tables if pool.speaks(table, cause)]
-        separated = [_separated(pool, table, shared, cause, len(tables)) for table in tables]
+        tables = [table for table in pool.tables if cause in table.competing]
+        separated = [_separated(table, shared, cause, len(tables)) for table in tables]
         shown = [ids for ids in separated if ids is not None]
         others = set(pool.forms) - shared.causes - set().union(*shown)
         pool.rivals[key] = tuple(sorted(others)) if shown else ()
     return pool.rivals[key]
 
 
-def _separated(
-    pool: Pool, table: TableInference, shared: SharedSet, cause: str, count: int
-) -> set[str] | None:
+def _separated(table: TableInference, shared: SharedSet, cause: str, count: int) -> set[str] | None:
     """Causes that one table of several separates from a shared one; None if it does not show it.
 
     The log odds of the tables add up, so each may have its part of the limit.
     """
-    forms = tuple(form for form in shared.forms if pool.speaks(table, form.cause))
+    forms = tuple(form for form in shared.forms if form.cause in table.competing)
     fit = table.with_forms(forms)[0]
     geometry = Geometry(table.reduced.likeliest(fit)[1], fit.variance)
     sizes = fit.mean.copy()

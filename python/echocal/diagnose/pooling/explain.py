@@ -100,7 +100,6 @@ def recurrence(cause: PooledCause) -> str:
 _ROLES = {
     "supports": "support it",
     "contradicts": "contradict it",
-    "doubts": "refute or doubt it",
     "undecided": "leave it open",
     "not tested": "cannot test it",
 }
@@ -108,7 +107,7 @@ _ROLES = {
 
 def in_table_text(one: InTable) -> str:
     """What one table says."""
-    if one.role in {"not tested", "doubts"}:
+    if one.role == "not tested":
         return f"{one.role}: {one.why}"
 
     def text(parameters: tuple[Parameter, ...]) -> str:

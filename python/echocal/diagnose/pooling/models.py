@@ -77,7 +77,7 @@ def model_of_table(
     """
     table = pool.tables[place]
     sizes = shared.population.drawn(pool.likelihoods(shared.forms))[place]
-    spoken = [form for form in shared.forms if pool.speaks(table, form.cause)]
+    spoken = [form for form in shared.forms if form.cause in table.competing]
     fit = _with_own(table, spoken, {id_ for claim in claims for id_ in (claim.cause, *claim.rivals)})
     given: list[int] = []
     at: list[int] = []

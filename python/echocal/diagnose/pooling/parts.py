@@ -10,7 +10,7 @@ from echocal.model import Model
 
 __all__ = ["InTable", "PooledCause", "PooledParameter", "Role", "SkippedTable", "TableResult"]
 
-Role = Literal["supports", "contradicts", "undecided", "doubts", "not tested"]
+Role = Literal["supports", "contradicts", "undecided", "not tested"]
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class InTable:
     table : str
         Name.
     role : str
-        ``supports`` or ``contradicts``, by `log_bayes`; ``undecided`` between them; ``doubts``: the rows
-        of the table refute the cause; ``not tested``: the table cannot show the cause.
+        ``supports`` or ``contradicts``, by `log_bayes`; ``undecided`` between them; ``not tested``:
+        the table cannot show the cause.
     log_bayes : float
         Log Bayes factor of this table, given the others, for the cause beside the other shared causes.
     parameters : tuple of Parameter
@@ -51,7 +51,7 @@ class InTable:
     drawn : tuple of Parameter
         Sizes of this table, drawn to the mean of all tables.
     why : str
-        Why the cause is not tested, or doubted.
+        Why the cause is not tested.
     """
 
     table: str
@@ -80,7 +80,7 @@ class PooledCause:
     recurs_in : tuple of str
         Names of the tables that support it.
     tested_in : int
-        Number of tables that can show it, or doubt it.
+        Number of tables that can show it.
     in_model : bool
     doubt : str
         Why the cause is not named although it is probable; else empty.

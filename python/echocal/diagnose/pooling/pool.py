@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import Gain, Parameter, Verdict
-from echocal.diagnose.pooling.against import opposition
 from echocal.diagnose.pooling.choice import Choice, SharedClaim, choose
 from echocal.diagnose.pooling.hierarchy import Sizes
 from echocal.diagnose.pooling.models import model_of_table, shared_model
@@ -39,7 +38,7 @@ def pooled(
     tables: Sequence[TableInference], skipped: tuple[SkippedTable, ...], settings: Settings, seed: int
 ) -> PooledDiagnosis:
     """Compare the sets of causes that the tables may share, claim, judge on tables left out, and size."""
-    pool = Pool(tables, settings, opposition(tables, settings))
+    pool = Pool(tables, settings)
     sets = search(pool)
     choice = choose(pool, sets)
     by_size = [form.cause for form in choice.best.forms if not form.is_by_name]
@@ -136,10 +135,10 @@ def _in_tables(pool: Pool, shared: SharedSet, cause: str, drawn: Sequence[Sizes]
     found = []
     for number, table in enumerate(pool.tables):
         log = _own_part(shared, number) - _own_part(less, number)
-        role, why = _role(pool, table, cause, log)
+        role, why = _role(table, cause, log, pool.settings.pooling.speaks)
         alone: tuple[Parameter, ...] = ()
         pooled: tuple[Parameter, ...] = ()
-        if pool.speaks(table, cause) and not form.is_by_name:
+        if cause in table.competing and not form.is_by_name:
             precision = likelihoods.precision[number] + 1e-6 * np.eye(len(form.names))  # flat: very uncertain
             covariance = np.linalg.inv(precision)
             own = Sizes(covariance @ likelihoods.information[number], covariance)
@@ -154,12 +153,9 @@ def _own_part(shared: SharedSet, place: int) -> float:
     return shared.population.log_evidence - float(shared.others[place])
 
 
-def _role(pool: Pool, table: TableInference, cause: str, log: float) -> tuple[Role, str]:
-    if (table.name, cause) in pool.against:
-        return "doubts", "the cross-validated rows of this table refute it"
+def _role(table: TableInference, cause: str, log: float, least: float) -> tuple[Role, str]:
     if cause not in table.competing:
         return "not tested", table.skipped.get(cause, "not tried")
-    least = pool.settings.pooling.speaks
     if abs(log) < least:
         return "undecided", ""
     return ("supports" if log > 0.0 else "contradicts"), ""

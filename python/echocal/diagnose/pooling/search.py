@@ -1,6 +1,6 @@
 """The posterior over the sets of causes that all tables share: docs/method.md, section 10."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations, product
@@ -79,8 +79,6 @@ class Pool:
 
     Attributes
     ----------
-    against : mapping of (str, str) to float
-        Log odds of a table against a cause, by the names of both. Such a table says nothing about the size.
     known : dict
         Sets that were computed before.
     rivals : dict
@@ -89,7 +87,6 @@ class Pool:
 
     tables: Sequence[TableInference]
     settings: Settings
-    against: Mapping[tuple[str, str], float] = field(default_factory=dict)
     known: dict[frozenset[SharedForm], SharedSet] = field(default_factory=dict, repr=False)
     rivals: dict[tuple[frozenset[SharedForm], str], tuple[str, ...]] = field(default_factory=dict, repr=False)
 
@@ -98,22 +95,17 @@ class Pool:
         """Forms of each cause that competes in some table."""
         return shared_forms([table.variants for table in self.tables])
 
-    def speaks(self, table: TableInference, cause: str) -> bool:
-        """Whether a table says something about a cause: it competes there, and nothing speaks against it."""
-        return cause in table.competing and (table.name, cause) not in self.against
-
     def likelihoods(self, forms: Forms) -> Likelihoods:
         """What each table says about the sizes of some forms."""
         ends = np.cumsum([0, *(len(form.names) for form in forms)])
         d, count = int(ends[-1]), len(self.tables)
         log, information, precision = np.zeros(count), np.zeros((count, d)), np.zeros((count, d, d))
         for at, table in enumerate(self.tables):
-            spoken = [i for i, form in enumerate(forms) if self.speaks(table, form.cause)]
+            spoken = [i for i, form in enumerate(forms) if form.cause in table.competing]
             places = [place for i in spoken for place in range(ends[i], ends[i + 1])]
             log[at], own, square = table.likelihood(tuple(forms[i] for i in spoken))
             information[at, places] = own
             precision[np.ix_([at], places, places)] = square
-            log[at] += sum(self.against.get((table.name, form.cause), 0.0) for form in forms)
         return Likelihoods(log, information, precision)
 
     def _grid(self, forms: Forms) -> tuple[Grid, list[tuple[float, float]]]:

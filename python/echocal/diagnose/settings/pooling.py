@@ -17,18 +17,6 @@ class PoolingSettings:
         "standard deviations between tables that are tried, all equally probable; 0 is one size for all; "
         "chosen by hand: from one size to sizes almost as different as those of unrelated devices",
     )
-    strong: float = threshold(
-        8.0,
-        "log likelihood ratio",
-        "from it on, a cause that the rows of its table refute has no support from this table; argument: at "
-        "8, which is four standard deviations, the expected gain on cross-validated rows is two standard "
-        "deviations above zero, so chance refutes such a cause in 2.5 % of tables",
-    )
-    against: float = threshold(
-        3.0,
-        "log odds",
-        "most that one table in which a cause is refuted counts against it; chosen by hand: odds of 1 to 20",
-    )
     speaks: float = threshold(
         1.0,
         "log odds",
