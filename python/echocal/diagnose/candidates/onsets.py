@@ -1,12 +1,11 @@
 """Onsets of an effect along a column, with a finer grid where the effect explains most."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.onset_search import OnsetSearch, PrefixSumSearch
+from echocal.diagnose.candidates.onset_search import OnsetSearch
 from echocal.diagnose.candidates.scene import Scene
 from echocal.registry import Effect, Parameter
 
@@ -35,15 +34,13 @@ def places(
     ascending = column if (column[1:] >= column[:-1]).all() else np.sort(column)
     inner = ascending[:_ENDS][-1], ascending[-_ENDS:][0]
     reach = _reach(ascending, parameter) if along == "distance" else inner
-    given: dict[str, Any] = {
-        "effect": effect,
-        "parameters": {**{p.name: p.neutral for p in effect.parameters}, **at},
-        "place": parameter.name,
-        "scene": scene,
-        "of": [scene.residual] if along == "distance" else [scene.leftover, scene.residual],
-    }
-    divides = parameter.divides == along and scene.groups is None
-    onset = PrefixSumSearch(**given, column=column, first=reach[0]) if divides else OnsetSearch(**given)
+    onset = OnsetSearch(
+        effect=effect,
+        parameters={**{p.name: p.neutral for p in effect.parameters}, **at},
+        place=parameter.name,
+        scene=scene,
+        of=[scene.residual] if along == "distance" else [scene.leftover, scene.residual],
+    )
     found: set[float] = set()
     for of in range(len(onset.of)):
         found |= _refined(onset, of, parameter, ascending, reach)
@@ -58,8 +55,7 @@ def _refined(
     def explained(tried: Sequence[float]) -> dict[float, float]:
         values = dict(zip(tried, _quantiles(ascending, tried), strict=True))
         shown = {q: value for q, value in values.items() if reach[0] <= value <= reach[1]}
-        onset.at(list(shown.values()))
-        return {q: onset.squares(value, of) for q, value in shown.items()}
+        return dict(zip(shown, onset.squares(list(shown.values()), of), strict=True))
 
     scores = explained(parameter.tried)
     step = float(np.diff(parameter.tried).min()) / 2
