@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import Gain, Parameter, Verdict
 from echocal.diagnose.pooling.choice import Choice, SharedClaim, choose
+from echocal.diagnose.pooling.explain import recurrence
 from echocal.diagnose.pooling.hierarchy import Sizes
 from echocal.diagnose.pooling.models import model_of_table, shared_model
 from echocal.diagnose.pooling.parts import (
@@ -86,21 +87,23 @@ def _cause(
         size, deviation = population.mean.mean[place], population.mean.deviation[place]
         between = dict(zip(form.names, population.between[place] * form.scales, strict=True))
         parameters = tuple(
-            PooledParameter(p.name, p.value, p.standard_uncertainty, between.get(p.name, 0.0), p.unit)
+            PooledParameter(p.name, p.value, p.standard_uncertainty, p.unit, between.get(p.name, 0.0))
             for p in _parameters(form, table, size, deviation)
         )
     return PooledCause(
-        claim.cause,
-        claim.probability,
-        claim.alone,
-        claim.rivals,
-        "name" if form.is_by_name else "sizes",
-        parameters,
-        each,
-        recurs,
-        tested,
+        id=claim.cause,
+        kind="effect",
+        probability=claim.probability,
+        parameters=parameters,
+        indistinguishable_from=claim.rivals,
+        because=recurrence(each),
         in_model=not (refuted or form.is_by_name),
         doubt=_doubt(pool, shared, form, (len(recurs), tested), gain, refuted=refuted),
+        probability_alone=claim.alone,
+        shares="name" if form.is_by_name else "sizes",
+        tables=each,
+        recurs_in=recurs,
+        tested_in=tested,
     )
 
 
