@@ -93,8 +93,8 @@ MUTANTS = (
     Mutant(
         "prior of no cause halved",
         "settings/priors.py",
-        "number(0.44,",
-        "number(0.22,",
+        "threshold(0.44,",
+        "threshold(0.22,",
         "test_method.py",
     ),
     Mutant(
