@@ -43,17 +43,7 @@ def weak(seeded: Seeded, request: pytest.FixtureRequest) -> PooledDiagnosis:
 @pytest.fixture(scope="module")
 def tables(seeded: Seeded, request: pytest.FixtureRequest) -> list[TableInference]:
     random = seeded(request)
-    given = Request.of(
-        "linear",
-        0,
-        None,
-        reference_distance=None,
-        constant_distance=False,
-        since=None,
-        until=None,
-        hold_out_after=None,
-        can_vary=None,
-    )
+    given = Request.of("linear", 0, None)
     found: list[TableInference] = []
     for _ in range(20):
         table = read(unit(random, 300.0, visible=8.0), {"reading_speed": "linear"})

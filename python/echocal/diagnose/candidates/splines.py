@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from echocal.diagnose.candidates.unexplained_terms import column_of
+from echocal.diagnose.candidates.unexplained_terms import VALUES_PER_DEGREE, column_of
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings.priors import TermSettings
 from echocal.model.shape import DISTANCE
@@ -91,7 +91,7 @@ def splines(table: Table, tried: Mapping[str, object], terms: TermSettings) -> t
         column = column_of(name, table.against())
         low, high = quantiles(spread(column), terms.range)
         distinct = len(np.unique(column[:_ENOUGH]))
-        pieces = min(_PIECES, distinct // terms.values_per_degree)
+        pieces = min(_PIECES, distinct // VALUES_PER_DEGREE)
         if high > low and pieces >= _FEWEST_PIECES:
             found.append(Spline(name if name == DISTANCE else _quantity(name), low, high, pieces))
     return tuple(found)

@@ -105,8 +105,6 @@ def diagnose_many(
         constant_distance=constant_distance,
         since=since,
         until=until,
-        hold_out_after=None,
-        can_vary=None,
     )
     how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
     sources = sources_of(tables, by, how)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit
 from echocal.diagnose.pooling.hierarchy import Grid, Likelihoods, Population, left_out, population
 from echocal.diagnose.pooling.shared_forms import SharedForm, shared_forms
-from echocal.diagnose.pooling.table import TableInference, log_prior_of_set
+from echocal.diagnose.pooling.table import TableInference
 from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.settings import Settings
 
@@ -118,7 +118,7 @@ class Pool:
         key = frozenset(forms)
         if key not in self.known:
             found, others = left_out(self.likelihoods(forms), *self._grid(forms))
-            prior = log_prior_of_set(len(forms), len(self.forms), self.settings.priors)
+            prior = self.settings.priors.log_of_set(len(forms), len(self.forms))
             prior += float(sum(np.log(form.weight) for form in forms))
             self.known[key] = SharedSet(forms, prior, found, others)
         return self.known[key]

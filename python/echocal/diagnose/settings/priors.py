@@ -1,5 +1,6 @@
 """Prior probabilities."""
 
+import math
 from dataclasses import dataclass
 
 from echocal.diagnose.settings.threshold import threshold
@@ -73,6 +74,21 @@ class PriorSettings:
         """Priors of zero, one, two and three causes."""
         return [self.no_cause, self.one_cause, self.two_causes, self.three_causes]
 
+    def of_counts(self, most: int) -> list[float]:
+        """Priors of zero to so many causes; each after the third divides the prior by ten."""
+        return [*self.counts, *(self.three_causes * 0.1**n for n in range(1, most - 2))][: most + 1]
+
+    def log_of_set(self, count: int, competing: int) -> float:
+        """Log prior of one set of so many causes: docs/method.md, Eq. 7 and 8, without forms and terms."""
+        if count > competing:
+            return -math.inf
+        return math.log(self.of_counts(count)[count]) - math.log(math.comb(competing, count))
+
+    def log_of_presence(self, count: int, competing: int) -> float:
+        """Log prior that so many causes are among those of a table, whatever else is."""
+        sets = (p * math.comb(j, count) for j, p in enumerate(self.of_counts(competing)))
+        return math.log(sum(sets)) - math.log(math.comb(competing, count))
+
 
 @dataclass(frozen=True, kw_only=True)
 class TermSettings:
@@ -86,23 +102,6 @@ class TermSettings:
     )
     degrees: tuple[int, ...] = threshold(
         (4, 16), "1", "degrees of the polynomials against a column; tuned on the benchmark's unknown effects"
-    )
-    values_per_degree: int = threshold(
-        2,
-        "distinct values",
-        "needed for each degree; argument: with fewer values, a term would fit an error of each value",
-    )
-    fewest_values: int = threshold(
-        6,
-        "distinct values",
-        "with fewer, there is no term, or a line if it is no known quantity; chosen by hand",
-    )
-    rows_of_a_value: int = threshold(
-        8, "rows", "have the least, and the largest, value of a column of few values; chosen by hand"
-    )
-    harmonics: int = threshold(2, "1", "harmonics of the day; chosen by hand")
-    fewest_days: float = threshold(
-        2.0, "d", "if a table spans more, a term against the hour of the day is tried; chosen by hand"
     )
     range: tuple[float, float] = threshold(
         (0.005, 0.995), "quantiles", "range of a column for which a term is made; chosen by hand"
