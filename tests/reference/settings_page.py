@@ -209,6 +209,33 @@ CORE = (
         "in a piece of these intervals; argument: exp(-2) of the autocorrelation is left over such a length",
     ),
     (
+        "_GAIN",
+        "log likelihood",
+        "inference/smoothing.py",
+        "of rows left out, that a column of a smooth correction must add; argument: odds of 20",
+    ),
+    (
+        "_STANDARD_ERRORS",
+        "standard errors",
+        "inference/smoothing.py",
+        "of this, that are subtracted from it first: rule of one standard error, Hastie, Tibshirani, "
+        "Friedman, Elements of Statistical Learning, 7.10",
+    ),
+    (
+        "FAR",
+        "of the mean square",
+        "validation/turns.py",
+        "the floor is far below the error if the columns can remove more than this part; chosen by hand: "
+        "more than half of the error is no noise",
+    ),
+    (
+        "FAR_FROM_CHANCE",
+        "probability",
+        "validation/turns.py",
+        "p-value below which such an error is not left to chance; chosen by hand: the noise models are a "
+        "grid, and with the nearest one p-values are too small",
+    ),
+    (
         "_APART",
         "standard deviations",
         "preprocess/row_mixture.py",

@@ -12,7 +12,6 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.settings import SmoothSettings
 from echocal.model.shape import DISTANCE
 
 __all__ = ["Coefficients", "Smoother", "least", "values_of"]
@@ -39,6 +38,8 @@ def values_of(table: Table, name: str) -> Column:
 MOST_ROWS = 50_000
 """Rows of a larger table that are fitted: evenly spaced runs."""
 
+_GAIN = 3.0  # log likelihood of rows left out, that a column must add
+_STANDARD_ERRORS = 1.0  # of what it adds, from its scatter over the parts left out, that it must add besides
 _RUN = 500  # rows, far longer than noise is correlated
 _PENALTIES = (
     1e-4,
@@ -83,7 +84,6 @@ class Smoother:
         Whether a constant is fitted; an unknown level contains it.
     sums : Sums
     noise : Noise
-    settings : SmoothSettings
     known : dict
         Products over blocks that were requested before.
     """
@@ -94,7 +94,6 @@ class Smoother:
     has_offset: bool
     sums: Sums
     noise: Noise
-    settings: SmoothSettings
     known: dict[tuple[bool, bytes], tuple[Column, int]] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -102,7 +101,7 @@ class Smoother:
         cls, case: Case, splines: Sequence[Spline], residuals: Sequence[Column], noise: Noise
     ) -> "Smoother":
         """Pass once over the rows, for several residuals [m] that are to be explained."""
-        settings, table = case.settings.smooth, case.table
+        table = case.table
         rows = _rows(len(table))
         columns = Columns(case.base.plain, np.ones(len(rows)), {}, None)
         columns.store(np.ones(len(rows)))
@@ -121,7 +120,7 @@ class Smoother:
             columns.store(residual[rows])
         order = case.sums.order if len(rows) == len(table) else case.sums.order.at(rows)
         sums = Sums.gather(columns, order, case.folds.blocks[rows], [0.0, noise.correlation])
-        return cls(tuple(splines), tuple(means), tuple(places), has_offset, sums, noise, settings)
+        return cls(tuple(splines), tuple(means), tuple(places), has_offset, sums, noise)
 
     def over(self, blocks: Mask, noise: Noise | None = None) -> tuple[Column, int]:
         """Whitened products over some blocks, and rows less unknown levels."""
@@ -156,7 +155,7 @@ class Smoother:
             place = able.pop(0)
             weight = int(found[place].argmax())
             more = tried[place][0][:, weight] - gains
-            if not (np.isfinite(found[place][weight]) and more.sum() > least(more, self.settings)):
+            if not (np.isfinite(found[place][weight]) and more.sum() > least(more)):
                 break
             gains, square = gains + more, float(tried[place][1][weight])
             best[place] = float(self._weights(blocks, place)[weight])
@@ -235,11 +234,11 @@ class Smoother:
         return np.asarray(matrix)
 
 
-def least(more: Column, settings: SmoothSettings) -> float:
+def least(more: Column) -> float:
     """What a further column must add to the log likelihood, from what it adds in each part left out."""
     parts = len(more)
     error = np.sqrt(parts) * more.std(ddof=1) if parts > 1 else 0.0
-    return float(settings.gain_from + settings.standard_errors * error)
+    return float(_GAIN + _STANDARD_ERRORS * error)
 
 
 def _left(products: Column, used: Labels, residual: int, mean: Column) -> Column:

@@ -105,7 +105,7 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded = Recorded(case.table.against())
-    others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
+    others = alternatives(ranking, selection.claims) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     told = {claim.cause for claim in validation.claims}
     others = [claim for claim in others if claim.cause not in refuted | told]

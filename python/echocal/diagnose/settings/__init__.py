@@ -15,13 +15,11 @@ from typing import Any
 from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.claims import ClaimSettings
 from echocal.diagnose.settings.faults import FaultSettings
-from echocal.diagnose.settings.fleet import FleetSettings
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
 from echocal.diagnose.settings.noises import NoiseSettings
-from echocal.diagnose.settings.pooling import PoolingSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.diagnose.settings.smooth import SmoothSettings
+from echocal.diagnose.settings.several_tables import FleetSettings, PoolingSettings
 from echocal.errors import UsageError
 
 __all__ = [
@@ -34,7 +32,6 @@ __all__ = [
     "PriorSettings",
     "RowSettings",
     "Settings",
-    "SmoothSettings",
     "TermSettings",
     "table",
 ]
@@ -57,7 +54,6 @@ class Settings:
     terms: TermSettings = field(default_factory=TermSettings)
     noise_models: NoiseModelSettings = field(default_factory=NoiseModelSettings)
     claims: ClaimSettings = field(default_factory=ClaimSettings)
-    smooth: SmoothSettings = field(default_factory=SmoothSettings)
     noises: NoiseSettings = field(default_factory=NoiseSettings)
     faults: FaultSettings = field(default_factory=FaultSettings)
     pooling: PoolingSettings = field(default_factory=PoolingSettings)

@@ -62,9 +62,6 @@ class ClaimSettings:
         "of the sets of causes above it, the one that most devices can compensate is taken; chosen by hand: "
         "such odds decide nothing in practice",
     )
-    modeled_at_all: float = threshold(
-        1e-3, "probability", "below it, a claim never enters the model; chosen by hand: odds of 1 in 1,000"
-    )
     mentioned_from: float = threshold(
         0.05,
         "probability",
