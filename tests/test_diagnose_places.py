@@ -1,5 +1,7 @@
 """Where an effect may begin: places along a column, closer where it explains most."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -20,15 +22,10 @@ def scene(order: np.ndarray) -> Scene:
     temperature = 20 + 8 * np.sin(time * 2 * np.pi / 86400)
     residual = random.normal(0.0, 1e-3, ROWS) + 2e-3 * (np.arange(ROWS) >= BUMPED)
     conditions = {"temperature": temperature[order], "elapsed_time": time[order]}
-    return Scene(
-        Base.of("linear"),
-        distance[order],
-        conditions,
-        lambda _: distance[order],
-        None,
-        residual[order],
-        Settings(),
+    table = SimpleNamespace(
+        reference=distance[order], distance=lambda _: distance[order], conditions=conditions
     )
+    return Scene(table, Base.of("linear"), residual[order], Settings())
 
 
 def found(id_: str, order: np.ndarray) -> list[tuple[float, float]]:

@@ -94,12 +94,12 @@ def _why_no_arithmetic(effect: Effect, scene: Scene) -> str:
     """
     if effect.stage != "firmware" or (effect.id == "fixed_speed" and scene.base.device_speed is not None):
         return ""
-    if scene.echoes:
+    if scene.table.echoes:
         return "echo times were recorded"
-    other = read_from_thermometers(effect) and not _is_number(scene.stated_speed)
+    other = read_from_thermometers(effect) and not _is_number(scene.table.stated_speed)
     own = other or effect.id == "double_correction"
-    if scene.stated_speed and not own:
-        return f"readings were made with the stated speed {scene.stated_speed}"
+    if scene.table.stated_speed and not own:
+        return f"readings were made with the stated speed {scene.table.stated_speed}"
     return ""
 
 

@@ -22,7 +22,7 @@ def read_from_thermometers(effect: Effect) -> str:
 
 def no_thermometer(scene: Scene) -> str:
     """Why no further thermometer of a table can be read; empty where one can."""
-    if not scene.thermometers:
+    if not scene.table.thermometers:
         return "not recorded: a further thermometer"
     if _complete(scene):
         return ""
@@ -52,7 +52,7 @@ def bound_forms(
     """
     variants = []
     chosen = _chosen(scene)
-    for name, column in scene.thermometers.items():
+    for name, column in scene.table.thermometers.items():
         if rows := int(np.isnan(column).sum()):
             found.unread[name] = f"no value in {rows} of {len(column)} rows"
         elif name not in chosen:
@@ -74,7 +74,7 @@ def _chosen(scene: Scene) -> list[str]:
     left = scene.leftover - scene.leftover.mean()
 
     def alike(name: str) -> float:
-        apart = scene.thermometers[name] - scene.conditions["temperature"]
+        apart = scene.table.thermometers[name] - scene.conditions["temperature"]
         apart = apart - apart.mean()
         size = float(apart @ apart)
         return float(left @ apart) ** 2 / size if size > 0.0 else 0.0
@@ -84,4 +84,4 @@ def _chosen(scene: Scene) -> list[str]:
 
 def _complete(scene: Scene) -> list[str]:
     """Thermometers that have a value in every row."""
-    return [name for name, column in scene.thermometers.items() if np.isfinite(column).all()]
+    return [name for name, column in scene.table.thermometers.items() if np.isfinite(column).all()]
