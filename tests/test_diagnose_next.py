@@ -10,10 +10,11 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
 from echocal import Model
+from echocal.cli._ranges import parsed_ranges
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.experiment_design.design import planned
 from echocal.diagnose.experiment_design.prospect import Prospect
-from echocal.diagnose.experiment_design.ranges import corners_and_middle, parsed_ranges
+from echocal.diagnose.experiment_design.ranges import corners_and_middle
 from echocal.diagnose.inference.noise import Noise
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}

@@ -1,7 +1,7 @@
 """Names and ranges of the conditions that a user can vary for the next measurements."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -12,7 +12,7 @@ from echocal.errors import UsageError
 from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Ranges", "checked_ranges", "corners_and_middle", "parsed_ranges"]
+__all__ = ["Ranges", "checked_ranges", "corners_and_middle"]
 
 Ranges = Mapping[str, tuple[float, float]]
 Column = NDArray[np.float64]
@@ -27,34 +27,6 @@ _UNITS = {"distance": " m"} | {
     if quantity.derived_from is None
 }
 """Units of the conditions that a user can vary; derived conditions follow from them."""
-
-
-def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
-    """Read several ranges, each of another condition."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for text in texts:
-        name, ends = _parsed(text)
-        if name in ranges:
-            low, high = ranges[name]
-            message = (
-                f"--can-vary gives {name} twice: {low:g}:{high:g} and {ends[0]:g}:{ends[1]:g}; give one range"
-            )
-            raise UsageError(message)
-        ranges[name] = ends
-    return ranges
-
-
-def _parsed(text: str) -> tuple[str, tuple[float, float]]:
-    """Read ``distance=0.2:4``."""
-    name, equals, ends = text.partition("=")
-    low, colon, high = ends.partition(":")
-    try:
-        if equals and colon:
-            return name, (float(low), float(high))
-    except ValueError:
-        pass
-    message = f"--can-vary '{text}' is not a range such as distance=0.2:4"
-    raise UsageError(message)
 
 
 def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[str]) -> Ranges:

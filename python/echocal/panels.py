@@ -1,4 +1,4 @@
-"""Which recorded columns the change by a model follows, and the bins in which that is seen."""
+"""What the pictures of a diagnosis show: the columns that the change by its model follows, in bins."""
 
 import numpy as np
 from numpy.typing import NDArray
